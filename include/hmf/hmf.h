@@ -1,0 +1,471 @@
+/*
+ * hmf - harmonic measured foliations on closed triangle meshes
+ *
+ * A measured foliation gives every edge of a closed triangle mesh one number
+ * F >= 0, the distance that its end points have in a metric tree.  The
+ * harmonic one in its class minimises the Dirichlet energy
+ *
+ *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
+ *
+ * The class is given by disjoint closed curves with positive weights.  From F
+ * follow conformal parameterisations, quad meshes and stripe patterns.
+ *
+ * In five calls:
+ *
+ *     hmf_build   positions + triangles   -> hierarchy (immutable, reusable)
+ *     hmf_loops   hierarchy               -> loops, flat arrays
+ *     hmf_solve   hierarchy, loops        -> one value per edge
+ *     hmf_singularities                   -> zeros (and poles: there are none)
+ *     hmf_destroy
+ *
+ * Rules that hold for every function here
+ *
+ *   errors    Fallible functions return hmf_status, 0 is success.  The last
+ *             argument is an optional hmf_error that the caller owns; it gets
+ *             the element and a sentence with the remedy.  On failure nothing
+ *             is written to any output, but for a handle, which becomes NULL,
+ *             and where a function says otherwise.
+ *   arrays    The caller allocates.  Where the size is not known beforehand,
+ *             call once with a NULL array to get the count, then again with
+ *             its capacity in elements.  Too small: HMF_ERROR_CAPACITY.
+ *   types     uint32_t indices from 0, size_t counts, double reals.
+ *   threads   A hierarchy is immutable: any number of threads may use it.
+ *             There is no global state.
+ *   memory    All through the allocator of the build options, which must
+ *             then be thread-safe if the hierarchy is shared.  Everything
+ *             that a call allocates is returned before it ends; a hierarchy
+ *             keeps its memory until hmf_destroy.
+ *   options   Structures of options begin with struct_size.  Fill them with
+ *             the init function; zero in a field means its default.
+ *   levels    Level 0 is the caller's mesh, higher levels are coarser.
+ *             Edges of level 0 are numbered by their first appearance in
+ *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
+ *             triangle 1, and so on); vertices and triangles keep the
+ *             caller's numbers.
+ *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
+ *             harmonic measured foliations, Computers & Graphics 2021.
+ */
+#ifndef HMF_HMF_H
+#define HMF_HMF_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define HMF_VERSION_MAJOR 0
+#define HMF_VERSION_MINOR 1
+#define HMF_VERSION_PATCH 0
+
+#if defined(_WIN32) && defined(HMF_SHARED)
+#  ifdef HMF_BUILDING
+#    define HMF_API __declspec(dllexport)
+#  else
+#    define HMF_API __declspec(dllimport)
+#  endif
+#elif defined(__GNUC__)
+#  define HMF_API __attribute__((visibility("default")))
+#else
+#  define HMF_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------
+ * Status and errors
+ * --------------------------------------------------------------------- */
+
+/* Result of every fallible call.  Values never change; new ones are added. */
+typedef int32_t hmf_status;
+
+/* success */
+#define HMF_OK 0
+
+/* stopped early: results are valid, closed and without poles, but not yet
+   harmonic to the tolerance (hmf_solve and hmf_relax still write them) */
+#define HMF_LIMIT_ITERATIONS 10
+#define HMF_LIMIT_TIME 11
+#define HMF_LIMIT_STALLED 12
+#define HMF_CANCELLED 13
+
+/* the call itself */
+#define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
+#define HMF_ERROR_OPTIONS 101    /* an option is out of range or from a newer header */
+#define HMF_ERROR_CAPACITY 102   /* an output array is too small */
+#define HMF_ERROR_LEVEL 103      /* no such level */
+#define HMF_ERROR_UNSUPPORTED 104 /* not available in this version */
+
+/* resources */
+#define HMF_ERROR_MEMORY 200     /* the allocator returned NULL */
+#define HMF_ERROR_MEMORY_LIMIT 201 /* the memory limit of the options was reached */
+
+/* the mesh */
+#define HMF_ERROR_MESH_COUNTS 300 /* no vertices or triangles, or more than 2^31 / 3 */
+#define HMF_ERROR_MESH_INDEX 301 /* a triangle names a vertex that does not exist */
+#define HMF_ERROR_MESH_NOT_FINITE 302 /* a coordinate is infinite or not a number */
+#define HMF_ERROR_MESH_REPEATED_VERTEX 303 /* a triangle names one vertex twice */
+#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area */
+#define HMF_ERROR_MESH_BOUNDARY 305 /* an edge with one triangle */
+#define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
+#define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
+#define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
+#define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
+#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
+#define HMF_ERROR_MESH_GENUS 311 /* genus 0: a sphere carries no measured foliation */
+
+/* loops and weights */
+#define HMF_ERROR_LOOP_COUNT 400 /* no loops */
+#define HMF_ERROR_LOOP_INDEX 401 /* an element that does not exist on the level */
+#define HMF_ERROR_LOOP_NOT_CLOSED 402 /* consecutive elements are not neighbours */
+#define HMF_ERROR_LOOP_NOT_SIMPLE 403 /* a loop meets itself */
+#define HMF_ERROR_LOOP_CROSSING 404 /* two loops cross */
+#define HMF_ERROR_LOOP_TRIVIAL 405 /* a loop bounds a disk */
+#define HMF_ERROR_LOOP_PARALLEL 406 /* two loops are freely homotopic */
+#define HMF_ERROR_LOOP_WEIGHT 407 /* a weight is not finite, not positive, or the weights span more than 2^20 */
+
+/* values */
+#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, infinite or not a number */
+#define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
+#define HMF_ERROR_VALUE_POLE 502 /* the values have a pole */
+
+/* a defect of the library itself */
+#define HMF_ERROR_INTERNAL 900
+
+/* What an error is about. */
+#define HMF_ELEMENT_NONE 0
+#define HMF_ELEMENT_VERTEX 1
+#define HMF_ELEMENT_EDGE 2
+#define HMF_ELEMENT_TRIANGLE 3
+#define HMF_ELEMENT_LOOP 4
+#define HMF_ELEMENT_LEVEL 5
+#define HMF_ELEMENT_OPTION 6
+
+/* Filled by a failing call; untouched by a successful one. */
+typedef struct hmf_error {
+    hmf_status status;
+    int32_t element;       /* HMF_ELEMENT_* */
+    uint64_t index;        /* of the element */
+    char message[240];     /* what is wrong and what to do; ends with 0 */
+} hmf_error;
+
+/* Run-time version as major * 10000 + minor * 100 + patch. */
+HMF_API uint32_t hmf_version(void);
+
+/* A short English text for any value; never NULL, never to be freed. */
+HMF_API const char *hmf_status_string(hmf_status status);
+
+/* ------------------------------------------------------------------------
+ * Callbacks
+ * --------------------------------------------------------------------- */
+
+/* Returns a block aligned for any type, or NULL.  user: allocator_user. */
+typedef void *(*hmf_allocate_fn)(void *user, size_t size);
+
+/* Takes back a block; size is the size that was asked for. */
+typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
+
+/* Called on the calling thread; fraction rises from 0 to 1.  A value other
+   than 0 cancels: the call returns HMF_CANCELLED within 50 ms on a mesh of a
+   million edges.  The callback must not call hmf with the same objects. */
+typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
+
+/* ------------------------------------------------------------------------
+ * Build
+ * --------------------------------------------------------------------- */
+
+#define HMF_COLLAPSE_DEFAULT 0
+#define HMF_COLLAPSE_MIDPOINT 1  /* shortest edge, to its midpoint (default) */
+#define HMF_COLLAPSE_ENDPOINT 2  /* shortest edge, to one end */
+#define HMF_COLLAPSE_QSLIM 3     /* least quadric error, to its best point */
+
+typedef struct hmf_build_options {
+    uint32_t struct_size;
+    int32_t collapse;            /* HMF_COLLAPSE_* */
+    double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
+    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default 1000, at least 40 * genus */
+    uint64_t memory_limit;       /* bytes in use at any time, 0 = none; also bounds each later call on the hierarchy */
+    hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
+    hmf_release_fn release;
+    void *allocator_user;
+    hmf_progress_fn progress;    /* NULL = none */
+    void *progress_user;
+} hmf_build_options;
+
+/* An immutable hierarchy of triangle meshes. */
+typedef struct hmf_hierarchy hmf_hierarchy;
+
+/* Fills in the defaults.  NULL is allowed and does nothing. */
+HMF_API void hmf_build_options_init(hmf_build_options *options);
+
+/*
+ * Validates a closed, connected, oriented manifold mesh of genus 1 or more,
+ * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).
+ *
+ *   positions        vertex_count x 3, any unit; vertex i starts
+ *                    i * position_stride bytes from the first
+ *   position_stride  bytes, 0 = packed (24); at least 24 and a multiple of 8
+ *   triangles        triangle_count x 3 vertex indices, counter-clockwise
+ *                    or all clockwise
+ *   options          NULL = defaults
+ *   out              the hierarchy, NULL on failure
+ *
+ * Inputs are copied.  Time is linear, about 1 s per million edges.
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300.
+ */
+HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, size_t position_stride,
+                             const uint32_t *triangles, size_t triangle_count,
+                             const hmf_build_options *options, hmf_hierarchy **out, hmf_error *error);
+
+/* Frees a hierarchy; NULL is allowed. */
+HMF_API void hmf_destroy(hmf_hierarchy *hierarchy);
+
+/* Upper bound of the bytes that hmf_build will use at its peak with the given
+   options (NULL = defaults); 0 if the counts are unusable. */
+HMF_API uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const hmf_build_options *options);
+
+/* Bytes held by the hierarchy; 0 for NULL. */
+HMF_API uint64_t hmf_hierarchy_memory(const hmf_hierarchy *hierarchy);
+
+/* ------------------------------------------------------------------------
+ * Levels
+ * --------------------------------------------------------------------- */
+
+typedef struct hmf_level_info {
+    uint64_t vertex_count;
+    uint64_t edge_count;
+    uint64_t triangle_count;
+    uint64_t non_delaunay_count; /* edges whose weight was below the floor and was raised to it (level 0: of the intrinsic triangulation) */
+} hmf_level_info;
+
+/* Number of levels, at least 1; 0 for NULL. */
+HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
+
+/* Genus of the surface, at least 1; 0 for NULL. */
+HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
+
+/* Counts of one level.  Errors: NULL, LEVEL. */
+HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out, hmf_error *error);
+
+/* edge_vertices: edge_count x 2 vertices of each edge.  capacity counts
+   uint32_t.  On coarse levels two vertices may have several edges. */
+HMF_API hmf_status hmf_level_edge_vertices(const hmf_hierarchy *hierarchy, size_t level,
+                                           uint32_t *edge_vertices, size_t capacity, hmf_error *error);
+
+/* triangle_edges: triangle_count x 3; side s of a triangle joins its corners s and s+1. */
+HMF_API hmf_status hmf_level_triangle_edges(const hmf_hierarchy *hierarchy, size_t level,
+                                            uint32_t *triangle_edges, size_t capacity, hmf_error *error);
+
+/* triangle_vertices: triangle_count x 3, corners in the order of the sides above. */
+HMF_API hmf_status hmf_level_triangle_vertices(const hmf_hierarchy *hierarchy, size_t level,
+                                               uint32_t *triangle_vertices, size_t capacity, hmf_error *error);
+
+/* weights: edge_count, half the sum of the two opposite cotangents, without
+   unit.  Level 0: of the caller's triangulation, may be negative there (the
+   solver uses the intrinsic Delaunay triangulation instead). */
+HMF_API hmf_status hmf_level_weights(const hmf_hierarchy *hierarchy, size_t level,
+                                     double *weights, size_t capacity, hmf_error *error);
+
+/* positions: vertex_count x 3, in the unit of the input. */
+HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t level,
+                                       double *positions, size_t capacity, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Loops
+ * --------------------------------------------------------------------- */
+
+/* What the elements of a loop are. */
+#define HMF_LOOP_TRIANGLES 1     /* consecutive triangles share an edge; the last and the first as well */
+#define HMF_LOOP_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
+
+/* Which loops to make. */
+#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece */
+
+/* A set of closed curves on a level, as flat arrays. */
+typedef struct hmf_loop_set {
+    uint32_t struct_size;
+    int32_t element_kind;        /* HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES */
+    uint64_t level;              /* this version: the coarsest level, or level 0 for single_level */
+    uint64_t count;
+    const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
+    const uint32_t *elements;    /* offsets[count] */
+    const double *weights;       /* count, > 0; NULL = all 1 */
+} hmf_loop_set;
+
+/*
+ * Loops made by the library on a level, as triangle loops.
+ *
+ *   kind           HMF_LOOPS_*
+ *   loop_count, element_count   set in every call that succeeds
+ *   offsets        loop_count + 1 values, or NULL
+ *   elements       element_count triangle indices of the level, or NULL
+ *
+ * With both arrays NULL it only counts.  Deterministic.
+ */
+HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind,
+                             uint64_t *offsets, size_t offset_capacity,
+                             uint32_t *elements, size_t element_capacity,
+                             size_t *loop_count, size_t *element_count, hmf_error *error);
+
+/*
+ * Closed initial foliation of the loops on their level ([W] 3.3): the sum of
+ * the weights of the loops that cross an edge.
+ *
+ *   values     edge_count of the level, in the unit of the weights
+ *
+ * Checks that every loop is closed, simple and essential, that they are
+ * disjoint and pairwise not freely homotopic (class 400; error->index is the
+ * loop).
+ */
+HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
+                                  double *values, size_t capacity, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Solve
+ * --------------------------------------------------------------------- */
+
+#define HMF_METHOD_DEFAULT 0
+#define HMF_METHOD_NEWTON 1       /* Newton steps on the twisted Laplacian, cascadic */
+#define HMF_METHOD_WHITEHEAD 2    /* Whitehead moves, cascadic ([W] section 4) */
+#define HMF_METHOD_SINGLE_LEVEL 3 /* Whitehead moves on the input mesh ([W] 3.3) */
+
+typedef struct hmf_solve_options {
+    uint32_t struct_size;
+    int32_t method;              /* HMF_METHOD_*; default: the most exact of this version */
+    double tolerance;            /* newton: residual_max, default 1e-8; others: relative change of the energy per sweep, default 1e-6 */
+    double time_limit;           /* seconds, 0 = none */
+    uint64_t iteration_limit;    /* sweeps per level, default 100000 */
+    uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
+    hmf_progress_fn progress;    /* NULL = none */
+    void *progress_user;
+} hmf_solve_options;
+
+typedef struct hmf_level_report {
+    uint64_t vertices;
+    uint64_t edges;
+    uint64_t nld;                /* edges with a raised weight */
+    uint64_t iterations;         /* sweeps of Whitehead moves */
+    uint64_t linear_solves;
+    double optimize_seconds;
+    double interpolate_seconds;  /* from the next coarser level to this one */
+} hmf_level_report;
+
+/* One line of the history: after each sweep or linear solve. */
+typedef struct hmf_history_entry {
+    double seconds;              /* since the start of the call */
+    double energy;
+    double residual_max;         /* negative: not evaluated */
+    uint32_t level;
+    uint32_t kind;               /* 0 interpolation, 1 sweep, 2 linear solve */
+} hmf_history_entry;
+
+/* Filled by hmf_solve and hmf_relax.  The caller sets struct_size and, where
+   wanted, the two arrays with their capacities. */
+typedef struct hmf_report {
+    uint32_t struct_size;
+    int32_t method;
+    int32_t converged;           /* 1 or 0 */
+    int32_t reserved;
+    double energy;               /* of the result, on the finest level solved, intrinsic Delaunay weights */
+    double residual_max;         /* relative coclosedness residual, see hmf_residuals */
+    double residual_mean;
+    uint64_t poles;              /* of the result, counted as in hmf_singularities */
+    uint64_t zeros;
+    int64_t index_sum;           /* 4 - 4 * genus */
+    uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
+    uint64_t bad_flips_left;     /* and did */
+    double solve_seconds;
+    uint64_t peak_memory_bytes;  /* of this call, without the hierarchy */
+    hmf_level_report *levels;    /* finest first, or NULL */
+    uint64_t level_capacity;
+    uint64_t level_count;        /* number of levels used; min(level_count, level_capacity) are written */
+    hmf_history_entry *history;  /* in order of time, or NULL */
+    uint64_t history_capacity;
+    uint64_t history_count;      /* number of events; min(history_count, history_capacity) are written */
+} hmf_report;
+
+/* Fills in the defaults.  NULL is allowed and does nothing. */
+HMF_API void hmf_solve_options_init(hmf_solve_options *options);
+
+/*
+ * The harmonic foliation in the class of the loops.
+ *
+ *   loops      on the coarsest level, or with single_level on level 0
+ *   options    NULL = defaults
+ *   values     edge_count of the level options->stop_level (default 0: the
+ *              caller's edges), in the unit of the weights; exact multiples
+ *              of a power of two, every triangle inequality holds exactly
+ *   report     NULL = not wanted
+ *
+ * Returns HMF_OK; HMF_LIMIT_* or HMF_CANCELLED with the best foliation so far
+ * in values (closed and without poles; a cancelled or timed-out call carries
+ * the current foliation to the asked level first); or an error of classes
+ * 100, 200, 400.
+ */
+HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
+                             const hmf_solve_options *options, double *values, size_t capacity,
+                             hmf_report *report, hmf_error *error);
+
+/* Optimises given values on one level, in place; otherwise as hmf_solve.
+   The values must be closed and without poles (class 500). */
+HMF_API hmf_status hmf_relax(const hmf_hierarchy *hierarchy, size_t level, const hmf_solve_options *options,
+                             double *values, size_t count, hmf_report *report, hmf_error *error);
+
+/* Carries values from a level to the same or a finer one (flip and split
+   reversal, [W] 4.2): closed and without poles before and after.  This
+   version refuses fine to coarse with HMF_ERROR_UNSUPPORTED. */
+HMF_API hmf_status hmf_interpolate(const hmf_hierarchy *hierarchy, size_t from_level, const double *values, size_t count,
+                                   size_t to_level, double *out_values, size_t out_capacity, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * What a foliation is like
+ * --------------------------------------------------------------------- */
+
+/* Dirichlet energy of values on a level, [W] Eq. 5 (level 0: on the intrinsic
+   Delaunay triangulation, to which closed values are carried exactly). */
+HMF_API hmf_status hmf_energy(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                              double *energy, hmf_error *error);
+
+/* residuals: vertex_count of the level.  Violation of [W] Eq. 4 at each vertex,
+   max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
+   weight * F over sector k and P over all edges; sectors that are one
+   direction around a cluster of zero edges count as one.  0 everywhere means:
+   this is the unique minimum. */
+HMF_API hmf_status hmf_residuals(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                                 double *residuals, size_t capacity, hmf_error *error);
+
+#define HMF_SINGULAR_VERTEX 1
+#define HMF_SINGULAR_TRIANGLE 2
+#define HMF_SINGULAR_CLUSTER 3   /* vertices joined by zero edges; element is its lowest vertex */
+
+typedef struct hmf_singularity {
+    int32_t kind;                /* HMF_SINGULAR_* */
+    int32_t index;               /* < 0 a zero of order -index, > 0 a pole */
+    uint32_t element;
+    uint32_t size;               /* vertices of a cluster, else 1 */
+} hmf_singularity;
+
+/*
+ * Zeros and poles of values on a level ([W] Eq. 1 and 3; a cluster has
+ * twice its Euler characteristic minus the number of its closed corners).
+ *
+ *   vertex_index    vertex_count, or NULL: index of each vertex; for the
+ *                   vertices of a cluster the index of the cluster at its
+ *                   lowest vertex and 0 at the others
+ *   triangle_index  triangle_count, or NULL: 0 or -1
+ *   vertex_cluster  vertex_count, or NULL: lowest vertex of the cluster
+ *   list            zeros and poles, or NULL; capacity list_capacity
+ *   list_count      set on success
+ *
+ * The indices add up to 4 - 4 * genus.
+ */
+HMF_API hmf_status hmf_singularities(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                                     int32_t *vertex_index, size_t vertex_capacity,
+                                     int32_t *triangle_index, size_t triangle_capacity,
+                                     uint32_t *vertex_cluster, size_t cluster_capacity,
+                                     hmf_singularity *list, size_t list_capacity, size_t *list_count, hmf_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* HMF_HMF_H */

@@ -1,0 +1,103 @@
+#include "memory.hpp"
+
+#include <new>
+
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+
+namespace hmf {
+
+namespace {
+void* default_allocate(void*, size_t size) { return std::malloc(size); }
+void default_release(void*, void* block, size_t) { std::free(block); }
+
+int64_t now() {
+    using namespace std::chrono;
+    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+} // namespace
+
+Memory::Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before)
+    : allocate_(allocate ? allocate : default_allocate), release_(allocate ? release : default_release), user_(user),
+      limit_(limit), used_(used_before), peak_(used_before) {}
+
+void* Memory::take(size_t bytes) {
+    if (limit_ && (bytes > limit_ || used_ > limit_ - bytes)) {
+        if (!failure_) failure_ = HMF_ERROR_MEMORY_LIMIT;
+        return nullptr;
+    }
+    void* block = bytes > SIZE_MAX / 2 ? nullptr : allocate_(user_, bytes);
+    if (!block) {
+        if (!failure_) failure_ = HMF_ERROR_MEMORY;
+        return nullptr;
+    }
+    used_ += bytes;
+    if (used_ > peak_) peak_ = used_;
+    return block;
+}
+
+void Memory::give(void* block, size_t bytes) {
+    if (!block) return;
+    used_ -= bytes;
+    release_(user_, block, bytes);
+}
+
+Arena::~Arena() {
+    while (blocks_) {
+        Block* block = blocks_;
+        blocks_ = block->next;
+        memory_.give(block, block->bytes);
+    }
+}
+
+void* Arena::take_bytes(size_t count, size_t size) {
+    const size_t header = (sizeof(Block) + 15) / 16 * 16;
+    if (count > (SIZE_MAX / 4) / size) { memory_.take(SIZE_MAX); return nullptr; }
+    const size_t bytes = header + count * size;
+    void* block = memory_.take(bytes);
+    if (!block) return nullptr;
+    blocks_ = new (block) Block{blocks_, bytes};
+    return static_cast<char*>(block) + header;
+}
+
+Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user)
+    : memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
+
+hmf_status Call::fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...) {
+    if (status_ != HMF_OK) return status_;
+    status_ = status;
+    if (error_) {
+        error_->status = status;
+        error_->element = element;
+        error_->index = index;
+        va_list arguments;
+        va_start(arguments, format);
+        std::vsnprintf(error_->message, sizeof error_->message, format, arguments);
+        va_end(arguments);
+    }
+    return status;
+}
+
+hmf_status Call::out_of_memory() {
+    if (memory.failure() == HMF_ERROR_MEMORY_LIMIT)
+        return fail(HMF_ERROR_MEMORY_LIMIT, HMF_ELEMENT_NONE, 0,
+                    "The memory limit is too low. Raise memory_limit; hmf_memory_estimate gives a sufficient value.");
+    return fail(HMF_ERROR_MEMORY, HMF_ELEMENT_NONE, 0,
+                "The allocator returned no memory. Free some, or use a smaller mesh.");
+}
+
+bool Call::tick(double fraction) {
+    if (cancelled_) return false;
+    if (!progress_) return true;
+    double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
+    if (at < last_) at = last_;
+    last_ = at;
+    if (progress_(progress_user_, at) != 0) cancelled_ = true;
+    return !cancelled_;
+}
+
+double Call::seconds() const { return 1e-9 * static_cast<double>(now() - start_); }
+
+} // namespace hmf

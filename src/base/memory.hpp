@@ -1,0 +1,167 @@
+// Memory and call state of the core: allocator hooks, limit, arrays that
+// report failure instead of throwing, and the arena of a hierarchy.
+//
+// The core is compiled without exceptions.  Whatever can fail returns bool or
+// hmf_status; the first failure decides the status of the call.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "../../include/hmf/hmf.h"
+
+namespace hmf {
+
+// Allocator hooks with accounting.  Not thread-safe: each call owns one.
+class Memory {
+public:
+    Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before = 0);
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+
+    void* take(size_t bytes);             // nullptr on failure; see failure()
+    void give(void* block, size_t bytes); // nullptr is allowed
+    hmf_status failure() const { return failure_; } // HMF_OK, HMF_ERROR_MEMORY or HMF_ERROR_MEMORY_LIMIT
+    uint64_t used() const { return used_; }
+    uint64_t peak() const { return peak_; }
+
+private:
+    hmf_allocate_fn allocate_;
+    hmf_release_fn release_;
+    void* user_;
+    uint64_t limit_, used_, peak_;
+    hmf_status failure_ = HMF_OK;
+};
+
+// Owning array of a trivially copyable type.
+template <class T>
+class Array {
+public:
+    Array() = default;
+    ~Array() { release(); }
+    Array(const Array&) = delete;
+    Array& operator=(const Array&) = delete;
+    Array(Array&& other) { swap(other); }
+    Array& operator=(Array&& other) { swap(other); return *this; }
+
+    // Sets size and capacity to n; the content is undefined.
+    bool allocate(Memory& memory, size_t n) {
+        release();
+        memory_ = &memory;
+        if (n == 0) return true;
+        if (n > SIZE_MAX / sizeof(T)) { memory.take(SIZE_MAX); return false; }
+        data_ = static_cast<T*>(memory.take(n * sizeof(T)));
+        if (!data_) return false;
+        size_ = capacity_ = n;
+        return true;
+    }
+    bool allocate_filled(Memory& memory, size_t n, T value) {
+        if (!allocate(memory, n)) return false;
+        for (size_t i = 0; i < n; ++i) data_[i] = value;
+        return true;
+    }
+    // An empty array that grows by push.
+    void start(Memory& memory) { release(); memory_ = &memory; }
+    bool push(T value) {
+        if (size_ == capacity_ && !reserve(capacity_ ? 2 * capacity_ : 16)) return false;
+        data_[size_++] = value;
+        return true;
+    }
+    bool reserve(size_t n) {
+        if (n <= capacity_) return true;
+        T* block = static_cast<T*>(memory_->take(n * sizeof(T)));
+        if (!block) return false;
+        if (size_) std::memcpy(static_cast<void*>(block), data_, size_ * sizeof(T));
+        if (data_) memory_->give(data_, capacity_ * sizeof(T));
+        data_ = block;
+        capacity_ = n;
+        return true;
+    }
+    void pop() { assert(size_); --size_; }
+    void clear() { size_ = 0; }
+    void release() {
+        if (data_) memory_->give(data_, capacity_ * sizeof(T));
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
+    void swap(Array& other) {
+        T* d = data_; data_ = other.data_; other.data_ = d;
+        size_t s = size_; size_ = other.size_; other.size_ = s;
+        size_t c = capacity_; capacity_ = other.capacity_; other.capacity_ = c;
+        Memory* m = memory_; memory_ = other.memory_; other.memory_ = m;
+    }
+    T& operator[](size_t i) { assert(i < size_); return data_[i]; }
+    const T& operator[](size_t i) const { assert(i < size_); return data_[i]; }
+    T& back() { assert(size_); return data_[size_ - 1]; }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
+    size_t size() const { return size_; }
+    bool empty() const { return size_ == 0; }
+    T* begin() { return data_; }
+    T* end() { return data_ + size_; }
+    const T* begin() const { return data_; }
+    const T* end() const { return data_ + size_; }
+
+private:
+    T* data_ = nullptr;
+    size_t size_ = 0, capacity_ = 0;
+    Memory* memory_ = nullptr;
+};
+
+// Blocks that live as long as a hierarchy and are freed together.
+class Arena {
+public:
+    explicit Arena(Memory& memory) : memory_(memory) {}
+    ~Arena();
+    Arena(const Arena&) = delete;
+    Arena& operator=(const Arena&) = delete;
+
+    template <class T>
+    T* take(size_t n) { return static_cast<T*>(take_bytes(n, sizeof(T))); }
+
+private:
+    struct Block { Block* next; size_t bytes; };
+    void* take_bytes(size_t count, size_t size); // never nullptr for count 0 unless out of memory
+    Memory& memory_;
+    Block* blocks_ = nullptr;
+};
+
+// State of one call of the interface: memory, error, progress, time.
+class Call {
+public:
+    Call(Memory& memory, hmf_error* error, hmf_progress_fn progress, void* progress_user);
+
+    Memory& memory;
+
+    // Records the first failure (later ones are ignored) and returns status.
+    hmf_status fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...)
+#if defined(__GNUC__)
+        __attribute__((format(printf, 5, 6)))
+#endif
+        ;
+    hmf_status out_of_memory(); // status and sentence of memory.failure()
+    hmf_status status() const { return status_; }
+
+    // Reports progress, mapped into the current range; false: cancelled.
+    // Cheap enough for every few thousand elementary steps.
+    bool tick(double fraction);
+    void range(double from, double to) { from_ = from; to_ = to; } // where the fractions 0 and 1 of tick lie
+    bool cancelled() const { return cancelled_; }
+
+    double seconds() const; // since the construction
+    void set_time_limit(double limit) { time_limit_ = limit; }
+    bool out_of_time() const { return time_limit_ > 0 && seconds() > time_limit_; }
+
+private:
+    hmf_error* error_;
+    hmf_progress_fn progress_;
+    void* progress_user_;
+    hmf_status status_ = HMF_OK;
+    bool cancelled_ = false;
+    double from_ = 0, to_ = 1, last_ = 0, time_limit_ = 0;
+    int64_t start_; // nanoseconds of the steady clock
+};
+
+} // namespace hmf

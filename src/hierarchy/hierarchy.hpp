@@ -1,0 +1,78 @@
+// The immutable multigrid hierarchy ([W] 4.1), numbered so that every level
+// is a prefix: the elements of level k+1 are the first ones of level k, and
+// each block that a level adds keeps the breadth-first order of the input.
+//
+//   input mesh --flips--> intrinsic Delaunay, where level 0 is solved
+//       |
+//       | collapses, then Delaunay flips      (Level::collapse_*, Level::flip_*)
+//       v
+//   level 1 -> level 2 -> ... -> coarsest
+//
+// Level 0 stores the intrinsic triangulation; Hierarchy::input is the mesh of
+// the caller in the same (internal) numbering.  Applying intrinsic_flips to
+// it in order gives levels[0].mesh; unflipping backwards returns.
+#pragma once
+
+#include "../base/memory.hpp"
+#include "../mesh/mesh.hpp"
+
+namespace hmf {
+
+struct BuildOptions {
+    int32_t collapse = HMF_COLLAPSE_MIDPOINT;
+    double ratio = 0.5;
+    uint64_t coarsest = 1000; // vertices; build_hierarchy raises it to 40 * genus
+};
+
+struct Level {
+    Mesh mesh;                  // counts and connectivity; level 0: intrinsic Delaunay
+    double* weight = nullptr;   // edge_count, all > 0
+    double* position = nullptr; // 3 * vertex_count; level 0: internal vertex order
+    uint64_t raised_count = 0;  // weights below the floor ("NLD")
+    // From this level to the next coarser one: collapses first, then flips
+    // (on level 0 they start from the input mesh, not the intrinsic one).
+    size_t collapse_begin = 0, collapse_end = 0;
+    size_t flip_begin = 0, flip_end = 0;
+};
+
+} // namespace hmf
+
+struct hmf_hierarchy {
+    hmf_hierarchy(hmf_allocate_fn a, hmf_release_fn r, void* user, uint64_t limit)
+        : memory(a, r, user, limit), arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
+
+    hmf::Memory memory;
+    hmf::Arena arena;
+    hmf_allocate_fn allocate;
+    hmf_release_fn release;
+    void* allocator_user;
+    uint64_t memory_limit;
+
+    uint32_t genus = 0;
+    hmf::Mesh input;                      // the caller's triangulation, internal numbers; shares arrays with
+                                          // levels[0].mesh when intrinsic_flip_count is 0
+    uint32_t* intrinsic_flips = nullptr;  // edges, in the order of flipping, from input to levels[0]
+    size_t intrinsic_flip_count = 0;
+
+    hmf::Level* levels = nullptr;         // finest first
+    size_t level_count = 0;
+    hmf::Collapse* collapses = nullptr;   // of all levels, finest first
+    uint32_t* flips = nullptr;            // of all levels, finest first
+
+    // Between the caller's numbers and the internal ones, on level 0.
+    uint32_t* triangle_vertices = nullptr; // 3 * face_count, caller's vertex numbers (a copy of the input)
+    uint32_t* triangle_edges = nullptr;    // 3 * face_count, caller's edge numbers
+    uint32_t* edge_internal = nullptr;     // caller's edge -> internal edge
+    uint32_t* vertex_internal = nullptr;   // caller's vertex -> internal vertex
+};
+
+namespace hmf {
+
+// arrays in -> validated mesh -> hierarchy.  Fills a freshly made hierarchy.
+hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count, size_t position_stride,
+                           const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call);
+
+// Upper bound of the peak memory of build_hierarchy.
+uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options);
+
+} // namespace hmf

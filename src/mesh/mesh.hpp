@@ -1,0 +1,83 @@
+// Edge-index mesh: edges are the main element.  Edge e has the two half-edges
+// 2e and 2e+1; twin(h) = h ^ 1.  A half-edge knows where it starts, what
+// follows it in its triangle, and its triangle:
+//
+//              k
+//             / ^           left triangle of h = (h, next h, next next h)
+//  next      /   \          origin(h) = i,  origin(twin h) = j
+//  next h   v     \ next h
+//          i --h--> j
+//
+// Nothing here assumes that two vertices share at most one edge, or that the
+// ends of an edge differ: intrinsic triangulations need both.
+#pragma once
+
+#include <cstdint>
+
+#include "../base/memory.hpp"
+
+namespace hmf {
+
+constexpr uint32_t NONE = 0xffffffffu;
+
+inline uint32_t twin(uint32_t h) { return h ^ 1u; }
+inline uint32_t edge_of(uint32_t h) { return h >> 1; }
+
+// Arrays of a mesh, owned elsewhere (arena, or WorkMesh).
+struct Mesh {
+    uint32_t vertex_count = 0, edge_count = 0, face_count = 0;
+    uint32_t* origin = nullptr; // 2 * edge_count
+    uint32_t* next = nullptr;   // 2 * edge_count
+    uint32_t* face = nullptr;   // 2 * edge_count
+    uint32_t* out = nullptr;    // vertex_count: any half-edge that starts at the vertex
+
+    uint32_t prev(uint32_t h) const { return next[next[h]]; }
+    uint32_t target(uint32_t h) const { return origin[twin(h)]; }
+    // The next half-edge out of origin(h), counter-clockwise and clockwise.
+    uint32_t rotate_ccw(uint32_t h) const { return twin(prev(h)); }
+    uint32_t rotate_cw(uint32_t h) const { return next[twin(h)]; }
+};
+
+// What a collapse removed and where to put it back (hmf/src/mesh/collapse.cpp).
+// All members are half-edges, but vertex (j) and the two faces.
+struct Collapse {
+    uint32_t h;  // i -> j, removed with its edge
+    uint32_t jk; // next h, removed with its edge
+    uint32_t lj; // previous of twin h, removed with its edge
+    uint32_t ki; // stays, takes the place of k -> j
+    uint32_t il; // stays, takes the place of j -> l
+    uint32_t vertex, face_left, face_right; // removed
+};
+
+// Link condition for a mesh where the ends of h have no other edge between
+// them and a common neighbour only through single edges: exactly the two
+// opposite vertices are shared.  marks: vertex_count zeros, left as found.
+bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks);
+
+//          k                     k
+//        / | \                   |
+//       i--h->j     ->     .. -- i -- ..
+//        \ | /                   |
+//          l                     l
+//
+// Merges j into i, removes three edges and two triangles.
+Collapse collapse(Mesh& mesh, uint32_t h);
+
+// Exact reversal of the last collapse: connectivity as before it.  Works also
+// on a copy that never held the removed elements.  Does not touch the counts.
+void split(Mesh& mesh, const Collapse& c);
+
+//          k                     k
+//        /   \                 / ^ \
+//       i--h->j      ->       i  h  j      h turns counter-clockwise
+//        \   /                 \ | /
+//          l                     l
+//
+// Rotates half-edge 2e from i -> j to l -> k.  unflip is its exact reversal.
+void flip(Mesh& mesh, uint32_t edge);
+void unflip(Mesh& mesh, uint32_t edge);
+
+// Every structural invariant; for tests and debug builds.  Returns nullptr or a sentence.
+const char* check(const Mesh& mesh);
+
+} // namespace hmf
