@@ -164,9 +164,15 @@ typedef void *(*hmf_allocate_fn)(void *user, size_t size);
 /* Takes back a block; size is the size that was asked for. */
 typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
 
-/* Called on the calling thread; fraction rises from 0 to 1.  A value other
-   than 0 cancels: the call returns HMF_CANCELLED within 50 ms on a mesh of a
-   million edges.  The callback must not call hmf with the same objects. */
+/* Called on the calling thread; fraction rises from 0 to 1.  Returns one of
+   the values below.  The callback must not call hmf with the same objects. */
+#define HMF_PROGRESS_CONTINUE 0
+/* Any other value: return HMF_CANCELLED at once, within 50 ms on a mesh of a
+   million edges. */
+#define HMF_PROGRESS_CANCEL 1
+/* hmf_solve, hmf_relax: stop improving, carry the foliation to the asked
+   level, write it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
+#define HMF_PROGRESS_FINISH 2
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
 
 /* ------------------------------------------------------------------------
@@ -364,7 +370,7 @@ typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
     int32_t converged;           /* 1 or 0 */
-    int32_t reserved;
+    int32_t values_written;      /* 1 or 0: the foliation was written to values */
     double energy;               /* of the result, on the finest level solved, intrinsic Delaunay weights */
     double residual_max;         /* relative coclosedness residual, see hmf_residuals */
     double residual_mean;
@@ -396,10 +402,11 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
  *              of a power of two, every triangle inequality holds exactly
  *   report     NULL = not wanted
  *
- * Returns HMF_OK; HMF_LIMIT_* or HMF_CANCELLED with the best foliation so far
- * in values (closed and without poles; a cancelled or timed-out call carries
- * the current foliation to the asked level first); or an error of classes
- * 100, 200, 400.
+ * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
+ * and without poles; HMF_CANCELLED, with values in the same way if the asked
+ * level had been reached or the callback said HMF_PROGRESS_FINISH (then
+ * report->values_written is 1), else with nothing written; or an error of
+ * classes 100, 200, 400.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, double *values, size_t capacity,

@@ -88,13 +88,15 @@ hmf_status Call::out_of_memory() {
                 "The allocator returned no memory. Free some, or use a smaller mesh.");
 }
 
-bool Call::tick(double fraction) {
+bool Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
     if (at < last_) at = last_;
     last_ = at;
-    if (progress_(progress_user_, at) != 0) cancelled_ = true;
+    const int32_t answer = progress_(progress_user_, at);
+    if (answer == HMF_PROGRESS_FINISH && can_finish) finishing_ = true;
+    else if (answer != HMF_PROGRESS_CONTINUE) cancelled_ = true;
     return !cancelled_;
 }
 

@@ -144,11 +144,13 @@ public:
     hmf_status out_of_memory(); // status and sentence of memory.failure()
     hmf_status status() const { return status_; }
 
-    // Reports progress, mapped into the current range; false: cancelled.
+    // Reports progress, mapped into the current range; false: cancelled.  With
+    // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
     // Cheap enough for every few thousand elementary steps.
-    bool tick(double fraction);
+    bool tick(double fraction, bool can_finish = false);
     void range(double from, double to) { from_ = from; to_ = to; } // where the fractions 0 and 1 of tick lie
     bool cancelled() const { return cancelled_; }
+    bool finishing() const { return finishing_; } // the callback asked to stop improving
 
     double seconds() const; // since the construction
     void set_time_limit(double limit) { time_limit_ = limit; }
@@ -159,7 +161,7 @@ private:
     hmf_progress_fn progress_;
     void* progress_user_;
     hmf_status status_ = HMF_OK;
-    bool cancelled_ = false;
+    bool cancelled_ = false, finishing_ = false;
     double from_ = 0, to_ = 1, last_ = 0, time_limit_ = 0;
     int64_t start_; // nanoseconds of the steady clock
 };

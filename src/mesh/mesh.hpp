@@ -68,7 +68,7 @@ Collapse collapse(Mesh& mesh, uint32_t h);
 void split(Mesh& mesh, const Collapse& c);
 
 //          k                     k
-//        /   \                 / ^ \
+//        /   \                 / ^ \     .
 //       i--h->j      ->       i  h  j      h turns counter-clockwise
 //        \   /                 \ | /
 //          l                     l

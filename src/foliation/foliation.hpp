@@ -1,0 +1,91 @@
+// The exact foliation: one 64-bit integer per edge, the distance that the
+// images of its end points have in the metric tree of the class.
+//
+// Everything is decided by integers.  In triangle (i, j, k) the corner
+// coordinate of i is how far i is from the branch point of the three images:
+//
+//     a_i = (F_ij + F_ik - F_jk) / 2 >= 0          closed corner: a_i = 0
+//
+// Positions in the tree are integers, hence a_i is one, too; an odd sum or a
+// negative coordinate is a defect of the program.
+//
+// Zero edges are part of the truth (limbs that no loop goes round, vertices
+// that share a singularity), so the unit of the theory is the cluster:
+// vertices joined by zero edges, with the all-zero triangles between them.
+// A vertex without zero edges is a cluster of its own.  The boundary of a
+// cluster is walked like the link of a vertex; its directions in the tree are
+// the runs between closed corners:
+//
+//     index = 2 * (vertices - zero edges + zero triangles) - closed corners
+//
+// where a closed corner has two non-zero sides.  Regular: 0, zero: < 0,
+// pole: > 0.  Summed with -1 for each tripod (triangle without closed corner)
+// this gives 2 * chi of the surface ([W] Eq. 1 and 3 in this form).
+#pragma once
+
+#include "../base/memory.hpp"
+#include "../mesh/mesh.hpp"
+
+namespace hmf {
+
+struct Foliation {
+    Mesh mesh;                // connectivity that the values belong to
+    int64_t* value = nullptr; // edge_count
+    // Scratch of cluster searches; its size is the largest mesh of the call.
+    uint32_t* stamp = nullptr; // vertex_count
+    uint32_t epoch = 0;
+    Array<uint32_t> members;   // vertices of the cluster found last
+    bool out_of_memory = false;
+
+    int64_t at(uint32_t h) const { return value[edge_of(h)]; }
+    // Twice the corner coordinate of origin(h) in the triangle left of h.
+    int64_t corner2(uint32_t h) const { return at(h) + at(mesh.prev(h)) - at(mesh.next[h]); }
+};
+
+// What a search round a cluster found.  The search may stop early, as soon as
+// the closed corners reach a limit or the vertices exceed a budget.
+struct Cluster {
+    int64_t euler = 0;          // vertices - zero edges + zero triangles; valid if complete
+    uint32_t closed_corners = 0;
+    bool complete = false;      // false: stopped at a limit
+    bool reached = false;       // the vertex `target` belongs to the cluster
+    bool is_pole() const { return complete && euler == 1 && closed_corners < 2; }
+};
+
+// Collects the cluster of a vertex into foliation.members.
+//   without   an edge that counts as removed (NONE: none)
+//   blocked   a vertex that counts as removed (NONE: none); corners beside it
+//             are not counted
+//   target    a vertex to look for (NONE: none)
+//   closed_limit, budget   stop when reached; 0 = no limit
+Cluster explore_cluster(Foliation& foliation, uint32_t vertex, uint32_t without, uint32_t blocked, uint32_t target,
+                        uint32_t closed_limit, uint32_t budget);
+
+struct SingularityCount {
+    uint64_t poles = 0, zeros = 0; // counted with multiplicity: sum of index, sum of -index
+    int64_t index_sum = 0;
+    uint64_t broken_triangles = 0; // triangle inequality or parity violated
+};
+
+// Counts over the whole mesh.  Optional outputs: index per vertex (clusters at
+// their lowest vertex), lowest vertex of the cluster of each vertex, size of
+// the cluster at its lowest vertex, index per face.
+SingularityCount count_singularities(Foliation& foliation, int32_t* vertex_index, uint32_t* vertex_cluster,
+                                     uint32_t* cluster_size, int32_t* face_index);
+
+// ---- transport between levels (prolongation.cpp, flip.cpp) -----------------
+
+struct TransportStatistics {
+    uint64_t bad_flips = 0;      // flips that needed the end point to be moved first ("case 4")
+    uint64_t bad_flips_left = 0; // flips that left a pole: 0 by construction, counted by a check
+};
+
+// Flips an edge of mesh and foliation together, counter-clockwise or back.
+// No pole before: no pole after.
+void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, TransportStatistics& statistics);
+
+// Undoes a collapse on mesh and foliation: the new vertex starts where the
+// old one is.  The counts of foliation.mesh are the caller's business.
+void split_foliation(Foliation& foliation, const Collapse& c);
+
+} // namespace hmf

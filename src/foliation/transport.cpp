@@ -1,0 +1,138 @@
+// Transport of a foliation across a flip and a split, exact and without poles
+// ([W] 4.2.2 and 4.2.3).
+//
+//          k                     k
+//        / | \                 / ^ \                                        .
+//       i--h->j      ->       i  h  j
+//        \ | /                 \ | /
+//          l                     l
+//
+// The new value is the distance of k and l in the tree.  By the four-point
+// condition of trees it is
+//
+//     F_kl = max(F_ik + F_jl, F_il + F_jk) - F_ij
+//
+// unless k and l branch off the path from i to j at the same point x.  If x is
+// inside the path, k and l leave it on opposite sides of the edge, so these
+// are different directions and the formula holds.  If x is i (both corners at
+// i closed: "case 4" of the paper) they are different directions exactly if
+// the boundary of the cluster of i has another closed corner, or the cluster
+// has topology.  Otherwise j alone lies on one side of the cluster and all
+// else in one direction R.  Then the cluster is first moved into R up to the
+// next branch point of the tree, a Whitehead move of the whole cluster.  There
+// it has a further direction, and the formula holds.  The neighbours that it
+// meets on the way join the cluster, and the search goes on round them.
+//
+// Hence: no cluster of positive index before, none after.
+#include "foliation.hpp"
+
+namespace hmf {
+
+namespace {
+
+// Moves the cluster in f.members, which has one direction R apart from the
+// half-edge `behind` (or NONE), into R up to the first closed corner or the
+// first neighbour.
+void advance_cluster(Foliation& f, uint32_t behind) {
+    const Mesh& mesh = f.mesh;
+    int64_t limit = INT64_MAX;
+    for (uint32_t v : f.members) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            const uint32_t ahead = mesh.rotate_ccw(h);
+            if (f.at(h) > 0 && h != behind) {
+                // An edge with both ends in the cluster gets shorter from both.
+                const int64_t room = f.stamp[mesh.target(h)] == f.epoch && twin(h) != behind ? f.at(h) / 2 : f.at(h);
+                if (room < limit) limit = room;
+                if (f.at(ahead) > 0 && ahead != behind) {
+                    const int64_t corner = f.corner2(h) / 2;
+                    if (corner < limit) limit = corner;
+                }
+            }
+            h = ahead;
+        } while (h != first);
+    }
+    if (limit == INT64_MAX) return;
+    for (uint32_t v : f.members) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            int64_t& value = f.value[edge_of(h)];
+            if (h == behind) value += limit;
+            else if (value > 0) value -= limit;
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+    }
+}
+
+} // namespace
+
+void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics) {
+    Mesh& mesh = f.mesh;
+    const uint32_t ij = 2 * edge, jk = mesh.next[ij], ki = mesh.next[jk];
+    const uint32_t ji = twin(ij), il = mesh.next[ji], lj = mesh.next[il];
+    int64_t result = 0;
+    bool moved = false;
+    // Each round but the last enlarges a cluster or gives it a direction.
+    for (uint32_t round = 0; round <= mesh.vertex_count; ++round) {
+        const int64_t F_ij = f.at(ij), F_jk = f.at(jk), F_ik = f.at(ki), F_il = f.at(il), F_jl = f.at(lj);
+        if (F_ij == 0) {
+            result = F_ik + F_il;
+            if (F_ik == 0 || F_il == 0) break;
+            // Without the edge, does an end keep more than one direction?
+            bool advanced = false;
+            for (uint32_t end = 0; end < 2 && !advanced; ++end) {
+                const uint32_t v = mesh.origin[ij ^ end], other = mesh.origin[ij ^ end ^ 1];
+                const Cluster cluster = explore_cluster(f, v, edge, NONE, other, 1, 0);
+                if (f.out_of_memory) return;
+                if (!cluster.complete || cluster.reached || cluster.euler != 1) continue;
+                // The edge stays behind: it grows from zero.
+                f.value[edge] = 0;
+                advance_cluster(f, ij ^ end);
+                advanced = true;
+            }
+            if (!advanced) break;
+        } else {
+            const int64_t through_ik = F_ik + F_jl, through_il = F_il + F_jk;
+            result = (through_ik > through_il ? through_ik : through_il) - F_ij;
+            uint32_t closed_end = NONE;
+            if (F_ik > 0 && F_il > 0 && F_jk == F_ij + F_ik && F_jl == F_ij + F_il) closed_end = ij;
+            if (F_jk > 0 && F_jl > 0 && F_ik == F_ij + F_jk && F_il == F_ij + F_jl) closed_end = ji;
+            if (closed_end == NONE) break;
+            const Cluster cluster = explore_cluster(f, mesh.origin[closed_end], NONE, NONE, NONE, 3, 0);
+            if (f.out_of_memory) return;
+            if (!cluster.complete || cluster.euler != 1) break;
+            advance_cluster(f, closed_end);
+        }
+        moved = true;
+    }
+    if (moved) ++statistics.bad_flips;
+    if (reverse) unflip(mesh, edge);
+    else flip(mesh, edge);
+    f.value[edge] = result;
+    assert(f.corner2(2 * edge) >= 0 && f.corner2(mesh.next[2 * edge]) >= 0 && f.corner2(mesh.prev(2 * edge)) >= 0);
+    assert(f.corner2(2 * edge + 1) >= 0 && f.corner2(mesh.next[2 * edge + 1]) >= 0 && f.corner2(mesh.prev(2 * edge + 1)) >= 0);
+    if (moved) {
+        const uint32_t quad[4] = {ki, il, lj, jk}; // they start at k, i, l and j
+        for (uint32_t h : quad)
+            if (explore_cluster(f, mesh.origin[h], NONE, NONE, NONE, 2, 0).is_pole()) { ++statistics.bad_flips_left; break; }
+    }
+}
+
+//          k                      k
+//          |                    / | \                                       .
+//     .. --i-- ..     ->   .. -i--h--j- ..      F_ij = 0, F_jk = F_ik, F_jl = F_il
+//          |                    \ | /
+//          l                      l
+//
+// The cluster of i and j has the boundary that i had: same directions, same
+// index.  Nothing has to be opened.
+void split_foliation(Foliation& f, const Collapse& c) {
+    split(f.mesh, c);
+    f.value[edge_of(c.h)] = 0;
+    f.value[edge_of(c.jk)] = f.at(c.ki);
+    f.value[edge_of(c.lj)] = f.at(c.il);
+}
+
+} // namespace hmf

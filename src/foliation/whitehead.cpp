@@ -1,0 +1,272 @@
+// Whitehead moves ([W] 3.3, Eq. 4; Palmer 2011).  A move takes the image of
+// vertex v in the tree by mu into one direction S:
+//
+//      \   |   /                 F -= mu on the sides in S,
+//    R  \  |  /  S               F += mu on all others, zero edges included
+//   -----> v ----->
+//    R  /  |  \  S               best mu = (2 P_S - P) / sum of weights
+//      /   |   \                 with the pulls P = sum of weight * F
+//
+// Directions are runs of sides between closed corners.  If v belongs to a
+// cluster, two runs are one direction when the walk round the cluster's
+// boundary from one to the other meets no closed corner and goes round a disk.
+//
+// Legal is a move up to the first closed corner or the first neighbour in S:
+// there the vertex lands exactly, and what it finds there (a branch of the
+// tree, or a neighbour, with which it then forms a cluster) decides how it
+// goes on.  A vertex may leave its cluster unless it leaves a pole behind: a
+// part of the cluster that is a disk with S on all sides but for less than two
+// closed corners.  Such a part lies ahead of v and has to move first; its
+// turn comes in the same sweep or the next.
+#include "whitehead.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
+    if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
+        || !weight_sum.allocate(memory, mesh.vertex_count))
+        return false;
+    uint32_t at = 0;
+    max_degree = 0;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        offset[v] = at;
+        double sum = 0;
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            side[at++] = {edge_of(h), edge_of(mesh.next[h])};
+            sum += weight[edge_of(h)];
+            // Both ends of an edge from v to v would move: such a vertex rests.
+            if (mesh.target(h) == v) sum = HUGE_VAL;
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+        weight_sum[v] = sum;
+        if (at - offset[v] > max_degree) max_degree = at - offset[v];
+    }
+    offset[mesh.vertex_count] = at;
+    return true;
+}
+
+bool Star::allocate(Memory& memory, uint32_t max_degree) {
+    return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && half_edge.allocate(memory, max_degree)
+        && group.allocate(memory, max_degree) && group_pull.allocate(memory, max_degree);
+}
+
+namespace {
+
+// Walks counter-clockwise round the boundary of the cluster of v, from the
+// half-edge `start` of v whose successor is a zero edge, until the walk comes
+// back to v.  Returns the half-edge of v where it arrives; NONE if it meets a
+// closed corner first or takes more than `budget` steps (then decided = false).
+uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget, bool& decided) {
+    const Mesh& mesh = f.mesh;
+    const uint32_t v = mesh.origin[start];
+    uint32_t g = start;
+    for (uint32_t step = 0; step < budget; ++step) {
+        const uint32_t ahead = mesh.rotate_ccw(g);
+        if (f.at(ahead) > 0) {
+            if (f.corner2(g) == 0) return NONE;
+            g = ahead;
+        } else {
+            g = twin(mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+            if (mesh.origin[g] == v) return g;
+        }
+    }
+    decided = false;
+    return NONE;
+}
+
+} // namespace
+
+void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star) {
+    const uint32_t begin = rings.offset[v], degree = rings.offset[v + 1] - begin;
+    const Rings::Side* side = &rings.side[begin];
+    star.degree = degree;
+    star.decided = true;
+    star.has_zero = false;
+    star.pull = star.best_pull = 0;
+    star.best = 0;
+    int64_t* F = star.F.data();
+    int64_t* corner2 = star.corner2.data();
+    uint32_t* group = star.group.data();
+    for (uint32_t t = 0; t < degree; ++t) {
+        F[t] = f.value[side[t].edge];
+        star.has_zero |= F[t] == 0;
+    }
+    uint32_t groups = 0;
+    bool open_run = false;
+    for (uint32_t t = 0; t < degree; ++t) {
+        const uint32_t u = t + 1 < degree ? t + 1 : 0;
+        corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
+        if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
+        if (!open_run) star.group_pull[groups++] = 0;
+        group[t] = groups - 1;
+        const double pull = weight[side[t].edge] * static_cast<double>(F[t]);
+        star.group_pull[groups - 1] += pull;
+        star.pull += pull;
+        open_run = F[u] > 0 && corner2[t] > 0;
+    }
+    // The last run goes on at side 0.
+    if (open_run && groups > 1 && group[0] == 0) {
+        const uint32_t last = groups - 1;
+        star.group_pull[0] += star.group_pull[last];
+        for (uint32_t t = degree; t-- > 0 && group[t] == last;) group[t] = 0;
+        --groups;
+    }
+    if (star.has_zero && groups > 0) {
+        const Mesh& mesh = f.mesh;
+        uint32_t h = mesh.out[v];
+        for (uint32_t t = 0; t < degree; ++t, h = mesh.rotate_ccw(h)) star.half_edge[t] = h;
+        // Runs on both sides of a row of zero edges, one direction?
+        for (uint32_t t = 0; t < degree && groups > 1; ++t) {
+            const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
+            if (F[t] == 0 || F[first_zero] != 0) continue;
+            uint32_t u = first_zero;
+            while (F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
+            if (group[u] == group[t]) continue;
+            if (walk_to_next_visit(f, star.half_edge[t], star.budget, star.decided) != star.half_edge[u]) continue;
+            const Cluster part = explore_cluster(f, mesh.target(star.half_edge[first_zero]), NONE, v, NONE, 0, star.budget);
+            if (!part.complete) { star.decided = false; continue; }
+            if (part.euler != 1) continue; // goes round a handle: different directions
+            bool elsewhere = false;        // the part hangs on v in a second place: round a handle as well
+            for (uint32_t s = u; s != first_zero; s = s + 1 < degree ? s + 1 : 0)
+                elsewhere |= F[s] == 0 && f.stamp[mesh.target(star.half_edge[s])] == f.epoch;
+            if (elsewhere) continue;
+            const uint32_t keep = group[t] < group[u] ? group[t] : group[u];
+            const uint32_t drop = group[t] < group[u] ? group[u] : group[t];
+            star.group_pull[keep] += star.group_pull[drop];
+            --groups;
+            star.group_pull[drop] = star.group_pull[groups];
+            for (uint32_t s = 0; s < degree; ++s) {
+                if (group[s] == drop) group[s] = keep;
+                else if (group[s] == groups) group[s] = drop;
+            }
+        }
+    }
+    star.group_count = groups;
+    for (uint32_t k = 0; k < groups; ++k)
+        if (star.group_pull[k] > star.best_pull) { star.best_pull = star.group_pull[k]; star.best = k; }
+}
+
+namespace {
+
+// May v leave its cluster into direction star.best?
+bool may_leave(Foliation& f, uint32_t v, const Star& star) {
+    const Mesh& mesh = f.mesh;
+    const uint32_t degree = star.degree;
+    // A boundary vertex with one row of zero edges and one direction: the
+    // cluster without it has the same shape and the same closed corners.
+    uint32_t rows = 0, closed = 0;
+    for (uint32_t t = 0; t < degree; ++t) {
+        const uint32_t u = t + 1 < degree ? t + 1 : 0;
+        rows += star.F[t] != 0 && star.F[u] == 0;
+        closed += star.F[t] != 0 && star.F[u] != 0 && star.corner2[t] == 0;
+    }
+    if (rows == 1 && closed == 0) return true;
+    for (uint32_t t = 0; t < degree; ++t) {
+        const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
+        if (star.F[t] == 0 || star.F[first_zero] != 0 || star.group[t] != star.best) continue;
+        uint32_t u = first_zero;
+        while (star.F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
+        if (star.group[u] != star.best) continue;
+        // Direction S on both sides of this part of the cluster.
+        const Cluster part = explore_cluster(f, mesh.target(star.half_edge[first_zero]), NONE, v, NONE, 2, star.budget);
+        if (part.closed_corners >= 2) continue;
+        if (!part.complete) return false;
+        if (part.euler != 1) continue;
+        // Where the part hangs on v elsewhere, sides that fall behind v close corners.
+        uint32_t corners = part.closed_corners;
+        for (uint32_t s = 0; s < degree; ++s) {
+            if (star.F[s] == 0) continue;
+            const uint32_t next = s + 1 < degree ? s + 1 : 0, before = s > 0 ? s - 1 : degree - 1;
+            if (star.group[s] == star.best) continue;
+            if (star.F[next] == 0 && f.stamp[mesh.target(star.half_edge[next])] == f.epoch) ++corners;
+            if (star.F[before] == 0 && f.stamp[mesh.target(star.half_edge[before])] == f.epoch) ++corners;
+        }
+        if (corners < 2) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
+    const Rings::Side* side = &rings.side[rings.offset[v]];
+    bool moved = false;
+    // Each round lands on a branch or a neighbour and looks on from there.
+    for (uint32_t round = 0; round < 4; ++round) {
+        read_star(f, rings, weight, v, star);
+        const double excess = 2 * star.best_pull - star.pull;
+        if (!(excess > 0)) return moved;
+        const double best = excess / rings.weight_sum[v];
+        if (best < 1) return moved;
+        int64_t limit = INT64_MAX;
+        for (uint32_t t = 0; t < star.degree; ++t) {
+            if (star.group[t] != star.best || star.F[t] == 0) continue;
+            if (star.F[t] < limit) limit = star.F[t];
+            const uint32_t u = t + 1 < star.degree ? t + 1 : 0;
+            // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
+            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
+                limit = star.corner2[t] / 2;
+        }
+        if (star.has_zero && (!star.decided || !may_leave(f, v, star))) {
+            ++result.blocked;
+            return moved;
+        }
+        const bool lands = best >= static_cast<double>(limit);
+        const int64_t mu = lands ? limit : static_cast<int64_t>(best);
+        for (uint32_t t = 0; t < star.degree; ++t)
+            f.value[side[t].edge] = star.group[t] == star.best ? star.F[t] - mu : star.F[t] + mu;
+        const double step = static_cast<double>(mu);
+        result.energy_change += step * (step * rings.weight_sum[v] - 2 * excess);
+        ++result.moves;
+        moved = true;
+        if (!lands) return true;
+    }
+    return moved;
+}
+
+void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
+           Call& call, double fraction) {
+    const uint32_t n = f.mesh.vertex_count;
+    for (uint32_t i = 0; i < n; ++i) {
+        if (i % 8192 == 0 && !call.tick(fraction, true)) return;
+        relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);
+    }
+}
+
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual) {
+    const uint32_t n = f.mesh.vertex_count;
+    double total = 0; // every edge pulls at both ends
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += 2 * weight[e] * static_cast<double>(f.value[e]);
+    const double floor = 0.01 * total / static_cast<double>(n);
+    ResidualResult result;
+    double sum = 0;
+    const uint32_t sweep_budget = star.budget;
+    star.budget = NONE; // every direction is decided here
+    for (uint32_t v = 0; v < n; ++v) {
+        read_star(f, rings, weight, v, star);
+        const double excess = 2 * star.best_pull - star.pull;
+        const double scale = star.pull > floor ? star.pull : floor;
+        const double r = excess > 0 && scale > 0 ? excess / scale : 0;
+        if (residual) residual[v] = r;
+        sum += r;
+        if (r > result.max) { result.max = r; result.worst = v; }
+    }
+    star.budget = sweep_budget;
+    result.mean = sum / static_cast<double>(n);
+    return result;
+}
+
+double energy(const Foliation& f, const double* weight) {
+    double sum = 0;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+        const double x = static_cast<double>(f.value[e]);
+        sum += weight[e] * x * x;
+    }
+    return sum;
+}
+
+} // namespace hmf

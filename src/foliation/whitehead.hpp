@@ -1,0 +1,62 @@
+// Whitehead moves: exact coordinate descent of the Dirichlet energy.
+#pragma once
+
+#include "foliation.hpp"
+
+namespace hmf {
+
+// One-rings of a mesh as flat arrays, for sweeps: side t of vertex v has the
+// edge to neighbour t and the edge between neighbours t and t+1.  Side 0 is
+// mesh.out[v]; counter-clockwise.
+struct Rings {
+    struct Side { uint32_t edge, opposite; };
+    Array<uint32_t> offset;    // vertex_count + 1
+    Array<Side> side;          // 2 * edge_count
+    Array<double> weight_sum;  // vertex_count, over the sides
+    uint32_t max_degree = 0;
+    bool build(const Mesh& mesh, const double* weight, Memory& memory);
+};
+
+// The directions of the tree at one vertex and their pulls.
+struct Star {
+    uint32_t degree = 0;
+    uint32_t group_count = 0;
+    uint32_t best = 0;          // group of the largest pull
+    double best_pull = 0, pull = 0; // of that group; of all
+    bool has_zero = false, decided = true;
+    uint32_t budget = 512;      // vertices or steps that one move may look at
+    Array<int64_t> F;           // per side
+    Array<int64_t> corner2;     // twice the coordinate of the corner between sides t and t+1
+    Array<uint32_t> half_edge;  // per side; filled if has_zero
+    Array<uint32_t> group;      // per side: direction, NONE for zero edges
+    Array<double> group_pull;
+    bool allocate(Memory& memory, uint32_t max_degree);
+};
+
+// Fills star for vertex v.  Groups that are one direction around a cluster
+// are merged; a search of more than star.budget steps gives star.decided = false.
+void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star);
+
+struct SweepResult {
+    double energy_change = 0;  // in squared units, <= 0
+    uint64_t moves = 0;
+    uint64_t blocked = 0;      // vertices that want to move but must wait
+};
+
+// Moves each vertex once to the best point that is legal and reachable in its
+// star.  backward reverses the order.  Stops between two moves if the call is
+// cancelled; fraction is what it reports.
+void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
+           Call& call, double fraction);
+
+// One vertex, repeatedly, as in a sweep; true if it moved.
+bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result);
+
+// Relative coclosedness residual of each vertex ([W] Eq. 4); residual may be NULL.
+struct ResidualResult { double max = 0, mean = 0; uint32_t worst = NONE; };
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual);
+
+// Dirichlet energy in squared units ([W] Eq. 5).
+double energy(const Foliation& f, const double* weight);
+
+} // namespace hmf

@@ -1,0 +1,73 @@
+// Prolongation ([W] 4.2): the log of the hierarchy backwards, mesh and
+// foliation together.
+#include "state.hpp"
+
+namespace hmf {
+
+bool State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
+    hierarchy = &h;
+    const Mesh& mesh = h.levels[finest].mesh;
+    foliation.members.start(memory);
+    return origin_.allocate(memory, size_t{2} * mesh.edge_count) && next_.allocate(memory, size_t{2} * mesh.edge_count)
+        && face_.allocate(memory, size_t{2} * mesh.edge_count) && out_.allocate(memory, mesh.vertex_count)
+        && value_.allocate(memory, mesh.edge_count) && stamp_.allocate_filled(memory, mesh.vertex_count, 0);
+}
+
+void State::load(size_t at, Side which) {
+    const Mesh& from = at == 0 && which == Side::input ? hierarchy->input : hierarchy->levels[at].mesh;
+    Mesh& mesh = foliation.mesh;
+    mesh.vertex_count = from.vertex_count;
+    mesh.edge_count = from.edge_count;
+    mesh.face_count = from.face_count;
+    mesh.origin = origin_.data();
+    mesh.next = next_.data();
+    mesh.face = face_.data();
+    mesh.out = out_.data();
+    foliation.value = value_.data();
+    foliation.stamp = stamp_.data();
+    std::memcpy(mesh.origin, from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(mesh.next, from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(mesh.face, from.face, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(mesh.out, from.out, from.vertex_count * sizeof(uint32_t));
+    level = at;
+    side = which;
+}
+
+bool State::refine(Call& call) {
+    const Level& finer = hierarchy->levels[level - 1];
+    Mesh& mesh = foliation.mesh;
+    for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        flip_foliation(foliation, hierarchy->flips[i], true, statistics);
+    }
+    mesh.vertex_count = finer.mesh.vertex_count;
+    mesh.edge_count = finer.mesh.edge_count;
+    mesh.face_count = finer.mesh.face_count;
+    for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        split_foliation(foliation, hierarchy->collapses[i]);
+    }
+    --level;
+    side = Side::input;
+    return !foliation.out_of_memory;
+}
+
+bool State::to_intrinsic(Call& call) {
+    for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
+    }
+    side = Side::intrinsic;
+    return !foliation.out_of_memory;
+}
+
+bool State::to_input(Call& call) {
+    for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);
+    }
+    side = Side::input;
+    return !foliation.out_of_memory;
+}
+
+} // namespace hmf

@@ -1,0 +1,36 @@
+// Working state of a solve: a mesh that grows from level to level by replaying
+// the log of the hierarchy backwards, and the foliation on it.
+#pragma once
+
+#include "../foliation/foliation.hpp"
+#include "../hierarchy/hierarchy.hpp"
+
+namespace hmf {
+
+// Which triangulation of a level: level 0 has two.
+enum class Side : uint8_t { input, intrinsic };
+
+struct State {
+    const hmf_hierarchy* hierarchy = nullptr;
+    Foliation foliation;
+    size_t level = 0;
+    Side side = Side::intrinsic; // meaningful on level 0
+    TransportStatistics statistics;
+
+    // Room for every level down to `finest`.
+    bool allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);
+    // Takes over the connectivity of a level; the values are the caller's to fill.
+    void load(size_t at, Side which);
+    // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
+    // reached on the input side.  false: cancelled half-way, state unusable.
+    bool refine(Call& call);
+    // Between the two triangulations of level 0.
+    bool to_intrinsic(Call& call);
+    bool to_input(Call& call);
+
+private:
+    Array<uint32_t> origin_, next_, face_, out_, stamp_;
+    Array<int64_t> value_;
+};
+
+} // namespace hmf
