@@ -1,0 +1,275 @@
+#!/bin/bash
+# ./test.sh           everything but corpus-large; installs what is missing
+# ./test.sh NAME...   only these variants
+# ./test.sh list      the names
+#
+# The last line is "N passed, N failed, N skipped", summed over all variants;
+# the exit code is 0 only if nothing failed.  Builds lie in build/<preset>.
+#
+# Environment: HMF_MESHES  folder of OBJ meshes (default ../shared/meshes)
+#              JOBS        parallel jobs (default: number of cores)
+set -u
+cd "$(dirname "$0")"
+
+default_variants="header symbols plain install release debug asan-ubsan fuzz valgrind corpus"
+variants="$default_variants corpus-large"
+jobs=${JOBS:-$(nproc)}
+results=$PWD/build/results
+passed=0 failed=0 skipped=0
+
+describe() {
+    cat <<'END'
+header        hmf.h in C89, C99, C11, C17 and C++17, included twice
+symbols       exported symbols, dependencies, no global state
+plain         compiles without a build system; same bits with each compiler and optimisation
+install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
+release       all tests, optimised
+debug         all tests, assertions on
+asan-ubsan    all tests, address and undefined behaviour sanitizers
+fuzz          replays the corpora and a short random run, with sanitizers
+valgrind      the quick tests under valgrind
+corpus        real meshes up to 250 000 vertices, with a time limit for each
+corpus-large  all real meshes (long; not in the default run)
+END
+}
+
+# --- What is needed --------------------------------------------------------
+
+# The libraries of the tool are part of it: its tests are tests as well.
+ensure_packages() {
+    local missing=()
+    need() { # package, command that succeeds when it is there
+        local package=$1
+        shift
+        "$@" > /dev/null 2>&1 || missing+=("$package")
+    }
+    local include=/usr/include
+    need build-essential sh -c 'command -v c++ && command -v make'
+    need cmake command -v cmake
+    need clang command -v clang++
+    need valgrind command -v valgrind
+    need pkg-config command -v pkg-config
+    need python3 command -v python3
+    need libgtest-dev test -e $include/gtest/gtest.h
+    need libeigen3-dev test -e $include/eigen3/Eigen/Core
+    need libcli11-dev test -e $include/CLI/CLI.hpp
+    need nlohmann-json3-dev test -e $include/nlohmann/json.hpp
+    need libpng-dev test -e $include/png.h
+    need libcgal-dev sh -c "test -e $include/CGAL/version.h && test -e $include/boost/version.hpp"
+    [ ${#missing[@]} -eq 0 ] && return 0
+
+    local sudo=
+    if ! command -v apt-get > /dev/null; then
+        echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."
+        return 1
+    fi
+    [ "$(id -u)" -eq 0 ] || sudo=sudo
+    echo "Installing: ${missing[*]}"
+    $sudo apt-get update -q && DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+# --- Counting --------------------------------------------------------------
+
+add() { # passed failed skipped
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+}
+
+# Counts of a JUnit file (ctest, GoogleTest): one testcase element each.
+count_junit() {
+    awk '
+        /<testcase / { if (open) total(); open = 1; bad = skip = 0 }
+        open && /<failure|status="fail"/ { bad = 1 }
+        open && /<skipped|result="skipped"|status="notrun"|status="disabled"/ { skip = 1 }
+        function total() { if (bad) f++; else if (skip) s++; else p++ }
+        END { if (open) total(); print p + 0, f + 0, s + 0 }' "$1"
+}
+
+# Runs a check_*.sh, whose lines begin with ok, not ok, skip.
+run_check() {
+    local log=$results/$1.log
+    shift
+    "$@" 2>&1 | tee "$log"
+    local code=${PIPESTATUS[0]}
+    local p f s
+    p=$(grep -c '^ok ' "$log") f=$(grep -c '^not ok ' "$log") s=$(grep -c '^skip ' "$log")
+    # A check that dies without saying why has failed too.
+    if [ "$code" -ne 0 ] && [ "$f" -eq 0 ] || [ $((p + f + s)) -eq 0 ]; then
+        f=$((f + 1))
+        echo "not ok: exit code $code, nothing reported"
+    fi
+    add "$p" "$f" "$s"
+}
+
+# A GoogleTest program on its own; its report is the count.
+run_gtest() { # name, seconds, command ...
+    local xml=$results/$1.xml seconds=$2 name=$1
+    shift 2
+    rm -f "$xml"
+    GTEST_OUTPUT=xml:$xml timeout "$seconds" "$@" > "$results/$name.log" 2>&1
+    local code=$? p=0 f=0 s=0
+    [ -s "$xml" ] && read -r p f s < <(count_junit "$xml")
+    if [ $code -ne 0 ]; then
+        [ "$f" -gt 0 ] || f=1
+        echo "not ok $name (exit code $code, 124 = out of time)"
+        grep -E '^\[  FAILED|Failure$|ERROR SUMMARY|^==[0-9]+== [A-Z]|runtime error' "$results/$name.log" | head -20
+        echo "    all of it: $results/$name.log"
+    elif [ $((p + f + s)) -eq 0 ]; then
+        echo "skip $name (skipped: no test selected)"
+    else
+        echo "ok $name: $p passed, $s skipped"
+    fi
+    add "$p" "$f" "$s"
+}
+
+# --- Variants --------------------------------------------------------------
+
+build() { # preset
+    echo "building $1"
+    # The failed build is one failure; what it would have run is not counted.
+    if cmake --preset "$1" > "$results/$1-build.log" 2>&1 && cmake --build "build/$1" -j "$jobs" >> "$results/$1-build.log" 2>&1; then
+        return 0
+    fi
+    echo "not ok $1: the build failed"
+    grep -E -A3 'error|Error' "$results/$1-build.log" | head -40
+    echo "    all of it: $results/$1-build.log"
+    add 0 1 0
+    return 1
+}
+
+run_ctest() { # preset
+    build "$1" || return
+    local xml=$results/$1.xml code p f s
+    rm -f "$xml"
+    ctest --test-dir "build/$1" -LE corpus -j "$jobs" --output-on-failure --output-junit "$xml" > "$results/$1.log" 2>&1
+    code=$?
+    p=0 f=0 s=0
+    [ -s "$xml" ] && read -r p f s < <(count_junit "$xml")
+    if [ $code -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+    if [ $((p + f)) -eq 0 ]; then
+        echo "not ok $1: no test was run"
+        f=1
+    fi
+    [ "$f" -eq 0 ] || { tail -60 "$results/$1.log"; echo "    all of it: $results/$1.log"; }
+    add "$p" "$f" "$s"
+}
+
+variant_header() { run_check header tests/check_header.sh; }
+variant_plain() { run_check plain tests/check_plain.sh build/plain; }
+variant_install() { run_check install tests/check_install.sh build/install; }
+variant_release() { run_ctest release; }
+variant_debug() { run_ctest debug; }
+variant_asan-ubsan() { run_ctest asan-ubsan; }
+
+variant_symbols() {
+    local kind
+    for kind in ON OFF; do
+        if ! { cmake -S . -B build/symbols-$kind -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=$kind -DHMF_BUILD_CLI=OFF &&
+                cmake --build build/symbols-$kind -j "$jobs"; } > "$results/symbols-build.log" 2>&1; then
+            echo "not ok symbols: the build failed"
+            tail -20 "$results/symbols-build.log"
+            add 0 1 0
+            return
+        fi
+    done
+    run_check symbols tests/check_symbols.sh build/symbols-ON/libhmf.so build/symbols-OFF/libhmf.a
+}
+
+variant_fuzz() {
+    local program name found=0
+    build asan-ubsan || return
+    for program in build/asan-ubsan/fuzz/*_replay; do
+        [ -x "$program" ] || continue
+        found=1
+        name=$(basename "$program" _replay)
+        local inputs=()
+        [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
+        if timeout 300 "$program" "${inputs[@]}" --random 2000 1 > "$results/fuzz-$name.log" 2>&1; then
+            echo "ok fuzz $name: $(tail -1 "$results/fuzz-$name.log")"
+            add 1 0 0
+        else
+            echo "not ok fuzz $name"
+            tail -20 "$results/fuzz-$name.log"
+            add 0 1 0
+        fi
+    done
+    if [ $found -eq 0 ]; then
+        echo "skip fuzz (skipped: there is no fuzz target)"
+        add 0 0 1
+    fi
+}
+
+# Valgrind is some thirty times slower: only the cases that are quick without it.
+variant_valgrind() {
+    build valgrind || return
+    local program name filter
+    for program in build/valgrind/tests/test_*; do
+        { [ -f "$program" ] && [ -x "$program" ]; } || continue
+        name=$(basename "$program")
+        [ "$name" = test_corpus ] && continue
+        GTEST_OUTPUT=xml:$results/native-$name.xml timeout 300 "$program" > "$results/native-$name.log" 2>&1 || {
+            echo "not ok valgrind-$name: fails even without valgrind"
+            grep -E '^\[  FAILED|Failure$' "$results/native-$name.log" | head
+            add 0 1 0
+            continue
+        }
+        filter=$(awk '/<testcase / && /status="run"/ {
+                match($0, / name="[^"]*"/); n = substr($0, RSTART + 7, RLENGTH - 8)
+                match($0, / time="[^"]*"/); t = substr($0, RSTART + 7, RLENGTH - 8) + 0
+                match($0, / classname="[^"]*"/); c = substr($0, RSTART + 12, RLENGTH - 13)
+                if (t <= 0.1 && (sum += t) <= 2) printf "%s%s.%s", (k++ ? ":" : ""), c, n }' "$results/native-$name.xml")
+        [ -n "$filter" ] || continue
+        run_gtest "valgrind-$name" 600 valgrind -q --error-exitcode=9 --leak-check=full --show-leak-kinds=definite,indirect \
+            --errors-for-leak-kinds=definite,indirect "$program" "--gtest_filter=$filter"
+    done
+}
+
+run_corpus() { # name, largest mesh in vertices, seconds
+    local meshes=${HMF_MESHES:-$PWD/../shared/meshes}
+    if [ ! -d "$meshes" ]; then
+        echo "skip $1 (skipped: no folder $meshes)"
+        add 0 0 1
+        return
+    fi
+    build release || return
+    if [ ! -x build/release/tests/test_corpus ]; then
+        echo "skip $1 (skipped: there is no tests/test_corpus.cpp)"
+        add 0 0 1
+        return
+    fi
+    HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
+}
+variant_corpus() { run_corpus corpus 250000 900; }
+variant_corpus-large() { run_corpus corpus-large 2000000 14400; }
+
+# --- Main ------------------------------------------------------------------
+
+if [ "${1:-}" = list ]; then
+    describe
+    exit 0
+fi
+for name in "$@"; do
+    case " $variants " in
+    *" $name "*) ;;
+    *)
+        echo "no variant '$name'; there are:"
+        describe
+        exit 2
+        ;;
+    esac
+done
+
+ensure_packages || exit 1
+mkdir -p "$results"
+if [ -z "${HMF_MESHES:-}" ] && [ -d ../shared/meshes ]; then
+    HMF_MESHES=$(cd ../shared/meshes && pwd)
+    export HMF_MESHES
+fi
+for name in ${*:-$default_variants}; do
+    echo "=== $name"
+    before="$passed $failed $skipped" started=$SECONDS
+    "variant_$name"
+    read -r p f s <<< "$before"
+    echo "--- $name: $((passed - p)) passed, $((failed - f)) failed, $((skipped - s)) skipped, $((SECONDS - started)) s"
+done
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,79 @@
+#!/bin/sh
+# check_install.sh WORK_FOLDER
+#
+# Installs the library, moves the tree, and uses it from there in each way:
+# find_package, pkg-config, cc alone, and add_subdirectory; static and shared.
+# The example of the README is built and run as well.
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+mkdir -p "$1"
+work=$(cd "$1" && pwd)
+failed=0
+rm -rf "${work:?}"/*
+
+check() { # name, then the command
+    name=$1
+    shift
+    if "$@" > "$work/log" 2>&1; then
+        echo "ok install $name"
+    else
+        echo "not ok install $name"
+        tail -25 "$work/log"
+        failed=1
+    fi
+}
+
+install_and_move() { # ON or OFF, target folder
+    cmake -S "$root" -B "$work/build-$1" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF \
+        -DCMAKE_INSTALL_PREFIX="$work/first" &&
+        cmake --build "$work/build-$1" -j2 &&
+        cmake --install "$work/build-$1" &&
+        ! grep -rqF -e "$work" -e "$root" "$work/first/lib"*/cmake "$work/first/lib"*/pkgconfig "$work/first/include" &&
+        mv "$work/first" "$2"
+}
+
+use_find_package() { # prefix, build folder
+    cmake -S "$root/tests/consumers/find_package" -B "$2" -DCMAKE_PREFIX_PATH="$1" -DCMAKE_BUILD_TYPE=Release &&
+        cmake --build "$2" && "$2/consumer"
+}
+
+use_add_subdirectory() { # ON or OFF, build folder
+    cmake -S "$root/tests/consumers/add_subdirectory" -B "$2" -DHMF_SOURCE="$root" -DBUILD_SHARED_LIBS="$1" -DCMAKE_BUILD_TYPE=Release &&
+        cmake --build "$2" -j2 && "$2/consumer"
+}
+
+use_pkg_config() { # prefix, source, program
+    pc=$(dirname "$(find "$1" -name hmf.pc)")
+    flags=$(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs hmf) || return 1
+    # The flags come last: a static library follows the object that needs it.
+    cc -std=c99 -Wall -Wextra -Werror "$2" -o "$3" $flags -lm && LD_LIBRARY_PATH=$(dirname "$pc") "$3"
+}
+
+use_cc() { # prefix, program
+    lib=$(dirname "$(dirname "$(find "$1" -name hmf.pc)")")
+    cc "$root/tests/consumers/main.c" -I"$1/include" -L"$lib" -lhmf -lstdc++ -lm -o "$2" && LD_LIBRARY_PATH=$lib "$2"
+}
+
+version_matches() { # prefix
+    pc=$(dirname "$(find "$1" -name hmf.pc)")
+    header=$(sed -n 's/^#define HMF_VERSION_[MP][A-Z]* //p' "$1/include/hmf/hmf.h" | paste -sd.)
+    [ "$(PKG_CONFIG_PATH=$pc pkg-config --modversion hmf)" = "$header" ]
+}
+
+for shared in OFF ON; do
+    kind=static
+    [ $shared = ON ] && kind=shared
+    prefix=$work/moved-$kind
+    check "$kind-installs-relocatable" install_and_move $shared "$prefix"
+    check "$kind-version" version_matches "$prefix"
+    check "$kind-find_package" use_find_package "$prefix" "$work/find_package-$kind"
+    check "$kind-add_subdirectory" use_add_subdirectory $shared "$work/add_subdirectory-$kind"
+    check "$kind-pkg-config" use_pkg_config "$prefix" "$root/tests/consumers/main.c" "$work/pkg-config-$kind"
+    check "$kind-cc" use_cc "$prefix" "$work/cc-$kind"
+done
+
+# The first C block of the README.
+awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' "$root/README.md" > "$work/readme.c"
+check "readme-has-example" grep -q hmf_solve "$work/readme.c"
+check "readme-example" use_pkg_config "$work/moved-static" "$work/readme.c" "$work/readme"
+exit $failed

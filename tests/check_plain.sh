@@ -1,0 +1,48 @@
+#!/bin/sh
+# check_plain.sh WORK_FOLDER
+#
+# The library compiles without a build system and without a warning, and
+# gives the same bits with each compiler and optimisation.
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+work=$1
+failed=0
+reference=
+rm -rf "$work"
+mkdir -p "$work"
+
+for cxx in g++ clang++; do
+    if ! command -v $cxx > /dev/null; then
+        echo "skip plain $cxx (skipped: not installed)"
+        continue
+    fi
+    for level in -O0 -O2 -O3; do
+        name=$cxx$level
+        objects=$work/$name
+        mkdir -p "$objects"
+        if ! (cd "$objects" && printf '%s\n' "$root"/src/*/*.cpp | xargs -P 2 -n 4 \
+                $cxx -std=c++17 $level -Wall -Wextra -Wconversion -Werror -I"$root/include" -c) > "$objects/log" 2>&1; then
+            echo "not ok plain $name"
+            grep -E 'error|warning' "$objects/log" | head -20
+            failed=1
+            continue
+        fi
+        echo "ok plain $name"
+        if ! { $cxx -x c++ -std=c++17 -O1 -I"$root/include" -c "$root/tests/consumers/main.c" -o "$objects/main_program.o" &&
+                $cxx "$objects"/*.o -o "$objects/program" && "$objects/program" > "$objects/bits"; } > "$objects/log" 2>&1; then
+            echo "not ok plain-runs $name"
+            head -20 "$objects/log"
+            failed=1
+            continue
+        fi
+        [ -n "$reference" ] || reference=$objects/bits
+        if cmp -s "$reference" "$objects/bits"; then
+            echo "ok plain-same-bits $name"
+        else
+            echo "not ok plain-same-bits $name"
+            diff "$reference" "$objects/bits"
+            failed=1
+        fi
+    done
+done
+exit $failed
