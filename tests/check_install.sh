@@ -46,7 +46,7 @@ use_pkg_config() { # prefix, source, program
     pc=$(dirname "$(find "$1" -name hmf.pc)")
     flags=$(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs hmf) || return 1
     # The flags come last: a static library follows the object that needs it.
-    cc -std=c99 -Wall -Wextra -Werror "$2" -o "$3" $flags -lm && LD_LIBRARY_PATH=$(dirname "$pc") "$3"
+    cc -std=c99 -Wall -Wextra -Werror "$2" -o "$3" $flags && LD_LIBRARY_PATH=$(dirname "$pc") "$3"
 }
 
 use_cc() { # prefix, program

@@ -23,7 +23,7 @@ for cxx in g++ clang++; do
         if ! (cd "$objects" && printf '%s\n' "$root"/src/*/*.cpp | xargs -P 2 -n 4 \
                 $cxx -std=c++17 $level -Wall -Wextra -Wconversion -Werror -I"$root/include" -c) > "$objects/log" 2>&1; then
             echo "not ok plain $name"
-            grep -E 'error|warning' "$objects/log" | head -20
+            grep -E ' (error|warning):' "$objects/log" | cut -c 1-200 | head -12
             failed=1
             continue
         fi

@@ -46,6 +46,9 @@ awk 'NF == 3 && $2 !~ /[WVu]/ && $3 !~ /^hmf_/ && $3 !~ /^_ZN?K?[TVSI]*[0-9]*.*3
     "$work/nm-static" > "$work/clash"
 report "static-library-names" "$work/clash"
 
+nm -D --undefined-only -C "$shared" | grep hmf | sed 's/^ *U //; s/$/ is used but defined nowhere/' > "$work/undefined"
+report "nothing-undefined" "$work/undefined"
+
 objdump -p "$shared" | awk '$1 == "NEEDED" { print $2 }' |
     grep -vE '^(libc|libm|libstdc\+\+|libc\+\+|libgcc_s|libasan|libubsan|ld-linux[^.]*)\.so' |
     sed 's/$/ is needed/' > "$work/needed"

@@ -2,7 +2,6 @@
    checksum of the bits of the result, which depends on nothing else. */
 #include <hmf/hmf.h>
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,18 +14,34 @@ static uint32_t triangles[3 * 2 * N * M];
 
 static uint32_t at(int i, int j) { return (uint32_t)((i % N) * M + j % M); }
 
+/* Points on a circle without the mathematical library, so that a missing -lm
+   of hmf itself is seen; on a grid of 1/4096, so that the last bit does not matter. */
+static void circle(int n, double step_cos, double step_sin, double *x, double *y)
+{
+    double c = 1, s = 0;
+    int i;
+    for (i = 0; i < n; ++i) {
+        const double t = c * step_cos - s * step_sin;
+        x[i] = (double)(long)(c * 4096 + 4096.5) / 4096 - 1;
+        y[i] = (double)(long)(s * 4096 + 4096.5) / 4096 - 1;
+        s = s * step_cos + c * step_sin;
+        c = t;
+    }
+}
+
 static void make_torus(void)
 {
+    double x[N], y[N], u[M], v[M];
     int i, j;
     uint32_t *t = triangles;
+    circle(N, 0.9659258262890683, 0.25881904510252074, x, y); /* 15 degrees */
+    circle(M, 0.8660254037844387, 0.5, u, v);                 /* 30 degrees */
     for (i = 0; i < N; ++i) {
         for (j = 0; j < M; ++j) {
-            /* Rounded, so that the last bit of the C library's cosine does not matter. */
-            const double a = 6.283185307179586 * i / N, b = 6.283185307179586 * j / M;
             double *p = positions + 3 * at(i, j);
-            p[0] = floor((3 + cos(b)) * cos(a) * 4096 + 0.5) / 4096;
-            p[1] = floor((3 + cos(b)) * sin(a) * 4096 + 0.5) / 4096;
-            p[2] = floor(sin(b) * 4096 + 0.5) / 4096;
+            p[0] = (3 + u[j]) * x[i];
+            p[1] = (3 + u[j]) * y[i];
+            p[2] = v[j];
             *t++ = at(i, j); *t++ = at(i + 1, j); *t++ = at(i + 1, j + 1);
             *t++ = at(i, j); *t++ = at(i + 1, j + 1); *t++ = at(i, j + 1);
         }
