@@ -26,7 +26,7 @@ check() { # name, then the command
         echo "ok header $name"
     else
         echo "not ok header $name"
-        cat "$work/log"
+        head -15 "$work/log"
         failed=1
     fi
 }
