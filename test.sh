@@ -216,7 +216,7 @@ variant_valgrind() {
                 match($0, / name="[^"]*"/); n = substr($0, RSTART + 7, RLENGTH - 8)
                 match($0, / time="[^"]*"/); t = substr($0, RSTART + 7, RLENGTH - 8) + 0
                 match($0, / classname="[^"]*"/); c = substr($0, RSTART + 12, RLENGTH - 13)
-                if (t <= 0.1 && (sum += t) <= 2) printf "%s%s.%s", (k++ ? ":" : ""), c, n }' "$results/native-$name.xml")
+                if (t <= 0.1 && (sum += t) <= 1) printf "%s%s.%s", (k++ ? ":" : ""), c, n }' "$results/native-$name.xml")
         [ -n "$filter" ] || continue
         run_gtest "valgrind-$name" 600 valgrind -q --error-exitcode=9 --leak-check=full --show-leak-kinds=definite,indirect \
             --errors-for-leak-kinds=definite,indirect "$program" "--gtest_filter=$filter"
