@@ -36,7 +36,7 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
         const uint32_t first = mesh.out[v];
         uint32_t h = first;
         do {
-            side[at++] = {edge_of(h), edge_of(mesh.next[h])};
+            side[at++] = {h, edge_of(mesh.next[h])};
             sum += weight[edge_of(h)];
             // Both ends of an edge from v to v would move: such a vertex rests.
             if (mesh.target(h) == v) sum = HUGE_VAL;
@@ -50,7 +50,7 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
 }
 
 bool Star::allocate(Memory& memory, uint32_t max_degree) {
-    return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && half_edge.allocate(memory, max_degree)
+    return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree)
         && group.allocate(memory, max_degree) && group_pull.allocate(memory, max_degree);
 }
 
@@ -92,7 +92,7 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
     int64_t* corner2 = star.corner2.data();
     uint32_t* group = star.group.data();
     for (uint32_t t = 0; t < degree; ++t) {
-        F[t] = f.value[side[t].edge];
+        F[t] = f.value[edge_of(side[t].half_edge)];
         star.has_zero |= F[t] == 0;
     }
     uint32_t groups = 0;
@@ -103,7 +103,7 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
         if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
         if (!open_run) star.group_pull[groups++] = 0;
         group[t] = groups - 1;
-        const double pull = weight[side[t].edge] * static_cast<double>(F[t]);
+        const double pull = weight[edge_of(side[t].half_edge)] * static_cast<double>(F[t]);
         star.group_pull[groups - 1] += pull;
         star.pull += pull;
         open_run = F[u] > 0 && corner2[t] > 0;
@@ -117,8 +117,6 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
     }
     if (star.has_zero && groups > 0) {
         const Mesh& mesh = f.mesh;
-        uint32_t h = mesh.out[v];
-        for (uint32_t t = 0; t < degree; ++t, h = mesh.rotate_ccw(h)) star.half_edge[t] = h;
         // Runs on both sides of a row of zero edges, one direction?
         for (uint32_t t = 0; t < degree && groups > 1; ++t) {
             const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
@@ -126,13 +124,13 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
             uint32_t u = first_zero;
             while (F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
             if (group[u] == group[t]) continue;
-            if (walk_to_next_visit(f, star.half_edge[t], star.budget, star.decided) != star.half_edge[u]) continue;
-            const Cluster part = explore_cluster(f, mesh.target(star.half_edge[first_zero]), NONE, v, NONE, 0, star.budget);
+            if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
+            const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
             if (!part.complete) { star.decided = false; continue; }
             if (part.euler != 1) continue; // goes round a handle: different directions
             bool elsewhere = false;        // the part hangs on v in a second place: round a handle as well
             for (uint32_t s = u; s != first_zero; s = s + 1 < degree ? s + 1 : 0)
-                elsewhere |= F[s] == 0 && f.stamp[mesh.target(star.half_edge[s])] == f.epoch;
+                elsewhere |= F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
             if (elsewhere) continue;
             const uint32_t keep = group[t] < group[u] ? group[t] : group[u];
             const uint32_t drop = group[t] < group[u] ? group[u] : group[t];
@@ -153,8 +151,9 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
 namespace {
 
 // May v leave its cluster into direction star.best?
-bool may_leave(Foliation& f, uint32_t v, const Star& star) {
+bool may_leave(Foliation& f, const Rings& rings, uint32_t v, const Star& star) {
     const Mesh& mesh = f.mesh;
+    const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = star.degree;
     // A boundary vertex with one row of zero edges and one direction: the
     // cluster without it has the same shape and the same closed corners.
@@ -172,7 +171,7 @@ bool may_leave(Foliation& f, uint32_t v, const Star& star) {
         while (star.F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
         if (star.group[u] != star.best) continue;
         // Direction S on both sides of this part of the cluster.
-        const Cluster part = explore_cluster(f, mesh.target(star.half_edge[first_zero]), NONE, v, NONE, 2, star.budget);
+        const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 2, star.budget);
         if (part.closed_corners >= 2) continue;
         if (!part.complete) return false;
         if (part.euler != 1) continue;
@@ -182,8 +181,8 @@ bool may_leave(Foliation& f, uint32_t v, const Star& star) {
             if (star.F[s] == 0) continue;
             const uint32_t next = s + 1 < degree ? s + 1 : 0, before = s > 0 ? s - 1 : degree - 1;
             if (star.group[s] == star.best) continue;
-            if (star.F[next] == 0 && f.stamp[mesh.target(star.half_edge[next])] == f.epoch) ++corners;
-            if (star.F[before] == 0 && f.stamp[mesh.target(star.half_edge[before])] == f.epoch) ++corners;
+            if (star.F[next] == 0 && f.stamp[mesh.target(side[next].half_edge)] == f.epoch) ++corners;
+            if (star.F[before] == 0 && f.stamp[mesh.target(side[before].half_edge)] == f.epoch) ++corners;
         }
         if (corners < 2) return false;
     }
@@ -211,14 +210,14 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
                 limit = star.corner2[t] / 2;
         }
-        if (star.has_zero && (!star.decided || !may_leave(f, v, star))) {
+        if (star.has_zero && (!star.decided || !may_leave(f, rings, v, star))) {
             ++result.blocked;
             return moved;
         }
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);
         for (uint32_t t = 0; t < star.degree; ++t)
-            f.value[side[t].edge] = star.group[t] == star.best ? star.F[t] - mu : star.F[t] + mu;
+            f.value[edge_of(side[t].half_edge)] = star.group[t] == star.best ? star.F[t] - mu : star.F[t] + mu;
         const double step = static_cast<double>(mu);
         result.energy_change += step * (step * rings.weight_sum[v] - 2 * excess);
         ++result.moves;

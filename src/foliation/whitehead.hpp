@@ -6,10 +6,10 @@
 namespace hmf {
 
 // One-rings of a mesh as flat arrays, for sweeps: side t of vertex v has the
-// edge to neighbour t and the edge between neighbours t and t+1.  Side 0 is
+// half-edge to neighbour t and the edge between neighbours t and t+1.  Side 0 is
 // mesh.out[v]; counter-clockwise.
 struct Rings {
-    struct Side { uint32_t edge, opposite; };
+    struct Side { uint32_t half_edge, opposite; };
     Array<uint32_t> offset;    // vertex_count + 1
     Array<Side> side;          // 2 * edge_count
     Array<double> weight_sum;  // vertex_count, over the sides
@@ -27,7 +27,6 @@ struct Star {
     uint32_t budget = 512;      // vertices or steps that one move may look at
     Array<int64_t> F;           // per side
     Array<int64_t> corner2;     // twice the coordinate of the corner between sides t and t+1
-    Array<uint32_t> half_edge;  // per side; filled if has_zero
     Array<uint32_t> group;      // per side: direction, NONE for zero edges
     Array<double> group_pull;
     bool allocate(Memory& memory, uint32_t max_degree);

@@ -1,0 +1,115 @@
+// The cascadic multigrid method ([W] section 4): solve on the coarsest level,
+// interpolate, optimise, up to the input.
+#include "solve.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+hmf_level_report* Recorder::level(size_t index) {
+    return report_ && report_->levels && index < report_->level_capacity ? &report_->levels[index] : nullptr;
+}
+
+void Recorder::count_levels(size_t n) {
+    if (report_) report_->level_count = n;
+}
+
+void Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
+    if (!report_) return;
+    if (report_->history && report_->history_count < report_->history_capacity) {
+        hmf_history_entry& entry = report_->history[report_->history_count];
+        entry.seconds = call_.seconds();
+        entry.energy = energy_units * unit_ * unit_;
+        entry.residual_max = residual_max;
+        entry.level = static_cast<uint32_t>(level);
+        entry.kind = kind;
+    }
+    ++report_->history_count;
+}
+
+bool LevelWork::prepare() {
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree))
+        return false;
+    // Searches round clusters may look at all of a small level.
+    const uint32_t n = state.foliation.mesh.vertex_count;
+    star.budget = n < 64 ? 512 : n < 1024 ? 8 * n : n > 100000 ? 512 : 8192;
+    return true;
+}
+
+hmf_status whitehead_level(LevelWork& work, double tolerance) {
+    Foliation& f = work.state.foliation;
+    double D = energy(f, work.level.weight);
+    for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
+        SweepResult result;
+        // The number of sweeps is not known; the fraction tends to 1.
+        const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / 50);
+        sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
+        ++work.statistics.iterations;
+        D += result.energy_change;
+        work.record(1, D, -1);
+        if (f.out_of_memory) return work.call.out_of_memory();
+        if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
+        if (-result.energy_change <= tolerance * D) return HMF_OK;
+        if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+    }
+    return HMF_LIMIT_ITERATIONS;
+}
+
+namespace {
+
+hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, hmf_level_report& statistics) {
+    const double start = call.seconds();
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
+    if (!work.prepare()) return call.out_of_memory();
+    // Coarse levels of the direct method only provide a start.
+    const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
+                                                                   : whitehead_level(work, options.tolerance);
+    statistics.iterations = work.statistics.iterations;
+    statistics.linear_solves = work.statistics.linear_solves;
+    statistics.optimize_seconds = call.seconds() - start;
+    return status;
+}
+
+} // namespace
+
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder) {
+    const hmf_hierarchy& h = *state.hierarchy;
+    recorder.count_levels(state.level - options.stop_level + 1);
+    // Progress: each level its share of the edges.
+    double total = 0, done = 0;
+    for (size_t k = options.stop_level; k <= state.level; ++k) total += static_cast<double>(h.levels[k].mesh.edge_count);
+    hmf_status status = HMF_OK;
+    for (;;) {
+        const size_t k = state.level;
+        const Level& level = h.levels[k];
+        const double share = static_cast<double>(level.mesh.edge_count) / total;
+        hmf_level_report statistics{};
+        statistics.vertices = level.mesh.vertex_count;
+        statistics.edges = level.mesh.edge_count;
+        statistics.nld = level.raised_count;
+        hmf_level_report* entry = recorder.level(k - options.stop_level);
+        if (entry) statistics.interpolate_seconds = entry->interpolate_seconds;
+        call.range(done, done + 0.9 * share);
+        const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
+        if (!stop_improving) {
+            const hmf_status here = optimise(state, options, call, recorder, statistics);
+            if (here >= HMF_ERROR_NULL) return here;
+            // Only the last level decides, unless the whole call ran out of something.
+            status = here;
+        }
+        done += share;
+        if (entry) *entry = statistics;
+        if (call.cancelled()) return HMF_CANCELLED;
+        if (k == options.stop_level) return status;
+
+        const double start = call.seconds();
+        call.range(done, done);
+        if (!state.refine(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
+        if (state.level == 0 && !state.to_intrinsic(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
+        if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
+            finer->interpolate_seconds = call.seconds() - start;
+        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight), -1);
+    }
+}
+
+} // namespace hmf

@@ -1,0 +1,60 @@
+// From an initial foliation to the harmonic one: the cascade over the levels
+// ([W] section 4) with one of the methods on each of them.
+#pragma once
+
+#include "../foliation/whitehead.hpp"
+#include "state.hpp"
+
+namespace hmf {
+
+struct SolveOptions {
+    int32_t method = HMF_METHOD_NEWTON;
+    double tolerance = 0;       // resolved, > 0
+    uint64_t iteration_limit = 100000;
+    size_t stop_level = 0;
+};
+
+// Writes the caller's report; every member may be called without one.
+class Recorder {
+public:
+    Recorder(hmf_report* report, const Call& call, double unit) : report_(report), call_(call), unit_(unit) {}
+    hmf_level_report* level(size_t index); // entry of a level, nullptr if not wanted; index 0 = stop level
+    void event(size_t level, uint32_t kind, double energy_units, double residual_max);
+    void count_levels(size_t n);
+    hmf_report* report() const { return report_; }
+    double unit() const { return unit_; }
+
+private:
+    hmf_report* report_;
+    const Call& call_;
+    double unit_;
+};
+
+// What a method needs on one level.
+struct LevelWork {
+    State& state;
+    const Level& level;
+    const SolveOptions& options;
+    Call& call;
+    Recorder& recorder;
+    Rings rings;
+    Star star;
+    hmf_level_report statistics{};
+    // Room for both; false: out of memory.
+    bool prepare();
+    void record(uint32_t kind, double energy_units, double residual_max) {
+        recorder.event(state.level, kind, energy_units, residual_max);
+    }
+};
+
+// Methods on one level: HMF_OK when converged to the tolerance, HMF_LIMIT_*,
+// HMF_CANCELLED (also for finishing), or a memory error.
+hmf_status whitehead_level(LevelWork& work, double tolerance);
+hmf_status newton_level(LevelWork& work, double tolerance);
+
+// Cascade from state.level to options.stop_level.  Ends on the intrinsic side
+// of level 0.  Result as above; other than memory errors and a plain
+// cancellation (call.cancelled()) it always arrives at the stop level.
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder);
+
+} // namespace hmf
