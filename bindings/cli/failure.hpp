@@ -1,0 +1,28 @@
+// How a command of the tool ends early: an exit status and a sentence.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "../../include/hmf/hmf.h"
+
+namespace cli {
+
+enum ExitStatus : int {
+    EXIT_SOLVED = 0,
+    EXIT_USAGE = 2,
+    EXIT_BAD_INPUT = 3,
+    EXIT_LIMIT = 4,
+    EXIT_RESOURCES = 5,
+};
+
+struct Failure : std::runtime_error {
+    ExitStatus exit_status;
+    Failure(ExitStatus status, const std::string& sentence) : std::runtime_error(sentence), exit_status(status) {}
+};
+
+// Throws what a status of the library means for the caller of the tool.
+// subject: the file that the element of the error belongs to.
+[[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject);
+
+} // namespace cli

@@ -1,0 +1,48 @@
+// The local potential u of a foliation: |u_i - u_j| = F_ij in each triangle.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "../../include/hmf/hmf.h"
+
+namespace cli {
+
+// A foliation on the input mesh, as flat arrays in the numbering of level 0.
+struct Foliation {
+    std::vector<double> positions;         // 3 per vertex
+    std::vector<uint32_t> triangles;       // 3 per triangle
+    std::vector<uint32_t> triangle_edges;  // 3 per triangle; side s joins corners s and s+1
+    std::vector<uint32_t> edge_vertices;   // 2 per edge
+    std::vector<double> values;            // F, 1 per edge
+    std::vector<hmf_singularity> singular; // zeros and poles
+    std::vector<double> loop_weights;      // all > 0
+    size_t triangle_count() const { return triangles.size() / 3; }
+};
+
+enum class Piece : uint8_t {
+    linear, // the corners lie on a segment of the tree; u is linear
+    tripod, // u[c] is the distance of corner c from the branch point
+    zero,   // all three corners are one point of the tree
+};
+
+struct Potential {
+    std::vector<std::array<double, 3>> u;
+    std::vector<Piece> piece;
+    double step = 1;    // an even function of u whose period divides step is continuous on the surface
+    bool exact = true;  // false: the weights have no common divisor to speak of, seams are possible
+};
+
+// u is 0 at the zeros.
+Potential local_potential(const Foliation& foliation);
+
+// Length of the gradient of u in every triangle, and its mean by area.
+double mean_gradient(const Foliation& foliation, const Potential& potential);
+
+// (u, v) per corner, 6 numbers per triangle: v is the conjugate of u in each
+// triangle, and agrees with the neighbours at the midpoints of the edges of a
+// spanning tree; where the foliation is harmonic, at nearly all midpoints.
+std::vector<double> texture_coordinates(const Foliation& foliation, const Potential& potential);
+
+} // namespace cli

@@ -1,0 +1,68 @@
+#include "read_loops.hpp"
+
+#include <charconv>
+
+#include "failure.hpp"
+#include "read_mesh.hpp"
+
+namespace cli {
+
+LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangle_count) {
+    const std::string text = read_file(path);
+    LoopList loops;
+    size_t line = 0;
+    for (size_t begin = 0; begin < text.size();) {
+        size_t end = text.find('\n', begin);
+        if (end == std::string::npos) end = text.size();
+        std::string row = text.substr(begin, end - begin);
+        begin = end + 1;
+        ++line;
+        const std::string where = path + ":" + std::to_string(line) + ": ";
+        row.erase(std::min(row.size(), row.find('#')));
+        for (char& c : row)
+            if (c == ',' || c == '\t' || c == '\r') c = ' ';
+
+        const char* at = row.data();
+        const char* const stop = at + row.size();
+        const auto skip_blanks = [&] {
+            while (at != stop && *at == ' ') ++at;
+        };
+        skip_blanks();
+        if (at == stop) continue;
+        int32_t kind = HMF_LOOP_VERTICES;
+        if (stop - at >= 2 && at[1] == ':' && (at[0] == 't' || at[0] == 'v')) {
+            kind = at[0] == 't' ? HMF_LOOP_TRIANGLES : HMF_LOOP_VERTICES;
+            at += 2;
+        }
+        if (loops.count() > 0 && kind != loops.element_kind)
+            throw Failure(EXIT_BAD_INPUT, where + "loops of vertices and loops of triangles in one file; write all of them in one way");
+        loops.element_kind = kind;
+        const bool triangles = kind == HMF_LOOP_TRIANGLES;
+        const size_t limit = triangles ? triangle_count : vertex_count;
+        for (skip_blanks(); at != stop; skip_blanks()) {
+            uint32_t index = 0;
+            const std::from_chars_result parsed = std::from_chars(at, stop, index);
+            if (parsed.ec != std::errc() || (parsed.ptr != stop && *parsed.ptr != ' ')) {
+                const char* word = at;
+                while (at != stop && *at != ' ') ++at;
+                throw Failure(EXIT_BAD_INPUT, where + "\"" + std::string(word, at) + "\" is not an index; write whole numbers from 0, or t: and whole numbers");
+            }
+            at = parsed.ptr;
+            if (index >= limit)
+                throw Failure(EXIT_BAD_INPUT, where + (triangles ? "triangle " : "vertex ") + std::to_string(index) +
+                                                  " does not exist; the mesh has " + std::to_string(limit) + ", counted from 0");
+            loops.elements.push_back(index);
+        }
+        if (loops.elements.size() == loops.offsets.back())
+            throw Failure(EXIT_BAD_INPUT, where + "a loop without elements");
+        // A path that repeats its first element at the end means the same loop.
+        if (loops.elements.size() > loops.offsets.back() + 1 && loops.elements.back() == loops.elements[loops.offsets.back()])
+            loops.elements.pop_back();
+        loops.offsets.push_back(loops.elements.size());
+        loops.lines.push_back(line);
+    }
+    if (loops.count() == 0) throw Failure(EXIT_BAD_INPUT, path + ": no loops; write one loop a line");
+    return loops;
+}
+
+} // namespace cli

@@ -1,0 +1,25 @@
+// Loops of the caller, from a text file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "../../include/hmf/hmf.h"
+
+namespace cli {
+
+struct LoopList {
+    int32_t element_kind = HMF_LOOP_TRIANGLES;
+    std::vector<uint64_t> offsets{0};
+    std::vector<uint32_t> elements;
+    std::vector<size_t> lines; // of the file, one per loop; empty for loops of the library
+    size_t count() const { return offsets.size() - 1; }
+};
+
+// One loop a line, indices from 0 separated by blanks or commas: vertices of a
+// closed path of edges, or "t:" and triangles that follow each other across
+// edges.  "#" begins a comment, empty lines are skipped.  Throws Failure.
+LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangle_count);
+
+} // namespace cli

@@ -1,0 +1,29 @@
+// The commands that call the library.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "../../include/hmf/hmf.h"
+#include "read_mesh.hpp"
+
+namespace cli {
+
+struct SolveRequest {
+    std::string mesh_name;            // for messages
+    std::string loops = "cut";        // cut, or a file
+    std::vector<double> loop_weights; // empty: all 1
+    int32_t method = HMF_METHOD_DEFAULT;
+    int32_t collapse = HMF_COLLAPSE_DEFAULT;
+    double ratio = 0, tolerance = 0, time_limit = 0;
+    uint64_t coarsest = 0;
+    // Outputs; empty: not wanted.
+    std::vector<std::string> values;
+    std::string report, history, textured_obj, image;
+};
+
+// Both print to standard output, and return an exit status or throw Failure.
+int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& request);
+int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json);
+
+} // namespace cli

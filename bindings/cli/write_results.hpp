@@ -1,0 +1,35 @@
+// Files with results.  All throw Failure(EXIT_RESOURCES) when the disk refuses.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "../../include/hmf/hmf.h"
+#include "potential.hpp"
+#include "read_mesh.hpp"
+#include "render.hpp"
+
+namespace cli {
+
+// What --report holds.
+struct Summary {
+    size_t vertices = 0, edges = 0, triangles = 0, genus = 0, loops = 0;
+    std::string method;
+    double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
+    uint64_t peak_memory_bytes = 0;
+    hmf_report report{};
+    std::vector<hmf_level_report> levels;
+};
+
+// Throws unless a file of this name can be made: asked before the work, not after.
+void check_writable(const std::string& path);
+
+void write_values_csv(const std::string& path, const Foliation& foliation);
+void write_values_npy(const std::string& path, const std::vector<double>& values);
+void write_report(const std::string& path, const Summary& summary);
+void write_history(const std::string& path, const std::vector<hmf_history_entry>& history);
+void write_png(const std::string& path, const Image& image);
+void write_mesh_obj(const std::string& path, const TriangleMesh& mesh);
+void write_textured_obj(const std::string& path, const Foliation& foliation, const std::vector<double>& uv);
+
+} // namespace cli
