@@ -38,10 +38,10 @@ Vec unit(Vec a) {
 }
 
 using Colour = Vec; // linear light
-constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.90, 0.88, 0.84}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02};
+constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02};
 
-// Smallest principal axis of the points, by Jacobi rotations.
-Vec smallest_axis(const std::vector<Vec>& points) {
+// Principal axes of the points, the smallest first, by Jacobi rotations.
+std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
     Vec mean;
     for (Vec p : points) mean = mean + (1.0 / double(points.size())) * p;
     double m[3][3] = {}, v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -73,10 +73,11 @@ Vec smallest_axis(const std::vector<Vec>& points) {
                     v[k][q] = s * a + c * b;
                 }
             }
-    int least = 0;
-    for (int i = 1; i < 3; ++i)
-        if (m[i][i] < m[least][least]) least = i;
-    return unit({v[0][least], v[1][least], v[2][least]});
+    std::array<int, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return m[a][a] < m[b][b]; });
+    std::array<Vec, 3> axes;
+    for (size_t i = 0; i < 3; ++i) axes[i] = unit({v[0][order[i]], v[1][order[i]], v[2][order[i]]});
+    return axes;
 }
 
 // Camera at distance `back` from the centre, looking along -forward.
@@ -91,10 +92,15 @@ struct Camera {
 
 Camera place_camera(const std::vector<Vec>& points) {
     Camera camera;
-    Vec axis = smallest_axis(points);
+    const std::array<Vec, 3> axes = principal_axes(points);
+    Vec axis = axes[0];
     // Models stand upright along y or z; take the one that lies in the picture.
-    const Vec upright = std::fabs(axis.y) < 0.75 ? Vec{0, 1, 0} : Vec{0, 0, 1};
+    // One that stands askew to its own axes is laid along its longest.
+    Vec upright = std::fabs(axis.y) < 0.75 ? Vec{0, 1, 0} : Vec{0, 0, 1};
     if (axis.x + axis.y + axis.z < 0) axis = -1.0 * axis;
+    const Vec projected = unit(upright - dot(upright, axis) * axis);
+    if (std::max(std::fabs(dot(projected, axes[1])), std::fabs(dot(projected, axes[2]))) < 0.9)
+        upright = dot(axes[1], upright) < 0 ? -1.0 * axes[1] : axes[1];
     const Vec up = unit(upright - dot(upright, axis) * axis), side = cross(up, axis);
     camera.forward = unit(axis + 0.42 * up + 0.36 * side);
     camera.right = unit(cross(up, camera.forward));
@@ -112,13 +118,25 @@ Camera place_camera(const std::vector<Vec>& points) {
     }
     camera.centre = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up +
                     0.5 * (low[2] + high[2]) * camera.forward;
-    camera.back = 0;
-    double back = 0;
-    for (Vec p : points) {
-        const Vec c = camera.to_camera(p);
-        back = std::max({back, c.z + camera.focal * std::fabs(c.x) / aspect, c.z + camera.focal * std::fabs(c.y)});
+    // Perspective moves near parts outward: centre what is seen, and again.
+    for (int round = 0; round < 4; ++round) {
+        camera.back = 0;
+        double back = 0;
+        for (Vec p : points) {
+            const Vec c = camera.to_camera(p);
+            back = std::max({back, c.z + camera.focal * std::fabs(c.x) / aspect, c.z + camera.focal * std::fabs(c.y)});
+        }
+        camera.back = 1.08 * back;
+        double left = 1e300, right = -1e300, bottom = 1e300, top = -1e300;
+        for (Vec p : points) {
+            const Vec c = camera.to_camera(p);
+            left = std::min(left, -c.x / c.z);
+            right = std::max(right, -c.x / c.z);
+            bottom = std::min(bottom, -c.y / c.z);
+            top = std::max(top, -c.y / c.z);
+        }
+        if (round < 3) camera.centre = camera.centre + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
     }
-    camera.back = 1.08 * back;
     return camera;
 }
 
@@ -270,7 +288,7 @@ private:
     static Colour shade(Colour albedo, Vec n, Vec view) {
         static const Vec key = unit({-0.45, 0.75, 0.65}), fill = unit({0.85, 0.1, 0.45});
         const double sky = 0.5 + 0.5 * n.y;
-        const double diffuse = 0.20 + 0.16 * sky + 0.62 * std::max(0.0, dot(n, key)) + 0.17 * std::max(0.0, dot(n, fill));
+        const double diffuse = 0.22 + 0.18 * sky + 0.68 * std::max(0.0, dot(n, key)) + 0.17 * std::max(0.0, dot(n, fill));
         const Vec half = unit(key + view);
         const double shine = 0.10 * std::pow(std::max(0.0, dot(n, half)), 45.0);
         const double rim = 0.05 * std::pow(1 - std::clamp(dot(n, view), 0.0, 1.0), 3.0);

@@ -20,8 +20,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-constexpr double CELL = 0.0345, LOW_XY = -2.15, LOW_Z = -1.3;
-constexpr size_t COUNT_XY = 125, COUNT_Z = 76;
+constexpr double CELL = 0.0425, LOW_XY = -2.15, LOW_Z = -1.3;
+constexpr size_t COUNT_XY = 102, COUNT_Z = 62;
 
 double smooth_minimum(double a, double b, double width) {
     const double h = std::max(0.0, width - std::fabs(a - b)) / width;

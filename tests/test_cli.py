@@ -1,0 +1,340 @@
+#!/usr/bin/env python3
+"""Tests of the command line tool: test_cli.py PATH_TO_HMF
+
+Formats, every output, exit status and sentence of every error.
+"""
+import csv
+import json
+import math
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+TOOL = None
+
+
+def torus(n=24, m=16):
+    """Vertices and quads of a torus."""
+    points, quads = [], []
+    for i in range(n):
+        for j in range(m):
+            a, b = 2 * math.pi * i / n, 2 * math.pi * (j + 0.3 * i) / m
+            r = 2 + 0.8 * math.cos(b)
+            points.append((r * math.cos(a), r * math.sin(a), 0.8 * math.sin(b)))
+    # The grid turns while it goes round: 0.3 * n is not whole, so shift the seam.
+    for i in range(n):
+        shift = round(0.3 * n) if i == n - 1 else 0
+        for j in range(m):
+            k = (i + 1) % n
+            quads.append((i * m + j, k * m + (j + shift) % m, k * m + (j + 1 + shift) % m, i * m + (j + 1) % m))
+    return points, quads
+
+
+def triangles_of(quads):
+    return [t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))]
+
+
+def tetrahedron():
+    return [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+
+
+def obj_text(points, faces, face_format="{}"):
+    lines = ["v %.17g %.17g %.17g" % p for p in points]
+    lines += ["f " + " ".join(face_format.format(i + 1) for i in f) for f in faces]
+    return "\n".join(lines) + "\n"
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.points, self.quads = torus()
+        self.triangles = triangles_of(self.quads)
+        self.mesh = self.write("torus.obj", obj_text(self.points, self.triangles))
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, content):
+        with open(self.path(name), "wb") as f:
+            f.write(content if isinstance(content, bytes) else content.encode())
+        return self.path(name)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as f:
+            return f.read()
+
+    def run_tool(self, *arguments, status=0):
+        done = subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=300)
+        self.assertEqual(done.returncode, status, "hmf %s\n%s%s" % (" ".join(arguments), done.stdout, done.stderr))
+        return done
+
+    def refused(self, status, *arguments, says=()):
+        done = self.run_tool(*arguments, status=status)
+        text = done.stdout + done.stderr
+        for part in says:
+            self.assertIn(part, text)
+        return done
+
+
+class Usage(Case):
+    def test_help_and_version(self):
+        self.assertIn("solve", self.run_tool("--help").stdout)
+        self.assertIn("--loops", self.run_tool("solve", "--help").stdout)
+        self.assertRegex(self.run_tool("--version").stdout, r"hmf \d+\.\d+\.\d+")
+
+    def test_usage_errors(self):
+        self.refused(2)
+        self.refused(2, "paint")
+        self.refused(2, "solve")
+        self.refused(2, "solve", self.mesh, "--method", "magic", says=["magic"])
+        self.refused(2, "solve", self.mesh, "--ratio", "x")
+        self.refused(2, "solve", self.mesh, "--ratio", "3", says=["ratio"])
+        self.refused(2, "solve", self.mesh, "--unknown")
+        self.refused(2, "solve", self.mesh, "--loops", "handle", says=["later version"])
+        self.refused(2, "solve", self.mesh, "--loops", "pants", says=["later version"])
+        self.refused(2, "solve", self.mesh, "--weights", "1,2,3", says=["--weights", "1 loops"])
+        self.refused(2, "solve", self.mesh, "--values", self.path("a.txt"), says=[".csv or .npy"])
+        self.refused(2, "solve", self.mesh, "--image", self.path("a.gif"), says=[".png"])
+        self.refused(2, "solve", self.mesh, "--obj", self.mesh, says=["input"])
+        self.refused(2, "solve", self.mesh, "--values", self.path("a.csv"), "--history", self.path("a.csv"), says=["two"])
+        self.refused(2, "info", self.write("mesh.xyz", "0 0 0"), says=[".xyz", ".stl"])
+
+    def test_file_errors(self):
+        self.refused(5, "info", self.path("missing.obj"), says=["missing.obj"])
+        self.refused(5, "solve", self.mesh, "--loops", self.path("missing.txt"), says=["missing.txt"])
+        self.refused(5, "solve", self.mesh, "--values", self.path("no/such/folder.csv"), says=["folder.csv"])
+        self.refused(5, "demo", self.mesh, says=["torus.obj"])
+        if os.path.exists("/dev/full"):
+            os.symlink("/dev/full", self.path("full.csv"))
+            self.refused(5, "solve", self.mesh, "--values", self.path("full.csv"), says=["full.csv"])
+
+
+class Meshes(Case):
+    def counts(self, path):
+        return json.loads(self.run_tool("info", path, "--json").stdout)
+
+    def test_info(self):
+        text = self.run_tool("info", self.mesh).stdout
+        self.assertIn("genus 1", text)
+        report = self.counts(self.mesh)
+        n = len(self.points)
+        self.assertEqual((report["vertices"], report["edges"], report["triangles"], report["genus"]), (n, 3 * n, 2 * n, 1))
+        self.assertTrue(report["valid"])
+
+    def test_formats(self):
+        n = len(self.points)
+        stl = b"\0" * 80 + struct.pack("<I", len(self.triangles))
+        for t in self.triangles:
+            stl += struct.pack("<3f", 0, 0, 0) + b"".join(struct.pack("<3f", *self.points[i]) for i in t) + b"\0\0"
+        ascii_stl = "solid t\n" + "".join(
+            "facet normal 0 0 0\nouter loop\n" + "".join("vertex %.9g %.9g %.9g\n" % self.points[i] for i in t) + "endloop\nendfacet\n"
+            for t in self.triangles) + "endsolid t\n"
+        ply_head = ("ply\nformat %s 1.0\nelement vertex %d\nproperty double x\nproperty double y\nproperty double z\n"
+                    "element face %d\nproperty list uchar int vertex_indices\nend_header\n")
+        ply = ply_head % ("ascii", n, len(self.quads)) + "".join("%r %r %r\n" % p for p in self.points)
+        ply += "".join("4 %d %d %d %d\n" % q for q in self.quads)
+        binary_ply = (ply_head % ("binary_little_endian", n, len(self.triangles))).encode()
+        binary_ply += b"".join(struct.pack("<3d", *p) for p in self.points) + b"".join(struct.pack("<B3i", 3, *t) for t in self.triangles)
+        off = "OFF\n%d %d 0\n" % (n, len(self.triangles)) + "".join("%r %r %r\n" % p for p in self.points)
+        off += "".join("3 %d %d %d\n" % t for t in self.triangles)
+        vt = "vt 0 0\nvn 0 0 1\nmtllib a.mtl\no torus\ng a\ns 1\nusemtl b\nl 1 2\n# comment\n"
+        negative = obj_text(self.points, []) + "".join("f " + " ".join(str(i - n) for i in t) + "\n" for t in self.triangles)
+        for name, content in [
+                ("b.stl", stl), ("a.stl", ascii_stl), ("a.ply", ply), ("b.PLY", binary_ply), ("a.off", off), ("quads.obj", obj_text(self.points, self.quads)),
+                ("slashes.obj", vt + obj_text(self.points, self.triangles, "{}/1/1")), ("normals.obj", vt + obj_text(self.points, self.triangles, "{}//1")),
+                ("texture.obj", vt + obj_text(self.points, self.triangles, "{}/1")), ("crlf.obj", obj_text(self.points, self.triangles).replace("\n", "\r\n")),
+                ("negative.obj", negative)]:
+            report = self.counts(self.write(name, content))
+            self.assertEqual((report["vertices"], report["triangles"], report["genus"]), (n, 2 * n, 1), name)
+
+    def test_unreadable(self):
+        good = obj_text(self.points, self.triangles)
+        self.refused(3, "info", self.write("empty.obj", ""), says=["empty.obj"])
+        self.refused(3, "info", self.write("text.obj", "hello\n"), says=["text.obj", "line 1"])
+        self.refused(3, "info", self.write("vertex.obj", "v 0 0 0\nv 0 x 0\n" + good), says=["line 2"])
+        self.refused(3, "info", self.write("short.obj", good + "f 1 2\n"), says=["face %d" % len(self.triangles), "three corners"])
+        self.refused(3, "info", self.write("index.obj", good + "f 1 2 9999\n"), says=["face %d" % len(self.triangles), "does not exist"])
+        self.refused(3, "info", self.write("zero.obj", good + "f -9999 2 3\n"), says=["does not exist"])
+        self.refused(3, "info", self.write("cut.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n"), says=["cut.off"])
+        self.refused(3, "info", self.write("cut.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), says=["cut.ply"])
+        self.refused(3, "info", self.write("cut.stl", b"\0" * 80 + struct.pack("<I", 5) + b"\0" * 60), says=["cut.stl"])
+
+    def test_refused_meshes(self):
+        points, triangles = tetrahedron()
+        self.refused(3, "info", self.write("sphere.obj", obj_text(points, triangles)), says=["sphere.obj", "genus 0"])
+        done = self.refused(3, "info", self.path("sphere.obj"), "--json")
+        self.assertFalse(json.loads(done.stdout)["valid"])
+        t, p = self.triangles, self.points
+        n = len(p)
+        for name, points, triangles, says in [
+                ("open", p, t[:-1], "edge"), ("triple", p + [(9, 9, 9)], t + [(0, 1, n)], "edge"), ("turned", p, t[:-1] + [t[-1][::-1]], "triangle"),
+                ("repeated", p, t + [(0, 0, 1)], "triangle %d" % len(t)), ("unused", p + [(9, 9, 9)], t, "vertex %d" % n),
+                ("two", p + [(x + 9, y, z) for x, y, z in p], t + [(a + n, b + n, c + n) for a, b, c in t], "component")]:
+            path = self.write(name + ".obj", obj_text(points, triangles))
+            self.refused(3, "info", path, says=[path, says])
+            self.refused(3, "solve", path, says=[path, says])
+
+
+class Solve(Case):
+    def test_outputs(self):
+        out = {name: self.path(name) for name in ("v.csv", "r.json", "h.csv", "t.obj", "i.png", "v.npy")}
+        done = self.run_tool("solve", self.mesh, "--values", out["v.csv"], "--report", out["r.json"], "--history", out["h.csv"],
+                             "--obj", out["t.obj"], "--image", out["i.png"])
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(len(done.stdout.splitlines()), 1)
+        for word in ("genus 1", "energy", "residual", "zeros", "poles", " s"):
+            self.assertIn(word, done.stdout)
+        self.run_tool("solve", self.mesh, "--values", out["v.npy"])
+
+        edges = []
+        seen = set()
+        for t in self.triangles:
+            for a, b in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0])):
+                if frozenset((a, b)) not in seen:
+                    seen.add(frozenset((a, b)))
+                    edges.append(frozenset((a, b)))
+        with open(out["v.csv"]) as f:
+            rows = list(csv.reader(f))
+        self.assertEqual([frozenset((int(a), int(b))) for a, b, _ in rows], edges)
+        values = [float(row[2]) for row in rows]
+        npy = self.read("v.npy")
+        self.assertEqual(npy[:8], b"\x93NUMPY\x01\x00")
+        length = struct.unpack("<H", npy[8:10])[0]
+        self.assertEqual((10 + length) % 64, 0)
+        self.assertIn("'shape': (%d,)" % len(edges), npy[10:10 + length].decode())
+        self.assertEqual(list(struct.unpack("<%dd" % len(edges), npy[10 + length:])), values)
+        by_edge = dict(zip(edges, values))
+        for t in self.triangles:
+            f = sorted(by_edge[frozenset(e)] for e in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0])))
+            self.assertGreaterEqual(f[0] + f[1], f[2])
+
+        report = json.loads(self.read("r.json").decode())
+        self.assertEqual(set(report), {
+            "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
+            "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes"})
+        self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1})
+        self.assertEqual((report["loops"], report["poles"], report["index_sum"]), (1, 0, 0))
+        self.assertIs(report["converged"], True)
+        self.assertGreater(report["energy"], 0)
+        self.assertGreater(report["peak_memory_bytes"], 0)
+        self.assertGreaterEqual(len(report["levels"]), 1)
+        for level in report["levels"]:
+            self.assertEqual(set(level), {"vertices", "edges", "nld", "iterations", "linear_solves", "optimize_seconds", "interpolate_seconds"})
+        self.assertEqual(report["levels"][0]["edges"], len(edges))
+
+        history = self.read("h.csv").decode().splitlines()
+        self.assertEqual(history[0], "seconds,energy,residual_max,level,kind")
+        self.assertGreater(len(history), 1)
+        obj = self.read("t.obj").decode().splitlines()
+        self.assertEqual(sum(line.startswith("vt ") for line in obj), 3 * len(self.triangles))
+        self.assertEqual(sum(line.startswith("f ") for line in obj), len(self.triangles))
+        self.run_tool("info", out["t.obj"])
+        png = self.read("i.png")
+        self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", png[16:24]), (1400, 1050))
+
+    def test_same_bits_twice(self):
+        for name in ("a.csv", "b.csv"):
+            self.run_tool("solve", self.mesh, "--values", self.path(name))
+        self.assertEqual(self.read("a.csv"), self.read("b.csv"))
+
+    def test_methods_agree(self):
+        energies = []
+        for method in ("whitehead", "single-level"):
+            self.run_tool("solve", self.mesh, "--method", method, "--tolerance", "1e-10", "--report", self.path("r.json"))
+            report = json.loads(self.read("r.json").decode())
+            self.assertEqual(report["method"], method)
+            energies.append(report["energy"])
+        self.assertAlmostEqual(energies[0] / energies[1], 1, 2)
+
+    def test_loops(self):
+        m = 16
+        meridian = " ".join(str(j) for j in range(m))
+        report = self.path("r.json")
+        energies = []
+        for text in (meridian, "# the seam\n\nv: " + meridian.replace(" ", ",") + "  # and its end\n"):
+            self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", text), "--report", report)
+            energies.append(json.loads(self.read("r.json").decode())["energy"])
+        # The strip of triangles beside that meridian.
+        self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", "t: " + " ".join(str(t) for t in range(2 * m))), "--report", report)
+        energies.append(json.loads(self.read("r.json").decode())["energy"])
+        for energy in energies:
+            self.assertAlmostEqual(energy / energies[0], 1, 3)
+        self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", meridian), "--weights", "2", "--report", report)
+        self.assertAlmostEqual(json.loads(self.read("r.json").decode())["energy"] / energies[0], 4, 2)
+
+    def test_bad_loops(self):
+        def bad(text, *says):
+            path = self.write("loops.txt", text)
+            self.refused(3, "solve", self.mesh, "--loops", path, says=[path, *says])
+        bad("", "no loops")
+        bad("0 1 x\n", ":1:", "\"x\"")
+        bad("0 1 2.5\n", ":1:", "2.5")
+        bad("# comment\n0 1 -2\n", ":2:", "-2")
+        bad("0 1 99999\n", ":1:", "99999", "does not exist")
+        bad("t: 99999\n", ":1:", "triangle 99999")
+        bad("0 1 2\nt: 0 1\n", ":2:")
+        bad("t:\n", ":1:")
+        bad("\n0 5 9\n", ":2")                                            # no path
+        # A loop around one vertex bounds a disk.
+        star = [t for t in self.triangles if 0 in t]
+        ring, follow = [], {t[(t.index(0) + 1) % 3]: t[(t.index(0) + 2) % 3] for t in star}
+        at = next(iter(follow))
+        for _ in follow:
+            ring.append(at)
+            at = follow[at]
+        bad(" ".join(map(str, ring)), ":1", "disk")
+        m = 16
+        bad(" ".join(map(str, range(m))) + "\n" + " ".join(map(str, range(4 * m, 5 * m))), ":2", "homotopic")
+
+    def test_bad_weights(self):
+        for weight in ("0", "-1", "nan"):
+            self.refused(3, "solve", self.mesh, "--weights=" + weight)
+
+    def test_limit_still_writes(self):
+        points, quads = torus(120, 60)
+        mesh = self.write("large.obj", obj_text(points, triangles_of(quads)))
+        done = self.run_tool("solve", mesh, "--method", "single-level", "--tolerance", "1e-15", "--time-limit", "0.02",
+                             "--values", self.path("v.csv"), "--report", self.path("r.json"), status=4)
+        self.assertIn("best foliation", done.stderr)
+        self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
+        self.assertIs(json.loads(self.read("r.json").decode())["converged"], False)
+
+    def test_interrupt_still_writes(self):
+        points, quads = torus(240, 150)
+        mesh = self.write("large.obj", obj_text(points, triangles_of(quads)))
+        tool = subprocess.Popen([TOOL, "solve", mesh, "--method", "single-level", "--tolerance", "1e-15", "--values", self.path("v.csv")],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        time.sleep(1.5)
+        tool.send_signal(signal.SIGINT)
+        _, errors = tool.communicate(timeout=60)
+        self.assertEqual(tool.returncode, 4, errors.decode())
+        self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
+
+
+class Demo(Case):
+    def test_demo(self):
+        folder = self.path("demo")
+        done = self.run_tool("demo", folder)
+        image = os.path.join(folder, "image.png")
+        self.assertIn(image, done.stdout.splitlines()[-1])
+        self.assertTrue({"sample.obj", "image.png", "values.csv", "values.npy", "report.json", "history.csv"} <= set(os.listdir(folder)))
+        report = json.loads(self.read("demo/report.json").decode())
+        self.assertEqual(report["mesh"]["genus"], 3)
+        self.assertGreater(report["mesh"]["vertices"], 15000)
+        self.assertEqual((report["poles"], report["index_sum"], report["loops"]), (0, -8, 3))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or not os.path.exists(sys.argv[1]):
+        sys.exit("usage: test_cli.py PATH_TO_HMF [unittest arguments]")
+    TOOL = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)
