@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <new>
 
 #include "failure.hpp"
@@ -98,16 +99,17 @@ int run(int argc, char** argv) {
         ->type_name("cut|FILE")
         ->capture_default_str();
     solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")->delimiter(',')->type_name("W,W,...");
+    std::string method, collapse;
     const std::map<std::string, int32_t> methods = {
         {"newton", HMF_METHOD_NEWTON}, {"whitehead", HMF_METHOD_WHITEHEAD}, {"single-level", HMF_METHOD_SINGLE_LEVEL}};
-    solve_command->add_option("--method", request.method, "default: the most exact of this version")
-        ->transform(CLI::Transformer(methods).description("newton|whitehead|single-level"))
-        ->type_name("");
+    solve_command->add_option("--method", method, "default: the most exact of this version")
+        ->check(CLI::IsMember(methods).description(""))
+        ->type_name("newton|whitehead|single-level");
     const std::map<std::string, int32_t> collapses = {
         {"midpoint", HMF_COLLAPSE_MIDPOINT}, {"endpoint", HMF_COLLAPSE_ENDPOINT}, {"qslim", HMF_COLLAPSE_QSLIM}};
-    solve_command->add_option("--collapse", request.collapse, "how the hierarchy is made, default midpoint")
-        ->transform(CLI::Transformer(collapses).description("midpoint|endpoint|qslim"))
-        ->type_name("");
+    solve_command->add_option("--collapse", collapse, "how the hierarchy is made, default midpoint")
+        ->check(CLI::IsMember(collapses).description(""))
+        ->type_name("midpoint|endpoint|qslim");
     solve_command->add_option("--ratio", request.ratio, "edges of a level / edges of the finer one, default 0.5");
     solve_command->add_option("--coarsest", request.coarsest, "vertices of the coarsest level, default 1000");
     solve_command->add_option("--tolerance", request.tolerance, "newton: largest residual, default 1e-8; others: change of energy, default 1e-6");
@@ -120,7 +122,6 @@ int run(int argc, char** argv) {
 
     try {
         app.parse(argc, argv);
-        // An option that is not one of the names stays text and fails here.
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? EXIT_SOLVED : EXIT_USAGE;
     }
@@ -137,6 +138,8 @@ int run(int argc, char** argv) {
     expect_extension("--obj", request.textured_obj, {".obj"});
     expect_extension("--image", request.image, {".png"});
     if (!values.empty()) request.values = {values};
+    if (!method.empty()) request.method = methods.at(method);
+    if (!collapse.empty()) request.collapse = collapses.at(collapse);
     check_outputs(mesh_path, request);
     request.mesh_name = mesh_path;
     const TriangleMesh mesh = read_mesh(mesh_path);

@@ -35,7 +35,7 @@ public:
         setg(text_.data(), text_.data(), text_.data());
     }
     size_t line() const { return line_; }
-    bool at_end() const { return gptr() == text_.data() + text_.size(); }
+    bool read_past_end() const { return read_past_end_; }
 
 protected:
     int_type underflow() override {
@@ -54,6 +54,7 @@ protected:
             begin = stop;
         }
         setg(text_.data(), end, end);
+        read_past_end_ = true;
         return traits_type::eof();
     }
 
@@ -72,12 +73,13 @@ protected:
             line_ = static_cast<size_t>(std::count(text_.data(), here, '\n'));
             setg(text_.data(), here, here);
         }
+        read_past_end_ = false;
         return position;
     }
 
 private:
     std::string& text_;
-    bool skip_polylines_;
+    bool skip_polylines_, read_past_end_ = false;
     size_t line_ = 0;
 };
 
@@ -138,12 +140,14 @@ TriangleMesh read_mesh(const std::string& path) {
         }
     }
     if (points.empty() || polygons.empty()) {
-        if (!read && !buffer.at_end())
+        if (!read && !buffer.read_past_end())
             bad_mesh(path, "line " + std::to_string(buffer.line()) + " cannot be read as " + extension.substr(1));
         bad_mesh(path, "no vertices or no faces were found; is this an " + extension.substr(1) + " file?");
     }
-    if (!read) {
-        const std::string where = buffer.at_end() ? "the file ends too early" : "line " + std::to_string(buffer.line());
+    // An OBJ that was read to its end can only be refused for an index, which
+    // is looked for below.
+    if (!read && !(obj && buffer.read_past_end())) {
+        const std::string where = buffer.read_past_end() ? "the file ends too early" : "line " + std::to_string(buffer.line());
         bad_mesh(path, where + ", after " + std::to_string(points.size()) + " vertices and " + std::to_string(polygons.size()) +
                            " faces: cannot be read as " + extension.substr(1));
     }
