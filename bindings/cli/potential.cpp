@@ -164,7 +164,7 @@ private:
         }
         // Keeps the numbers small; exact, as is everything else for equal weights.
         const double shift = p_.step * std::round(p_.u[n][0] / p_.step);
-        if (std::fabs(shift) > 8 * p_.step)
+        if (p_.exact && std::fabs(shift) > 8 * p_.step)
             for (double& value : p_.u[n]) value -= shift;
         visit(n);
     }

@@ -19,7 +19,8 @@ struct LoopList {
 
 // One loop a line, indices from 0 separated by blanks or commas: vertices of a
 // closed path of edges, or "t:" and triangles that follow each other across
-// edges.  "#" begins a comment, empty lines are skipped.  Throws Failure.
+// edges, counted as in the file (a polygon counts as the triangles of its fan).
+// "#" begins a comment, empty lines are skipped.  Throws Failure.
 LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangle_count);
 
 } // namespace cli

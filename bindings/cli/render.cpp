@@ -144,6 +144,25 @@ struct Corner {
     Vec position, normal; // in camera space
 };
 
+// A period close to the wanted one that divides all weights; if there is none,
+// the one that comes closest to dividing them, so that seams hardly show.
+double choose_period(const Foliation& foliation, const Potential& potential, double wanted) {
+    if (!(wanted > 0)) return potential.step;
+    const double exact = potential.step / std::max(1.0, std::round(potential.step / wanted));
+    if (potential.exact && exact > 0.6 * wanted) return exact;
+    double best = wanted, least = 1;
+    for (int i = 0; i <= 2000; ++i) {
+        const double period = wanted * (0.7 + 0.7 * i / 2000);
+        double worst = 0;
+        for (double weight : foliation.loop_weights) worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
+        if (worst < least) {
+            least = worst;
+            best = period;
+        }
+    }
+    return best;
+}
+
 // Box-filtered share of red of the even stripe pattern.
 double share_of_red(double u, double width, double period) {
     const double folded = std::fabs(u - period * std::round(u / period));
@@ -430,8 +449,7 @@ Image render(const Foliation& foliation, const Potential& potential) {
     std::vector<Vec> seen(points.size());
     for (size_t v = 0; v < points.size(); ++v) seen[v] = camera.to_camera(points[v]);
 
-    const double stripes = std::max(1.0, std::round(potential.step * STRIPES_ACROSS / (size * mean_gradient(foliation, potential))));
-    const double period = potential.step / stripes;
+    const double period = choose_period(foliation, potential, size * mean_gradient(foliation, potential) / STRIPES_ACROSS);
 
     Canvas canvas(camera);
     for (size_t t = 0; t < foliation.triangle_count(); ++t) {

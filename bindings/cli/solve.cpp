@@ -174,11 +174,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     const Clock::time_point start = Clock::now();
     const bool own_loops = request.loops != "cut";
     LoopList loops;
-    if (own_loops) {
-        loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
-        // The mesh names its triangles in the order of its file; polygons with
-        // more corners are several triangles.
-    }
+    if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
     for (const std::string& path : {request.report, request.history, request.textured_obj, request.image})
         if (!path.empty()) check_writable(path);
