@@ -1,0 +1,181 @@
+// What the fuzz targets share: bytes -> a closed surface with a random valid
+// foliation, and the assertions that every operation must keep.
+//
+// The surface is a chain of 1 to 3 grid tori, glued at triangles.  Each torus
+// may carry a loop of random weight round its column 0; Whitehead moves under
+// random weights then spread the foliation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "../src/foliation/whitehead.hpp"
+
+namespace fuzz {
+
+using namespace hmf;
+
+#define FUZZ_ASSERT(condition)                                                              \
+    do {                                                                                    \
+        if (!(condition)) {                                                                 \
+            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);           \
+            std::abort();                                                                   \
+        }                                                                                   \
+    } while (0)
+
+// Bytes of the input as numbers; zeros when they run out.
+class Bytes {
+public:
+    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
+    bool empty() const { return at_ >= size_; }
+    uint8_t byte() { return empty() ? uint8_t{0} : data_[at_++]; }
+    uint32_t below(uint32_t n) {
+        const uint32_t high = byte();
+        return ((high << 8) | byte()) % n;
+    }
+
+private:
+    const uint8_t* data_;
+    size_t size_, at_ = 0;
+};
+
+class RandomFoliation {
+public:
+    static constexpr uint32_t spare_vertices = 64;
+
+    explicit RandomFoliation(Bytes& bytes) : memory_(nullptr, nullptr, nullptr, 0) {
+        const uint32_t tori = 1 + bytes.byte() % 3u;
+        const uint32_t n = 4 + bytes.byte() % 4u, m = 3 + bytes.byte() % 4u;
+        std::vector<std::array<uint32_t, 3>> triangles;
+        std::map<std::pair<uint32_t, uint32_t>, int64_t> crossing;
+        uint32_t vertices = 0;
+        std::array<uint32_t, 3> seam{};
+        for (uint32_t k = 0; k < tori; ++k) {
+            const bool first = k == 0, last = k + 1 == tori;
+            // Vertices of this torus; the triangle at (2, 0) is glued to the
+            // one at (2, 1) of the torus before.
+            std::vector<uint32_t> id(n * m);
+            const uint32_t head[3] = {2 * m + 0, 3 % n * m + 0, 3 % n * m + 1 % m};
+            const uint32_t tail[3] = {2 * m + 1 % m, 3 % n * m + 1 % m, 3 % n * m + 2 % m};
+            for (uint32_t i = 0; i < n * m; ++i) id[i] = NONE;
+            if (!first) {
+                id[head[0]] = seam[0];
+                id[head[1]] = seam[2];
+                id[head[2]] = seam[1];
+            }
+            for (uint32_t i = 0; i < n * m; ++i)
+                if (id[i] == NONE) id[i] = vertices++;
+            seam = {id[tail[0]], id[tail[1]], id[tail[2]]};
+            int64_t weight = static_cast<int64_t>(bytes.below(65536)) << (bytes.byte() % 20u);
+            if (first && weight == 0) weight = 1 << 20;
+            for (uint32_t x = 0; x < n; ++x)
+                for (uint32_t y = 0; y < m; ++y) {
+                    const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
+                    const bool glued = (!first && x == 2 && y == 0) || (!last && x == 2 && y == 1);
+                    if (!glued) triangles.push_back({a, b, c});
+                    triangles.push_back({a, c, d});
+                    if (x == 0) crossing[key(a, b)] += weight, crossing[key(a, c)] += weight;
+                }
+        }
+        build(triangles, vertices, crossing);
+        euler_ = static_cast<int64_t>(vertices) - f.mesh.edge_count + f.mesh.face_count;
+        FUZZ_ASSERT(euler_ == 2 - 2 * static_cast<int64_t>(tori));
+        FUZZ_ASSERT(check(f.mesh) == nullptr);
+        assert_valid();
+        shake(bytes, 1 + bytes.byte() % 4u);
+    }
+
+    // Sweeps of legal moves under random weights: a random valid foliation.
+    void shake(Bytes& bytes, uint32_t sweeps) {
+        std::vector<double> weight(f.mesh.edge_count);
+        for (uint32_t s = 0; s < sweeps; ++s) {
+            uint32_t state = 1 + bytes.byte();
+            for (double& w : weight) {
+                state = state * 1664525u + 1013904223u;
+                w = 1 + (state >> 24) * ((state >> 20) % 4);
+            }
+            Rings rings;
+            Star star;
+            FUZZ_ASSERT(rings.build(f.mesh, weight.data(), memory_) && star.allocate(memory_, rings.max_degree));
+            SweepResult result;
+            for (uint32_t v = 0; v < f.mesh.vertex_count; ++v) {
+                relax_vertex(f, rings, weight.data(), v, star, result);
+                if (f.mesh.vertex_count < 40) assert_valid();
+            }
+            assert_valid();
+        }
+    }
+
+    // No pole, exact triangle inequalities, index sum 2 * chi.
+    void assert_valid() {
+        const SingularityCount count = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
+        FUZZ_ASSERT(count.broken_triangles == 0);
+        FUZZ_ASSERT(count.poles == 0);
+        FUZZ_ASSERT(count.index_sum == 2 * euler_);
+        FUZZ_ASSERT(!f.out_of_memory);
+    }
+
+    std::vector<uint32_t> connectivity() const {
+        std::vector<uint32_t> all(f.mesh.origin, f.mesh.origin + 2 * f.mesh.edge_count);
+        all.insert(all.end(), f.mesh.next, f.mesh.next + 2 * f.mesh.edge_count);
+        all.insert(all.end(), f.mesh.face, f.mesh.face + 2 * f.mesh.edge_count);
+        return all;
+    }
+    std::vector<int64_t> values() const { return {f.value, f.value + f.mesh.edge_count}; }
+
+    Foliation f;
+
+private:
+    static std::pair<uint32_t, uint32_t> key(uint32_t a, uint32_t b) { return a < b ? std::make_pair(a, b) : std::make_pair(b, a); }
+
+    void build(const std::vector<std::array<uint32_t, 3>>& triangles, uint32_t vertices,
+               const std::map<std::pair<uint32_t, uint32_t>, int64_t>& crossing) {
+        std::map<std::pair<uint32_t, uint32_t>, uint32_t> half;
+        uint32_t edges = 0;
+        const size_t room = triangles.size() * 3 / 2 + 3 * spare_vertices;
+        origin_.resize(2 * room);
+        next_.resize(2 * room);
+        face_.resize(2 * room);
+        value_.resize(room);
+        out_.resize(vertices + spare_vertices);
+        stamp_.resize(vertices + spare_vertices);
+        for (uint32_t t = 0; t < triangles.size(); ++t) {
+            uint32_t side[3];
+            for (uint32_t s = 0; s < 3; ++s) {
+                const uint32_t a = triangles[t][s], b = triangles[t][(s + 1) % 3];
+                FUZZ_ASSERT(!half.count({a, b}));
+                if (!half.count({b, a})) {
+                    half[{a, b}] = 2 * edges;
+                    side[s] = 2 * edges++;
+                } else {
+                    side[s] = half[{b, a}] ^ 1u;
+                    half[{a, b}] = side[s];
+                }
+                origin_[side[s]] = a;
+                out_[a] = side[s];
+                face_[side[s]] = t;
+            }
+            for (uint32_t s = 0; s < 3; ++s) next_[side[s]] = side[(s + 1) % 3];
+        }
+        f.mesh = {vertices, edges, static_cast<uint32_t>(triangles.size()), origin_.data(), next_.data(), face_.data(), out_.data()};
+        f.value = value_.data();
+        f.stamp = stamp_.data();
+        f.members.start(memory_);
+        for (uint32_t e = 0; e < edges; ++e) {
+            const auto found = crossing.find(key(origin_[2 * e], origin_[2 * e + 1]));
+            value_[e] = found == crossing.end() ? 0 : found->second;
+        }
+    }
+
+    Memory memory_;
+    int64_t euler_ = 0;
+    std::vector<uint32_t> origin_, next_, face_, out_, stamp_;
+    std::vector<int64_t> value_;
+};
+
+} // namespace fuzz
