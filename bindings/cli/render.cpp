@@ -108,7 +108,7 @@ Camera place_camera(const std::vector<Vec>& points) {
     camera.focal = 3.2;
     const double aspect = double(WIDTH) / HEIGHT;
 
-    double low[3], high[3];
+    double low[3] = {}, high[3] = {};
     for (size_t i = 0; i < points.size(); ++i) {
         const double c[3] = {dot(points[i], camera.right), dot(points[i], camera.up), dot(points[i], camera.forward)};
         for (int a = 0; a < 3; ++a) {

@@ -316,7 +316,7 @@ int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
     std::vector<double> weights(counts.edge_count);
     check(hmf_level_weights(hierarchy.get(), 0, weights.data(), weights.size(), &error), error, mesh_name);
     const auto negative = std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; });
-    double low[3], high[3], area = 0, least_angle = 180, largest_angle = 0, edge_sum = 0;
+    double low[3] = {}, high[3] = {}, area = 0, least_angle = 180, largest_angle = 0, edge_sum = 0;
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
         for (size_t a = 0; a < 3; ++a) {
             const double x = mesh.positions[3 * v + a];
