@@ -84,6 +84,10 @@ struct TransportStatistics {
 // No pole before: no pole after.
 void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, TransportStatistics& statistics);
 
+// If the cluster of a vertex is an extremum (a disk with all else in one
+// direction), moves it there until it has a second one; true if it moved.
+bool settle_extremum(Foliation& foliation, uint32_t vertex);
+
 // Undoes a collapse on mesh and foliation: the new vertex starts where the
 // old one is.  The counts of foliation.mesh are the caller's business.
 void split_foliation(Foliation& foliation, const Collapse& c);

@@ -68,6 +68,16 @@ void advance_cluster(Foliation& f, uint32_t behind) {
 
 } // namespace
 
+bool settle_extremum(Foliation& f, uint32_t vertex) {
+    // Each round enlarges the cluster or gives it a direction.
+    for (uint32_t round = 0; round <= f.mesh.vertex_count; ++round) {
+        const Cluster cluster = explore_cluster(f, vertex, NONE, NONE, NONE, 2, 0);
+        if (f.out_of_memory || !cluster.is_pole()) return round > 0;
+        advance_cluster(f, NONE);
+    }
+    return true;
+}
+
 void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics) {
     Mesh& mesh = f.mesh;
     const uint32_t ij = 2 * edge, jk = mesh.next[ij], ki = mesh.next[jk];

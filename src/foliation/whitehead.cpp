@@ -80,9 +80,8 @@ uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget,
 
 } // namespace
 
-void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star) {
-    const uint32_t begin = rings.offset[v], degree = rings.offset[v + 1] - begin;
-    const Rings::Side* side = &rings.side[begin];
+void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
+    const uint32_t v = f.mesh.origin[side[0].half_edge];
     star.degree = degree;
     star.decided = true;
     star.has_zero = false;
@@ -103,7 +102,7 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
         if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
         if (!open_run) star.group_pull[groups++] = 0;
         group[t] = groups - 1;
-        const double pull = weight[edge_of(side[t].half_edge)] * static_cast<double>(F[t]);
+        const double pull = (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(F[t]);
         star.group_pull[groups - 1] += pull;
         star.pull += pull;
         open_run = F[u] > 0 && corner2[t] > 0;
@@ -151,9 +150,9 @@ void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t 
 namespace {
 
 // May v leave its cluster into direction star.best?
-bool may_leave(Foliation& f, const Rings& rings, uint32_t v, const Star& star) {
+bool may_leave(Foliation& f, const Rings::Side* side, const Star& star) {
     const Mesh& mesh = f.mesh;
-    const Rings::Side* side = &rings.side[rings.offset[v]];
+    const uint32_t v = mesh.origin[side[0].half_edge];
     const uint32_t degree = star.degree;
     // A boundary vertex with one row of zero edges and one direction: the
     // cluster without it has the same shape and the same closed corners.
@@ -193,10 +192,11 @@ bool may_leave(Foliation& f, const Rings& rings, uint32_t v, const Star& star) {
 
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
+    const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     bool moved = false;
     // Each round lands on a branch or a neighbour and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
-        read_star(f, rings, weight, v, star);
+        read_star(f, side, degree, weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         if (!(excess > 0)) return moved;
         const double best = excess / rings.weight_sum[v];
@@ -210,7 +210,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
                 limit = star.corner2[t] / 2;
         }
-        if (star.has_zero && (!star.decided || !may_leave(f, rings, v, star))) {
+        if (star.has_zero && (!star.decided || !may_leave(f, side, star))) {
             ++result.blocked;
             return moved;
         }
@@ -246,7 +246,7 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
     const uint32_t sweep_budget = star.budget;
     star.budget = NONE; // every direction is decided here
     for (uint32_t v = 0; v < n; ++v) {
-        read_star(f, rings, weight, v, star);
+        read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         const double scale = star.pull > floor ? star.pull : floor;
         const double r = excess > 0 && scale > 0 ? excess / scale : 0;

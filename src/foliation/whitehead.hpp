@@ -32,9 +32,9 @@ struct Star {
     bool allocate(Memory& memory, uint32_t max_degree);
 };
 
-// Fills star for vertex v.  Groups that are one direction around a cluster
+// Fills star for the vertex with these sides.  weight NULL: all 1.  Groups that are one direction around a cluster
 // are merged; a search of more than star.budget steps gives star.decided = false.
-void read_star(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star);
+void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star);
 
 struct SweepResult {
     double energy_change = 0;  // in squared units, <= 0
