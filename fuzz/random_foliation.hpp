@@ -128,6 +128,8 @@ public:
     }
     std::vector<int64_t> values() const { return {f.value, f.value + f.mesh.edge_count}; }
 
+    Memory& memory() { return memory_; }
+
     Foliation f;
 
 private:

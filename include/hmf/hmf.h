@@ -290,7 +290,7 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 typedef struct hmf_loop_set {
     uint32_t struct_size;
     int32_t element_kind;        /* HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES */
-    uint64_t level;              /* this version: the coarsest level, or level 0 for single_level */
+    uint64_t level;              /* of the elements; loops of fine levels are restricted exactly */
     uint64_t count;
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
@@ -395,7 +395,8 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
 /*
  * The harmonic foliation in the class of the loops.
  *
- *   loops      on the coarsest level, or with single_level on level 0
+ *   loops      on any level; NULL = those of hmf_loops on the coarsest level
+ *              (level 0 with single_level), weights 1
  *   options    NULL = defaults
  *   values     edge_count of the level options->stop_level (default 0: the
  *              caller's edges), in the unit of the weights; exact multiples
@@ -417,9 +418,10 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
 HMF_API hmf_status hmf_relax(const hmf_hierarchy *hierarchy, size_t level, const hmf_solve_options *options,
                              double *values, size_t count, hmf_report *report, hmf_error *error);
 
-/* Carries values from a level to the same or a finer one (flip and split
-   reversal, [W] 4.2): closed and without poles before and after.  This
-   version refuses fine to coarse with HMF_ERROR_UNSUPPORTED. */
+/* Carries values from any level to any other: to finer ones by flip and split
+   reversal ([W] 4.2), to coarser ones by restriction, where a collapse moves
+   one vertex to the image of the other.  Exact: closed and without poles
+   before and after, in the same class. */
 HMF_API hmf_status hmf_interpolate(const hmf_hierarchy *hierarchy, size_t from_level, const double *values, size_t count,
                                    size_t to_level, double *out_values, size_t out_capacity, hmf_error *error);
 

@@ -30,15 +30,11 @@ hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, co
     Query query(hierarchy, error);
     Call& call = query.call;
     if (query.check(hierarchy, from_level, out_values) || check_level(hierarchy, to_level, call)) return call.status();
-    if (to_level > from_level)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, to_level, "This version interpolates from coarse to fine only (level %llu is coarser than %llu).",
-                         static_cast<unsigned long long>(to_level), static_cast<unsigned long long>(from_level));
     if (check_capacity(out_capacity, hierarchy->levels[to_level].mesh.edge_count, "out_values", call)) return call.status();
     State state;
     double unit = 1;
-    if (load_values(hierarchy, from_level, values, count, to_level, state, unit, call)) return call.status();
-    while (state.level > to_level)
-        if (!state.refine(call)) return call.out_of_memory();
+    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit, call)) return call.status();
+    if (!state.go_to(to_level, call)) return call.out_of_memory();
     export_values(state, unit, out_values);
     return HMF_OK;
 }

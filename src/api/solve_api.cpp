@@ -18,6 +18,9 @@ hmf_status make_loops(const hmf_hierarchy& h, size_t level, Call& call, Loops& l
     return cut_system(mesh, h.levels[level].position, call, loops);
 }
 
+// Level of the caller's loops; of the library's own where set is NULL.
+size_t loop_level(const hmf_loop_set* set, size_t own) { return set ? static_cast<size_t>(set->level) : own; }
+
 // Loops of the caller (NULL: the cut system with weights 1) as checked
 // crossings on `level`, with integer weights in `unit`.
 hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t level, Call& call, Loops& loops,
@@ -31,10 +34,6 @@ hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t le
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_loop_set has an unusable struct_size. Set it to sizeof(hmf_loop_set).");
         if (all.element_kind != HMF_LOOP_TRIANGLES && all.element_kind != HMF_LOOP_VERTICES)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "element_kind is %d. Use HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES.", static_cast<int>(all.element_kind));
-        if (all.level != level)
-            return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, all.level,
-                             "The loops are given on level %llu. This call needs them on level %llu (the coarsest; level 0 for the single-level method).",
-                             static_cast<unsigned long long>(all.level), static_cast<unsigned long long>(level));
         if (all.count == 0 || !all.offsets || !all.elements)
             return call.fail(all.count == 0 ? HMF_ERROR_LOOP_COUNT : HMF_ERROR_NULL, HMF_ELEMENT_LOOP, 0,
                              "There are no loops. Give at least one, or NULL for the loops that the library makes.");
@@ -203,7 +202,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     Call& call = query.call;
     if (check_level(hierarchy, 0, call)) return call.status();
     if (!values) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give an array of one value per edge of the level of the loops.");
-    const size_t level = loops ? loops->level : hierarchy->level_count - 1;
+    const size_t level = loop_level(loops, hierarchy->level_count - 1);
     if (check_level(hierarchy, level, call)) return call.status();
     const Mesh& mesh = loop_mesh(*hierarchy, level);
     if (check_capacity(capacity, mesh.edge_count, "values", call)) return call.status();
@@ -235,22 +234,26 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     call.set_time_limit(all.time_limit);
     if (!values) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give an array of one value per edge.");
     if (check_capacity(capacity, hierarchy->levels[solve.stop_level].mesh.edge_count, "values", call) || check_report(report, call)) return call.status();
+    // The cascade starts on the coarsest level, to which loops of finer levels are restricted.
     const size_t start = solve.method == HMF_METHOD_SINGLE_LEVEL ? 0 : hierarchy->level_count - 1;
+    const size_t given = loop_level(loops, start);
+    if (check_level(hierarchy, given, call)) return call.status();
     State state;
     double unit = 1;
     {
         Loops crossings;
         Array<int64_t> weights;
-        if (take_loops(*hierarchy, loops, start, call, crossings, weights, unit)) return call.status();
-        if (!state.allocate(*hierarchy, solve.stop_level, call.memory)) return call.out_of_memory();
-        state.load(start, Side::input);
+        if (take_loops(*hierarchy, loops, given, call, crossings, weights, unit)) return call.status();
+        if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory)) return call.out_of_memory();
+        state.load(given, Side::input);
         initial_foliation(state.foliation.mesh, crossings, weights.data(), state.foliation.value);
     }
     clear_report(report);
     Recorder recorder(report, call, unit);
-    hmf_status status = HMF_OK;
-    if (start == 0 && !state.to_intrinsic(call)) status = call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
-    else status = run_cascade(state, solve, call, recorder);
+    if (!state.go_to(start, call) || (start == 0 && !state.to_intrinsic(call)))
+        return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback; no values are written.")
+                                : call.out_of_memory();
+    const hmf_status status = run_cascade(state, solve, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != solve.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level, "Cancelled by the progress callback on level %llu; no values are written.",

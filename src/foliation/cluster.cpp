@@ -22,17 +22,16 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, uint32_t without, uint32_
         do {
             const uint32_t ahead = mesh.rotate_ccw(h);
             const uint32_t w = mesh.target(h);
-            const bool beside_blocked = w == blocked || mesh.target(ahead) == blocked;
             if (f.at(h) == 0 && edge_of(h) != without && w != blocked) {
                 ++zero_half_edges;
-                if (!beside_blocked && f.at(mesh.next[h]) == 0 && edge_of(mesh.next[h]) != without
+                if (mesh.target(ahead) != blocked && f.at(mesh.next[h]) == 0 && edge_of(mesh.next[h]) != without
                     && edge_of(ahead) != without)
                     ++zero_sides;
                 if (f.stamp[w] != mark) {
                     f.stamp[w] = mark;
                     if (!f.members.push(w)) { f.out_of_memory = true; return result; }
                 }
-            } else if (!beside_blocked && f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) {
+            } else if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) {
                 if (++result.closed_corners == closed_limit) return result;
             }
             h = ahead;

@@ -54,8 +54,7 @@ struct Cluster {
 
 // Collects the cluster of a vertex into foliation.members.
 //   without   an edge that counts as removed (NONE: none)
-//   blocked   a vertex that counts as removed (NONE: none); corners beside it
-//             are not counted
+//   blocked   a vertex whose zero edges count as removed (NONE: none)
 //   target    a vertex to look for (NONE: none)
 //   closed_limit, budget   stop when reached; 0 = no limit
 Cluster explore_cluster(Foliation& foliation, uint32_t vertex, uint32_t without, uint32_t blocked, uint32_t target,

@@ -1,5 +1,5 @@
-// Prolongation ([W] 4.2): the log of the hierarchy backwards, mesh and
-// foliation together.
+// Transport between levels: prolongation ([W] 4.2) is the log of the hierarchy
+// backwards, restriction the log forwards, mesh and foliation together.
 #include "state.hpp"
 
 namespace hmf {
@@ -50,6 +50,40 @@ bool State::refine(Call& call) {
     --level;
     side = Side::input;
     return !foliation.out_of_memory;
+}
+
+bool State::coarsen(Call& call, RestrictionScratch& scratch) {
+    const Level& level_now = hierarchy->levels[level];
+    const Level& coarser = hierarchy->levels[level + 1];
+    Mesh& mesh = foliation.mesh;
+    for (size_t i = level_now.collapse_begin; i < level_now.collapse_end; ++i) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        collapse_foliation(foliation, hierarchy->collapses[i], scratch);
+        if (foliation.out_of_memory) return false;
+    }
+    mesh.vertex_count = coarser.mesh.vertex_count;
+    mesh.edge_count = coarser.mesh.edge_count;
+    mesh.face_count = coarser.mesh.face_count;
+    for (size_t i = level_now.flip_begin; i < level_now.flip_end; ++i) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        flip_foliation(foliation, hierarchy->flips[i], false, statistics);
+    }
+    ++level;
+    side = Side::intrinsic;
+    return !foliation.out_of_memory;
+}
+
+bool State::go_to(size_t target, Call& call) {
+    if (level == 0 && side == Side::intrinsic && !to_input(call)) return false;
+    while (level > target)
+        if (!refine(call)) return false;
+    if (level < target) {
+        RestrictionScratch scratch;
+        if (!scratch.allocate(call.memory, foliation.mesh.vertex_count)) return false;
+        while (level < target)
+            if (!coarsen(call, scratch)) return false;
+    }
+    return true;
 }
 
 bool State::to_intrinsic(Call& call) {

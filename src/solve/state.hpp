@@ -2,7 +2,7 @@
 // the log of the hierarchy backwards, and the foliation on it.
 #pragma once
 
-#include "../foliation/foliation.hpp"
+#include "../foliation/restriction.hpp"
 #include "../hierarchy/hierarchy.hpp"
 
 namespace hmf {
@@ -24,6 +24,10 @@ struct State {
     // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
     // reached on the input side.  false: cancelled half-way, state unusable.
     bool refine(Call& call);
+    // One level coarser, from the input side on level 0: exact restriction.
+    bool coarsen(Call& call, RestrictionScratch& scratch);
+    // To any level; level 0: input side.
+    bool go_to(size_t target, Call& call);
     // Between the two triangulations of level 0.
     bool to_intrinsic(Call& call);
     bool to_input(Call& call);

@@ -1,0 +1,24 @@
+// From fine to coarse: a collapse on mesh and foliation together.
+#pragma once
+
+#include "whitehead.hpp"
+
+namespace hmf {
+
+// Room that restriction needs for one vertex after the other.
+struct RestrictionScratch {
+    Star star;
+    Array<Rings::Side> side;
+    Array<uint32_t> movers;    // vertices that move together
+    Array<uint32_t> mover_of;  // per vertex: round in which it moved last
+    uint32_t round = 0;
+    Memory* memory = nullptr;
+    bool allocate(Memory& memory, uint32_t vertex_count);
+    bool room_for(uint32_t degree); // grows star and side
+};
+
+// Moves the end of h to its origin (F becomes 0) and collapses h as recorded.
+// Exact: the class is kept, no pole before: no pole after.
+void collapse_foliation(Foliation& foliation, const Collapse& c, RestrictionScratch& scratch);
+
+} // namespace hmf
