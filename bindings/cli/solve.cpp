@@ -119,15 +119,23 @@ Hierarchy build(const TriangleMesh& mesh, const std::string& name, const hmf_bui
 LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, const std::string& name) {
     LoopList loops;
     hmf_error error{};
-    size_t count = 0, element_count = 0;
-    hmf_status status = hmf_loops(hierarchy, level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &element_count, &error);
-    if (status == HMF_OK) {
+    hmf_level_info counts{};
+    hmf_status status = hmf_level_counts(hierarchy, level, &counts, &error);
+    if (status != HMF_OK) fail_with(status, error, name);
+    // Room that nearly always suffices saves computing the loops twice.
+    size_t count = hmf_genus(hierarchy), element_count = counts.triangle_count;
+    for (int round = 0; round < 2; ++round) {
         loops.offsets.resize(count + 1);
         loops.elements.resize(element_count);
         status = hmf_loops(hierarchy, level, HMF_LOOPS_CUT, loops.offsets.data(), loops.offsets.size(), loops.elements.data(),
                            loops.elements.size(), &count, &element_count, &error);
+        if (status != HMF_ERROR_CAPACITY) break;
+        status = hmf_loops(hierarchy, level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &element_count, &error);
+        if (status != HMF_OK) break;
     }
     if (status != HMF_OK) fail_with(status, error, name);
+    loops.offsets.resize(count + 1);
+    loops.elements.resize(element_count);
     return loops;
 }
 
