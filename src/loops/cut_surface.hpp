@@ -1,0 +1,50 @@
+// The surface cut along a normal multicurve.  Curves cut a triangle with n
+// arcs into n + 1 regions and an edge with n crossings into n + 1 segments:
+//
+//                k
+//               /3\          region 0 is the one in the middle, with three
+//              /___\         segments; those at the corners have two
+//             /     \        .
+//            /\  0  /\       .
+//           /1 |   |2 \      .
+//          i---|---|---j     segments 0, 1, 2 of edge ij
+//
+// With every side of every curve shrunk to a point this is a cell complex of
+// closed surfaces: regions, segments and points.
+#pragma once
+
+#include "multicurve.hpp"
+
+namespace hmf {
+
+// Half-segment 2s + b is segment s seen from half-edge 2e + b of its edge.
+struct CutSurface {
+    uint32_t region_count = 0, segment_count = 0, point_count = 0;
+    Array<uint32_t> segment_first; // per edge; segments from the origin of half-edge 2e
+    Array<uint32_t> segment_edge;
+    Array<uint32_t> region_first;  // per face: its middle region
+    Array<uint32_t> region;        // per half-segment
+    Array<uint32_t> point;         // per segment two: its beginning and end.  Vertices, then
+                                   // vertex_count + 2 * component + (0: left, 1: right side)
+    Array<uint32_t> link;          // three per region: its half-segments, or NONE
+
+    // curves: traced.  False: out of memory.
+    bool build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory);
+    uint32_t half_edge(uint32_t half_segment) const { return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u); }
+};
+
+// Sets as trees with path halving; the smaller number is the root.
+inline uint32_t find_root(uint32_t* parent, uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+inline bool unite(uint32_t* parent, uint32_t i, uint32_t j) {
+    i = find_root(parent, i);
+    j = find_root(parent, j);
+    if (i == j) return false;
+    if (i < j) parent[j] = i;
+    else parent[i] = j;
+    return true;
+}
+
+} // namespace hmf

@@ -1,0 +1,368 @@
+// A cut system: genus many disjoint loops that cut the surface into one planar
+// piece, each the shortest found (the default loops of [W] 3.3).
+//
+// Erickson, Whittlesey: Greedy optimal homotopy and homology generators, 2005,
+// on the dual graph of the surface cut along the loops found before:
+//
+//     regions of triangles = nodes,  segments of edges = links.
+//
+// A cycle in it that visits no region twice is simple and meets no earlier
+// loop, however narrow the mesh: loops may run side by side through a triangle.
+//
+//  1. A spanning tree of the regions and one of the points (vertices, and the
+//     shrunk sides of the earlier loops) that crosses none of its links leave
+//     2 * genus segments.  Each closes a cycle of points; the set of these that a
+//     segment lies on, as the exclusive or of one random word per cycle, is
+//     its signature.  The signatures along a cycle of regions cancel if it
+//     separates; if they do not, it does not separate.
+//  2. Dijkstra from a root, to half the length of the best loop so far.  A link
+//     between two reached regions closes a cycle; the shortest with a signature
+//     is the shortest non-separating loop through the root.
+//  3. Cutting only makes loops longer, so the length found at a root is a lower
+//     bound for it later: roots are tried in that order, and mostly few.
+#include "cut_surface.hpp"
+#include "heap_sort.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr double UNREACHED = HUGE_VAL;
+
+uint64_t mix(uint64_t x) { // splitmix64
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+struct Root {
+    double bound; // no loop through it is shorter
+    uint32_t face;
+};
+
+class CutSystem {
+public:
+    CutSystem(const Mesh& mesh, Call& call) : mesh_(mesh), call_(call), memory_(call.memory) {}
+
+    hmf_status run(const double* position, Loops& out) {
+        const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
+        out.offsets.start(memory_);
+        out.crossings.start(memory_);
+        loop_.start(memory_);
+        try_.start(memory_);
+        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !measure(position) || !roots_.allocate(memory_, mesh_.face_count))
+            return call_.out_of_memory();
+        spread_roots();
+        // Regions settled in all searches.
+        const double budget = static_cast<double>(mesh_.face_count) * (40 + 6.0 * genus);
+        for (uint32_t k = 0; k < genus; ++k) {
+            if (!call_.tick(static_cast<double>(k) / genus)) return cancelled();
+            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !sign() || !prepare_search()) return call_.out_of_memory();
+            found_ = false;
+            best_ = UNREACHED;
+            const double part = static_cast<double>(k + 1) / genus;
+            if (!search_roots(budget * (0.3 + 0.7 * part), k == 0)) return cancelled();
+            if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
+            tighten();
+            const size_t begin = out.crossings.size();
+            for (uint32_t half_segment : loop_)
+                if (!out.crossings.push(cut_.half_edge(half_segment))) return call_.out_of_memory();
+            if (!out.offsets.push(out.crossings.size()) || !curves_.add(out.crossings.data() + begin, out.crossings.size() - begin)) return call_.out_of_memory();
+            if (curves_.total >= MULTICURVE_LIMIT)
+                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k, "The loops cross more than 2^29 edges. Use a coarser level.");
+        }
+        return HMF_OK;
+    }
+
+private:
+    struct Entry { double distance; uint32_t region; };
+
+    hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+
+    // Length of each dual edge: from centre to centre over the middle of the edge.
+    bool measure(const double* position) {
+        if (!length_.allocate(memory_, mesh_.edge_count)) return false;
+        double largest = 0;
+        for (size_t i = 0; i < 3 * size_t{mesh_.vertex_count}; ++i) {
+            const double x = position[i] < 0 ? -position[i] : position[i];
+            if (x > largest) largest = x;
+        }
+        if (!(largest > 0)) largest = 1;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            double middle[3], sum = 0;
+            for (uint32_t a = 0; a < 3; ++a)
+                middle[a] = (position[3 * size_t{mesh_.origin[2 * e]} + a] / largest + position[3 * size_t{mesh_.origin[2 * e + 1]} + a] / largest) / 2;
+            for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
+                const uint32_t corner = mesh_.origin[mesh_.prev(h)];
+                double square = 0;
+                for (uint32_t a = 0; a < 3; ++a) {
+                    // The centre lies a third of the way from the middle to the corner.
+                    const double d = (position[3 * size_t{corner} + a] / largest - middle[a]) / 3;
+                    square += d * d;
+                }
+                sum += std::sqrt(square);
+            }
+            // Two faces that share several edges: a loop of triangles does not
+            // say which of them it crosses, so such edges are avoided.
+            const uint32_t h = 2 * e;
+            const uint32_t f = mesh_.face[h], g = mesh_.face[h + 1];
+            const auto borders = [&](uint32_t k) { return k != h && k != h + 1 && mesh_.face[twin(k)] == g; };
+            const bool ambiguous = f == g || borders(mesh_.next[h]) || borders(mesh_.prev(h));
+            length_[e] = ambiguous ? 8 * sum : sum;
+        }
+        return true;
+    }
+
+    // All faces, in an order whose beginnings are spread over the mesh.
+    void spread_roots() {
+        const uint64_t n = mesh_.face_count;
+        uint64_t step = n * 618 / 1000 + 1;
+        for (bool again = true; again; step += again) {
+            uint64_t a = n, b = step;
+            while (b) { const uint64_t c = a % b; a = b; b = c; }
+            again = a != 1;
+        }
+        uint64_t face = 0;
+        for (uint64_t i = 0; i < n; ++i, face = (face + step) % n) roots_[i] = {0, static_cast<uint32_t>(face)};
+        root_count_ = static_cast<size_t>(n);
+    }
+
+    // Step 1: signature_ of every segment.
+    bool sign() {
+        const uint32_t regions = cut_.region_count, segments = cut_.segment_count, points = cut_.point_count;
+        Array<uint32_t> queue, parent, degree, last;
+        Array<uint8_t> kind; // 0: generator or none, 1: tree of regions, 2: tree of points
+        Array<uint64_t> value;
+        if (!signature_.allocate_filled(memory_, segments, uint64_t{0}) || !queue.allocate(memory_, regions > points ? regions : points) ||
+            !parent.allocate(memory_, points) || !degree.allocate_filled(memory_, points, 0u) || !last.allocate_filled(memory_, points, 0u) ||
+            !kind.allocate_filled(memory_, segments, uint8_t{0}) || !value.allocate_filled(memory_, points, uint64_t{0}))
+            return false;
+        Array<uint8_t> reached;
+        if (!reached.allocate_filled(memory_, regions, uint8_t{0})) return false;
+        size_t begin = 0, end = 0;
+        queue[end++] = 0;
+        reached[0] = 1;
+        while (begin < end) {
+            const uint32_t r = queue[begin++];
+            for (uint32_t i = 0; i < 3; ++i) {
+                const uint32_t link = cut_.link[3 * size_t{r} + i];
+                if (link == NONE) continue;
+                const uint32_t to = cut_.region[link ^ 1u];
+                if (reached[to]) continue;
+                reached[to] = 1;
+                kind[link >> 1] = 1;
+                queue[end++] = to;
+            }
+        }
+        for (uint32_t p = 0; p < points; ++p) parent[p] = p;
+        uint64_t word = 0;
+        for (uint32_t s = 0; s < segments; ++s) {
+            if (kind[s]) continue;
+            const uint32_t p = cut_.point[2 * size_t{s}], q = cut_.point[2 * size_t{s} + 1];
+            if (unite(parent.data(), p, q)) {
+                kind[s] = 2;
+                ++degree[p];
+                ++degree[q];
+                last[p] ^= s; // once the degree is one, this is the segment left
+                last[q] ^= s;
+            } else {
+                signature_[s] = mix(++word) | 1u;
+                value[p] ^= signature_[s];
+                value[q] ^= signature_[s];
+            }
+        }
+        // Strip leaves: a segment lies on the cycles that end behind it.
+        begin = end = 0;
+        for (uint32_t p = 0; p < points; ++p)
+            if (degree[p] == 1) queue[end++] = p;
+        while (begin < end) {
+            const uint32_t p = queue[begin++];
+            if (degree[p] != 1) continue;
+            const uint32_t s = last[p];
+            const uint32_t q = cut_.point[2 * size_t{s}] == p ? cut_.point[2 * size_t{s} + 1] : cut_.point[2 * size_t{s}];
+            signature_[s] = value[p];
+            value[q] ^= value[p];
+            last[q] ^= s;
+            degree[p] = 0;
+            if (--degree[q] == 1) queue[end++] = q;
+        }
+        return true;
+    }
+
+    bool prepare_search() {
+        const size_t n = cut_.region_count;
+        heap_.start(memory_);
+        epoch_ = 0;
+        return distance_.allocate(memory_, n) && from_.allocate(memory_, n) && label_.allocate(memory_, n) &&
+               stamp_.allocate_filled(memory_, n, 0u) && heap_.reserve(3 * n + 1) && loop_.reserve(n + 1) && try_.reserve(n + 1);
+    }
+
+    // 2 * epoch: reached, 2 * epoch + 1: settled.
+    bool reached(uint32_t r) const { return stamp_[r] >= 2 * epoch_; }
+    bool settled(uint32_t r) const { return stamp_[r] > 2 * epoch_; }
+
+    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.region < b.region); }
+
+    void heap_push(Entry entry) {
+        heap_.push(entry); // within the reserve: at most one for each link
+        size_t i = heap_.size() - 1;
+        for (; i && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
+        heap_[i] = entry;
+    }
+
+    Entry heap_pop() {
+        const Entry top = heap_[0], entry = heap_.back();
+        heap_.pop();
+        const size_t n = heap_.size();
+        if (n == 0) return top;
+        size_t i = 0;
+        for (size_t child = 1; child < n; child = 2 * i + 1) {
+            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
+            if (!before(heap_[child], entry)) break;
+            heap_[i] = heap_[child];
+            i = child;
+        }
+        heap_[i] = entry;
+        return top;
+    }
+
+    // Step 2: the shortest non-separating loop through a region, if it is
+    // shorter than best_, with the tail to the root stripped, as loop_.
+    // Returns the length with the tail, or best_ as it was.
+    double search(uint32_t root) {
+        ++epoch_;
+        heap_.clear();
+        distance_[root] = 0;
+        from_[root] = NONE;
+        label_[root] = 0;
+        stamp_[root] = 2 * epoch_;
+        heap_push({0, root});
+        double shortest = best_;
+        uint32_t closing = NONE;
+        while (!heap_.empty()) {
+            const Entry entry = heap_pop();
+            const uint32_t r = entry.region;
+            if (settled(r)) continue;
+            if (2 * entry.distance >= shortest) break;
+            stamp_[r] = 2 * epoch_ + 1;
+            ++work_;
+            for (uint32_t i = 0; i < 3; ++i) {
+                const uint32_t link = cut_.link[3 * size_t{r} + i];
+                if (link == NONE) break;
+                const uint32_t to = cut_.region[link ^ 1u];
+                const double d = entry.distance + length_[cut_.segment_edge[link >> 1]];
+                const uint64_t label = label_[r] ^ signature_[link >> 1];
+                if (!settled(to)) {
+                    if (reached(to) && !(d < distance_[to])) continue;
+                    stamp_[to] = 2 * epoch_;
+                    distance_[to] = d;
+                    from_[to] = link;
+                    label_[to] = label;
+                    heap_push({d, to});
+                } else if (label != label_[to] && d + distance_[to] < shortest) {
+                    shortest = d + distance_[to];
+                    closing = link;
+                }
+            }
+        }
+        if (closing == NONE) return shortest;
+        strip(closing);
+        return shortest;
+    }
+
+    // The cycle of a link in the search tree:  root ---- o===r
+    //                                                     \\  | closing
+    //                                                       `=to
+    void strip(uint32_t closing) {
+        const uint32_t r = cut_.region[closing], to = cut_.region[closing ^ 1u];
+        ++epoch_; // marks the way from r to the root
+        uint32_t meet = r;
+        for (;;) {
+            stamp_[meet] = 2 * epoch_;
+            if (from_[meet] == NONE) break;
+            meet = cut_.region[from_[meet]];
+        }
+        meet = to;
+        while (!reached(meet)) meet = cut_.region[from_[meet]];
+        try_.clear();
+        double total = length_[cut_.segment_edge[closing >> 1]];
+        for (uint32_t at = r; at != meet; at = cut_.region[from_[at]]) try_.push(from_[at]);
+        for (size_t i = 0, j = try_.size(); i + 1 < j; ++i) {
+            --j;
+            const uint32_t link = try_[i];
+            try_[i] = try_[j];
+            try_[j] = link;
+        }
+        try_.push(closing);
+        for (uint32_t at = to; at != meet; at = cut_.region[from_[at]]) try_.push(from_[at] ^ 1u);
+        for (uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
+        total -= length_[cut_.segment_edge[closing >> 1]];
+        if (found_ && !(total < best_)) return;
+        found_ = true;
+        best_ = total;
+        loop_.swap(try_);
+    }
+
+    // Step 3.  The first time the roots are only those that a quarter of the
+    // work allows.  False: cancelled.
+    bool search_roots(double allowed, bool first) {
+        if (!first)
+            heap_sort(roots_.data(), root_count_, [](const Root& a, const Root& b) { return a.bound < b.bound || (a.bound == b.bound && a.face < b.face); });
+        for (size_t i = 0; i < root_count_; ++i) {
+            if (found_ && roots_[i].bound >= best_) break;
+            const double limit = first ? allowed * 0.7 : allowed;
+            if (found_ && static_cast<double>(work_) >= limit) {
+                if (first) root_count_ = i;
+                break;
+            }
+            if (i % 16 == 0 && !call_.tick(0)) return false;
+            const double bound = search(cut_.region_first[roots_[i].face]);
+            if (bound > roots_[i].bound) roots_[i].bound = bound;
+        }
+        return true;
+    }
+
+    // Again from roots on the loop itself, until a quarter round it nothing gains.
+    void tighten() {
+        size_t quarter = 2;
+        for (int i = 0; i < 24; ++i) {
+            const double before = best_;
+            const size_t n = loop_.size();
+            search(cut_.region[loop_[n * quarter / 8]]);
+            if (best_ < before) quarter = 4;
+            else if (++quarter == 8) break;
+        }
+    }
+
+    const Mesh& mesh_;
+    Call& call_;
+    Memory& memory_;
+    Multicurve curves_;
+    CutSurface cut_;
+    Array<double> length_;       // per edge
+    Array<Root> roots_;
+    size_t root_count_ = 0;
+    Array<uint64_t> signature_;  // per segment
+    Array<double> distance_;     // per region, as all below
+    Array<uint32_t> from_;       // the half-segment it was reached through, seen from the region before
+    Array<uint64_t> label_;      // signatures on the way from the root
+    Array<uint32_t> stamp_;
+    uint32_t epoch_ = 0;
+    Array<Entry> heap_;
+    Array<uint32_t> loop_, try_; // half-segments
+    double best_ = UNREACHED;    // length of loop_
+    bool found_ = false;
+    uint64_t work_ = 0;          // regions settled
+};
+
+} // namespace
+
+hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out) {
+    CutSystem system(mesh, call);
+    return system.run(position, out);
+}
+
+} // namespace hmf

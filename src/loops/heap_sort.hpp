@@ -1,0 +1,29 @@
+// In-place sorting without recursion or memory: heap sort with the order given.
+#pragma once
+
+#include <cstddef>
+
+namespace hmf {
+
+template <class T, class Less>
+void heap_sort(T* items, size_t n, const Less& less) {
+    const auto sink = [&](size_t i, size_t end) {
+        const T item = items[i];
+        for (size_t child = 2 * i + 1; child < end; child = 2 * i + 1) {
+            if (child + 1 < end && less(items[child], items[child + 1])) ++child;
+            if (!less(item, items[child])) break;
+            items[i] = items[child];
+            i = child;
+        }
+        items[i] = item;
+    };
+    for (size_t i = n / 2; i-- > 0;) sink(i, n);
+    for (size_t end = n; end-- > 1;) {
+        const T largest = items[0];
+        items[0] = items[end];
+        items[end] = largest;
+        sink(0, end);
+    }
+}
+
+} // namespace hmf

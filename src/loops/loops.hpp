@@ -1,0 +1,36 @@
+// Loops on a level and the foliation that they start (theory: [W] 3.3).
+//
+// A loop is kept as the cyclic sequence of the half-edges that it crosses:
+// half-edge h is crossed from face(h) to face(twin(h)), and face(twin(h)) is
+// the face of the next half-edge in the sequence.
+#pragma once
+
+#include "../base/memory.hpp"
+#include "../mesh/mesh.hpp"
+
+namespace hmf {
+
+struct Loops {
+    Array<uint64_t> offsets;    // count + 1
+    Array<uint32_t> crossings;  // half-edges
+    size_t count() const { return offsets.empty() ? 0 : offsets.size() - 1; }
+};
+
+// genus many disjoint simple loops, jointly non-separating, each the shortest
+// that is found one after another.  position: 3 per vertex of the mesh.
+hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
+
+// Loops of the caller: elements are faces (element_kind HMF_LOOP_TRIANGLES)
+// or vertices (HMF_LOOP_VERTICES) of mesh.  Removes backtracking.  Checks
+// indices and closedness only; error indices are loop numbers.
+hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
+                      const uint32_t* elements, Call& call, Loops& out);
+
+// Simple, disjoint, essential, pairwise not freely homotopic; each defect
+// with its status and the number of the loop.
+hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call);
+
+// value[e] = sum over loops of weight * number of crossings of e.
+void initial_foliation(const Mesh& mesh, const Loops& loops, const int64_t* weights, int64_t* value);
+
+} // namespace hmf

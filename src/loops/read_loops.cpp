@@ -1,0 +1,161 @@
+// Loops of the caller -> cyclic sequences of crossed half-edges ([W] 3.3).
+//
+// A triangle loop crosses the edges that its triangles share.  A closed
+// vertex path is first pulled straight and then pushed off to its left, so
+// that it crosses the edges that leave on that side:
+//
+//        \  |  /              b
+//     - - - - - - ->         / \        a-b-c with a triangle a, b, c
+//     ----*-----*-->        a---c       becomes a-c, and a-b-a becomes a
+//
+// At last an edge that is crossed back and forth at once is not crossed.
+#include "loops.hpp"
+
+namespace hmf {
+
+namespace {
+
+using Long = unsigned long long;
+
+// Removes neighbours that cancel, cyclically: sequence[begin, end) afterwards.
+void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) {
+    size_t n = 0;
+    for (size_t i = 0; i < sequence.size(); ++i) {
+        if (n && sequence[n - 1] == twin(sequence[i])) --n;
+        else sequence[n++] = sequence[i];
+    }
+    begin = 0;
+    end = n;
+    while (end - begin >= 2 && sequence[begin] == twin(sequence[end - 1])) { ++begin; --end; }
+}
+
+// Two consecutive path edges as fewer: 0, 1 (in `one`), or 2 if nothing is to gain.
+int shorten(const Mesh& mesh, uint32_t g, uint32_t h, uint32_t& one) {
+    if (h == twin(g)) return 0;
+    if (h == mesh.next[g]) { one = twin(mesh.prev(g)); return 1; }
+    if (twin(h) == mesh.prev(twin(g))) { one = mesh.next[twin(g)]; return 1; }
+    return 2;
+}
+
+// Path edges in sequence[begin, end), without detours.
+void pull_straight(const Mesh& mesh, Array<uint32_t>& sequence, size_t& begin, size_t& end) {
+    size_t n = 0;
+    for (size_t i = 0; i < sequence.size(); ++i) {
+        uint32_t h = sequence[i];
+        bool left = true; // h is still to be put down
+        while (left && n) {
+            uint32_t one = NONE;
+            const int edges = shorten(mesh, sequence[n - 1], h, one);
+            if (edges == 2) break;
+            --n;
+            if (edges == 0) left = false;
+            else h = one;
+        }
+        if (left) sequence[n++] = h;
+    }
+    begin = 0;
+    end = n;
+    // Across the ends; each step removes an edge.
+    while (end - begin >= 2) {
+        uint32_t one = NONE;
+        const int edges = shorten(mesh, sequence[end - 1], sequence[begin], one);
+        if (edges == 2) break;
+        ++begin;
+        --end;
+        if (edges == 0) continue;
+        // The new edge takes the last place, where it may shorten with the one before.
+        bool left = true;
+        while (left && end > begin) {
+            uint32_t other = NONE;
+            const int more = shorten(mesh, sequence[end - 1], one, other);
+            if (more == 2) break;
+            --end;
+            if (more == 0) left = false;
+            else one = other;
+        }
+        if (left) sequence[end++] = one;
+    }
+}
+
+// The first half-edge of face f that borders face g.
+uint32_t shared_side(const Mesh& mesh, uint32_t side, uint32_t g) {
+    uint32_t h = side;
+    for (int i = 0; i < 3; ++i, h = mesh.next[h])
+        if (mesh.face[twin(h)] == g) return h;
+    return NONE;
+}
+
+// The half-edge of smallest number from vertex i to vertex j.
+uint32_t shared_edge(const Mesh& mesh, uint32_t i, uint32_t j) {
+    uint32_t found = NONE, h = mesh.out[i];
+    do {
+        if (mesh.target(h) == j && h < found) found = h;
+        h = mesh.rotate_cw(h);
+    } while (h != mesh.out[i]);
+    return found;
+}
+
+} // namespace
+
+hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
+                      const uint32_t* elements, Call& call, Loops& out) {
+    if (count == 0)
+        return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
+    for (size_t c = 0; c < count; ++c)
+        if (offsets[c + 1] <= offsets[c])
+            return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
+                             static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1, static_cast<Long>(offsets[c + 1]));
+    const bool triangles = element_kind == HMF_LOOP_TRIANGLES;
+    const char* const word = triangles ? "triangle" : "vertex";
+    const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
+    Array<uint32_t> side, path, strip;
+    path.start(call.memory);
+    strip.start(call.memory);
+    out.offsets.start(call.memory);
+    out.crossings.start(call.memory);
+    if (!out.offsets.push(0)) return call.out_of_memory();
+    if (triangles) {
+        if (!side.allocate_filled(call.memory, mesh.face_count, NONE)) return call.out_of_memory();
+        for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
+    }
+    for (size_t c = 0; c < count; ++c) {
+        const uint64_t first = offsets[c], end = offsets[c + 1];
+        path.clear();
+        for (uint64_t i = first; i < end; ++i)
+            if (elements[i] >= limit)
+                return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu is %s %llu, but the level has only %llu.",
+                                 static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(elements[i]), static_cast<Long>(limit));
+        for (uint64_t i = first; i < end; ++i) {
+            if (i % 8192 == 0 && !call.tick(0))
+                return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
+            const uint32_t h = triangles ? shared_side(mesh, side[here], there) : shared_edge(mesh, here, there);
+            if (h == NONE)
+                return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu, %s %llu, and the %s, %s %llu, share no edge.",
+                                 static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(here), i + 1 < end ? "next one" : "first one",
+                                 word, static_cast<Long>(there));
+            if (!path.push(h)) return call.out_of_memory();
+        }
+        if (!triangles) {
+            size_t from = 0, to = 0;
+            pull_straight(mesh, path, from, to);
+            strip.clear();
+            for (size_t i = from; i < to; ++i) {
+                // Through the fan on the left of the path, from the edge that
+                // comes in to the edge that goes out.
+                const uint32_t in = path[i], go = path[i + 1 < to ? i + 1 : from];
+                for (uint32_t g = mesh.rotate_cw(twin(in)); g != go; g = mesh.rotate_cw(g))
+                    if (!strip.push(g)) return call.out_of_memory();
+            }
+            path.swap(strip);
+        }
+        size_t from = 0, to = 0;
+        remove_backtracking(path, from, to);
+        for (size_t i = from; i < to; ++i)
+            if (!out.crossings.push(path[i])) return call.out_of_memory();
+        if (!out.offsets.push(out.crossings.size())) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+} // namespace hmf

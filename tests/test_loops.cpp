@@ -1,0 +1,367 @@
+// Loops: cut systems, reading, checking, the initial foliation.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <set>
+
+#include "../src/loops/cut_surface.hpp"
+#include "../src/loops/loops.hpp"
+#include "support/make_mesh.hpp"
+
+namespace {
+
+using namespace hmf;
+
+struct Context {
+    Memory memory{nullptr, nullptr, nullptr, 0};
+    hmf_error error{};
+    Call call{memory, &error, nullptr, nullptr};
+};
+
+uint32_t genus_of(const Mesh& m) { return (2 + m.edge_count - m.vertex_count - m.face_count) / 2; }
+
+struct Pieces {
+    size_t count = 0;
+    int64_t euler = 0; // of all together
+};
+
+Pieces pieces(const Mesh& mesh, const Loops& loops) {
+    Context c;
+    Multicurve curves;
+    CutSurface cut;
+    EXPECT_TRUE(curves.allocate(mesh, c.memory) && curves.add(loops.crossings.data(), loops.crossings.size()));
+    EXPECT_TRUE(curves.is_normal(mesh));
+    EXPECT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, false, c.memory));
+    EXPECT_EQ(curves.components.count(), loops.count());
+    std::vector<uint32_t> parent(cut.region_count);
+    for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
+    for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
+    Pieces result;
+    for (uint32_t r = 0; r < cut.region_count; ++r) result.count += parent[r] == r;
+    result.euler = int64_t{cut.region_count} - cut.segment_count + mesh.vertex_count;
+    return result;
+}
+
+// Consecutive crossings meet in a face.
+void expect_connected(const Mesh& mesh, const Loops& loops) {
+    for (size_t c = 0; c < loops.count(); ++c)
+        for (uint64_t i = loops.offsets[c], n = loops.offsets[c + 1]; i < n; ++i) {
+            const uint32_t h = loops.crossings[i], k = loops.crossings[i + 1 < n ? i + 1 : loops.offsets[c]];
+            EXPECT_EQ(mesh.face[twin(h)], mesh.face[k]);
+            EXPECT_NE(twin(h), k);
+        }
+}
+
+void expect_cut_system(test::MadeMesh& made) {
+    const Mesh mesh = made.mesh();
+    Context c;
+    Loops loops;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK) << c.error.message;
+    const uint32_t genus = genus_of(mesh);
+    ASSERT_EQ(loops.count(), genus);
+    expect_connected(mesh, loops);
+    EXPECT_EQ(check_loops(mesh, loops, c.call), HMF_OK) << c.error.message;
+    const Pieces p = pieces(mesh, loops);
+    EXPECT_EQ(p.count, 1u);
+    EXPECT_EQ(p.euler, 2 - 2 * static_cast<int64_t>(genus));
+
+    // As triangles and back.
+    std::vector<uint32_t> faces;
+    for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
+    Loops again;
+    ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again), HMF_OK) << c.error.message;
+    EXPECT_EQ(check_loops(mesh, again, c.call), HMF_OK) << c.error.message;
+
+    std::vector<int64_t> weight(genus), value(mesh.edge_count);
+    for (uint32_t i = 0; i < genus; ++i) weight[i] = (1 << 20) + 7 * i;
+    initial_foliation(mesh, loops, weight.data(), value.data());
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        const int64_t a = value[edge_of(h)], b = value[edge_of(mesh.next[h])], d = value[edge_of(mesh.prev(h))];
+        ASSERT_GE(a, 0);
+        ASSERT_LE(a, b + d);
+        ASSERT_EQ((a + b + d) % 2, 0);
+    }
+}
+
+struct Read {
+    Context context;
+    Loops loops;
+    hmf_status read, check = HMF_OK;
+
+    Read(const Mesh& mesh, int32_t kind, const std::vector<std::vector<uint32_t>>& given) {
+        std::vector<uint64_t> offsets{0};
+        std::vector<uint32_t> elements;
+        for (const auto& loop : given) {
+            elements.insert(elements.end(), loop.begin(), loop.end());
+            offsets.push_back(elements.size());
+        }
+        read = read_loops(mesh, kind, given.size(), offsets.data(), elements.data(), context.call, loops);
+        if (read == HMF_OK) {
+            expect_connected(mesh, loops);
+            check = check_loops(mesh, loops, context.call);
+        }
+    }
+    hmf_status status() const { return read ? read : check; }
+};
+
+constexpr uint32_t N = 12, M = 9;
+uint32_t at(uint32_t x, uint32_t y) { return x % N * M + y % M; }
+std::vector<uint32_t> meridian(uint32_t x) {
+    std::vector<uint32_t> path;
+    for (uint32_t y = 0; y < M; ++y) path.push_back(at(x, y));
+    return path;
+}
+std::vector<uint32_t> longitude(uint32_t y) {
+    std::vector<uint32_t> path;
+    for (uint32_t x = 0; x < N; ++x) path.push_back(at(x, y));
+    return path;
+}
+
+// How often the loop crosses the edges of a closed vertex path, modulo 2.
+uint32_t parity(const Mesh& mesh, const Loops& loops, size_t loop, const std::vector<uint32_t>& path) {
+    std::set<std::pair<uint32_t, uint32_t>> edges;
+    for (size_t i = 0; i < path.size(); ++i) edges.insert({path[i], path[(i + 1) % path.size()]});
+    uint32_t n = 0;
+    for (uint64_t i = loops.offsets[loop]; i < loops.offsets[loop + 1]; ++i) {
+        const uint32_t a = mesh.origin[loops.crossings[i]], b = mesh.target(loops.crossings[i]);
+        n += static_cast<uint32_t>(edges.count({a, b}) + edges.count({b, a}));
+    }
+    return n % 2;
+}
+
+TEST(CutSystem, Torus) {
+    for (uint32_t n = 3; n < 12; n += 2)
+        for (uint32_t m = 3; m < 12; m += 3) {
+            test::MadeMesh made(test::torus(n, m));
+            expect_cut_system(made);
+        }
+}
+
+TEST(CutSystem, ShortOnATorus) {
+    test::MadeMesh made(test::torus(40, 8, 3, 0.5));
+    const Mesh mesh = made.mesh();
+    Context c;
+    Loops loops;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
+    EXPECT_EQ(loops.crossings.size(), 16u); // once round the tube
+}
+
+TEST(CutSystem, PlatesOfGenus1To20) {
+    for (int genus = 1; genus <= 20; ++genus)
+        for (int fine = 1; fine <= 3; ++fine) {
+            test::MadeMesh made(test::plate(genus % 4 == 0 ? genus / 4 : genus, genus % 4 == 0 ? 4 : 1, fine));
+            ASSERT_EQ(genus_of(made.mesh()), static_cast<uint32_t>(genus));
+            expect_cut_system(made);
+        }
+}
+
+TEST(CutSystem, Deterministic) {
+    test::MadeMesh made(test::plate(3, 3, 2));
+    const Mesh mesh = made.mesh();
+    Context c;
+    Loops a, b;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, a), HMF_OK);
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, b), HMF_OK);
+    ASSERT_EQ(a.crossings.size(), b.crossings.size());
+    EXPECT_EQ(std::memcmp(a.crossings.data(), b.crossings.data(), a.crossings.size() * sizeof(uint32_t)), 0);
+}
+
+TEST(CutSystem, EveryAllocationMayFail) {
+    test::MadeMesh made(test::plate(2, 1));
+    const Mesh mesh = made.mesh();
+    struct State { int left; int64_t live; };
+    const auto allocate = [](void* user, size_t size) -> void* {
+        State* s = static_cast<State*>(user);
+        if (s->left-- <= 0) return nullptr;
+        ++s->live;
+        return std::malloc(size);
+    };
+    const auto release = [](void* user, void* block, size_t) {
+        --static_cast<State*>(user)->live;
+        std::free(block);
+    };
+    bool done = false;
+    for (int n = 0; n < 2000 && !done; ++n) {
+        State state{n, 0};
+        {
+            Memory memory(allocate, release, &state, 0);
+            hmf_error error{};
+            Call call(memory, &error, nullptr, nullptr);
+            Loops loops, again;
+            std::vector<uint32_t> faces;
+            hmf_status status = cut_system(mesh, made.positions.data(), call, loops);
+            if (status == HMF_OK) {
+                for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
+                status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
+            }
+            if (status == HMF_OK) status = check_loops(mesh, again, call);
+            done = status == HMF_OK;
+            if (!done) { EXPECT_EQ(status, HMF_ERROR_MEMORY); }
+        }
+        EXPECT_EQ(state.live, 0);
+    }
+    EXPECT_TRUE(done);
+}
+
+TEST(CutSystem, CancelsAtEveryTick) {
+    test::MadeMesh made(test::plate(2, 1));
+    const Mesh mesh = made.mesh();
+    int left = 0;
+    const auto progress = [](void* user, double) -> int32_t {
+        return --*static_cast<int*>(user) < 0 ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
+    };
+    bool done = false;
+    for (int n = 0; n < 1000 && !done; ++n) {
+        left = n;
+        Memory memory(nullptr, nullptr, nullptr, 0);
+        Call call(memory, nullptr, progress, &left);
+        Loops loops;
+        hmf_status status = cut_system(mesh, made.positions.data(), call, loops);
+        if (status == HMF_OK) status = check_loops(mesh, loops, call);
+        done = status == HMF_OK;
+        if (!done) { EXPECT_EQ(status, HMF_CANCELLED); }
+    }
+    EXPECT_TRUE(done);
+}
+
+class OnTorus : public ::testing::Test {
+protected:
+    test::MadeMesh made{test::torus(N, M)};
+    Mesh mesh = made.mesh();
+    Read vertices(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_LOOP_VERTICES, loops); }
+    Read triangles(const std::vector<std::vector<uint32_t>>& loops) { return Read(mesh, HMF_LOOP_TRIANGLES, loops); }
+};
+
+TEST_F(OnTorus, MeridianAndLongitude) {
+    for (const auto& path : {meridian(2), longitude(4)}) {
+        Read r(mesh, HMF_LOOP_VERTICES, {path});
+        EXPECT_EQ(r.status(), HMF_OK) << r.context.error.message;
+    }
+    Read m(mesh, HMF_LOOP_VERTICES, {meridian(2)});
+    EXPECT_EQ(parity(mesh, m.loops, 0, longitude(0)), 1u);
+    EXPECT_EQ(parity(mesh, m.loops, 0, meridian(7)), 0u);
+}
+
+TEST_F(OnTorus, DetoursDoNotMatter) {
+    // Back and forth, over two sides of a triangle, and both at the seam.
+    std::vector<uint32_t> wiggly = {at(3, 0), at(2, 0), at(2, 1), at(3, 1), at(2, 1), at(3, 2), at(2, 2), at(2, 3), at(2, 4), at(1, 4), at(0, 4),
+                                    at(1, 4), at(2, 4), at(3, 5), at(2, 5), at(2, 6), at(2, 7), at(2, 8), at(2, 0)};
+    Read straight(mesh, HMF_LOOP_VERTICES, {meridian(2)});
+    for (size_t turn = 0; turn < wiggly.size(); ++turn) {
+        std::vector<uint32_t> path(wiggly.begin() + static_cast<long>(turn), wiggly.end());
+        path.insert(path.end(), wiggly.begin(), wiggly.begin() + static_cast<long>(turn));
+        for (int way = 0; way < 2; ++way) {
+            Read r(mesh, HMF_LOOP_VERTICES, {path});
+            ASSERT_EQ(r.status(), HMF_OK) << r.context.error.message;
+            for (uint32_t i = 0; i < M; ++i) EXPECT_EQ(parity(mesh, r.loops, 0, longitude(i)), 1u);
+            for (uint32_t i = 0; i < N; ++i) EXPECT_EQ(parity(mesh, r.loops, 0, meridian(i)), 0u);
+            std::reverse(path.begin(), path.end());
+        }
+    }
+}
+
+TEST_F(OnTorus, Count) {
+    Context c;
+    Loops loops;
+    const uint64_t offsets[] = {0, 0};
+    const uint32_t none[] = {0};
+    EXPECT_EQ(read_loops(mesh, HMF_LOOP_VERTICES, 0, offsets, none, c.call, loops), HMF_ERROR_LOOP_COUNT);
+    Context d;
+    EXPECT_EQ(read_loops(mesh, HMF_LOOP_VERTICES, 1, offsets, none, d.call, loops), HMF_ERROR_LOOP_COUNT);
+    EXPECT_EQ(d.error.index, 0u);
+}
+
+TEST_F(OnTorus, Index) {
+    auto bad = meridian(4);
+    bad[3] = mesh.vertex_count;
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(1), bad});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_INDEX);
+    EXPECT_EQ(r.context.error.index, 1u);
+    EXPECT_EQ(triangles({{mesh.face_count}}).status(), HMF_ERROR_LOOP_INDEX);
+}
+
+TEST_F(OnTorus, NotClosed) {
+    auto bad = meridian(4);
+    bad.pop_back();
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(1), bad});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_NOT_CLOSED);
+    EXPECT_EQ(r.context.error.index, 1u);
+    EXPECT_NE(std::strstr(r.context.error.message, "Element 7"), nullptr) << r.context.error.message;
+    EXPECT_EQ(triangles({{0, 1, 100}}).status(), HMF_ERROR_LOOP_NOT_CLOSED);
+    EXPECT_EQ(triangles({{0}}).status(), HMF_ERROR_LOOP_NOT_CLOSED);
+}
+
+TEST_F(OnTorus, NotSimple) {
+    // A meridian twice over, and one that ends in a longitude.
+    auto twice = meridian(2);
+    const auto once = twice;
+    twice.insert(twice.end(), once.begin(), once.end());
+    EXPECT_EQ(vertices({twice}).status(), HMF_ERROR_LOOP_NOT_SIMPLE);
+    // Both directions one after the other, with a figure of eight at the crossing.
+    auto eight = meridian(0);
+    for (uint32_t x = 0; x < N; ++x) eight.push_back(at(x, 0));
+    auto commutator = eight;
+    const auto m = meridian(0);
+    for (uint32_t i = 0; i < M; ++i) commutator.push_back(m[(M - i) % M]);
+    for (uint32_t x = 0; x < N; ++x) commutator.push_back(at(N - x, 0));
+    Read r(mesh, HMF_LOOP_VERTICES, {commutator});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_NOT_SIMPLE) << r.context.error.message;
+    EXPECT_EQ(r.context.error.index, 0u);
+    // Once each way at a common vertex is simple: pushed off it does not meet itself.
+    EXPECT_EQ(vertices({eight}).status(), HMF_OK);
+}
+
+TEST_F(OnTorus, Crossing) {
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), longitude(5)});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_CROSSING);
+    EXPECT_EQ(r.context.error.index, 1u);
+}
+
+TEST_F(OnTorus, CrossingNamesTheLater) {
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), meridian(5), meridian(8), longitude(5), meridian(10)});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_CROSSING);
+    EXPECT_EQ(r.context.error.index, 3u);
+}
+
+TEST_F(OnTorus, Trivial) {
+    // Round a vertex, and there and back.
+    std::vector<uint32_t> ring;
+    uint32_t h = mesh.out[at(4, 4)];
+    do { ring.push_back(mesh.face[h]); h = mesh.rotate_ccw(h); } while (h != mesh.out[at(4, 4)]);
+    EXPECT_EQ(triangles({ring}).status(), HMF_ERROR_LOOP_TRIVIAL);
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), {at(4, 4), at(5, 4), at(5, 5), at(5, 4)}});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_TRIVIAL);
+    EXPECT_EQ(r.context.error.index, 1u);
+    EXPECT_EQ(vertices({{at(4, 4), at(5, 4), at(6, 4), at(6, 5), at(6, 6), at(5, 6), at(4, 6), at(4, 5)}}).status(), HMF_ERROR_LOOP_TRIVIAL);
+}
+
+TEST_F(OnTorus, Parallel) {
+    Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), meridian(6)});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
+    EXPECT_EQ(r.context.error.index, 1u);
+    // The same loop twice, and reversed.
+    EXPECT_EQ(vertices({meridian(2), meridian(2)}).status(), HMF_ERROR_LOOP_PARALLEL);
+    auto reversed = meridian(2);
+    std::reverse(reversed.begin(), reversed.end());
+    EXPECT_EQ(vertices({meridian(2), reversed}).status(), HMF_ERROR_LOOP_PARALLEL);
+}
+
+TEST(CheckLoops, ParallelOnAPlate) {
+    // The loops round two neighbouring bars differ, two on one bar do not.
+    test::MadeMesh made(test::plate(2, 1, 3));
+    const Mesh mesh = made.mesh();
+    Context c;
+    Loops loops;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
+    std::vector<std::vector<uint32_t>> faces(2);
+    for (size_t l = 0; l < 2; ++l)
+        for (uint64_t i = loops.offsets[l]; i < loops.offsets[l + 1]; ++i) faces[l].push_back(mesh.face[loops.crossings[i]]);
+    EXPECT_EQ(Read(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1]}).status(), HMF_OK);
+    Read r(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1], faces[0]});
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
+    EXPECT_EQ(r.context.error.index, 2u);
+}
+
+} // namespace
