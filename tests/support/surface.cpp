@@ -1,0 +1,394 @@
+#include "surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+
+namespace test {
+
+namespace {
+
+hmf_build_options build_options(double ratio, uint64_t coarsest, int32_t collapse) {
+    hmf_build_options options;
+    hmf_build_options_init(&options);
+    if (ratio > 0) options.ratio = ratio;
+    if (coarsest > 0) options.coarsest = coarsest;
+    if (collapse > 0) options.collapse = collapse;
+    return options;
+}
+
+// The two (triangle, side) of each edge, as 3 * triangle + side.
+std::vector<uint32_t> edge_sides(const LevelMesh& mesh) {
+    std::vector<uint32_t> sides(2 * mesh.edge_count, UINT32_MAX);
+    for (uint32_t c = 0; c < 3 * mesh.triangle_count; ++c) {
+        const uint32_t e = mesh.triangle_edges[c];
+        sides[2 * e + (sides[2 * e] != UINT32_MAX)] = c;
+    }
+    return sides;
+}
+
+uint32_t next_side(uint32_t c) { return c % 3 == 2 ? c - 2 : c + 1; }
+uint32_t previous_side(uint32_t c) { return c % 3 == 0 ? c + 2 : c - 1; }
+
+// Twice the corner coordinate of corner c: between side c and the one before.
+double corner2(const LevelMesh& mesh, const std::vector<double>& values, uint32_t c) {
+    return values[mesh.triangle_edges[c]] + values[mesh.triangle_edges[previous_side(c)]] - values[mesh.triangle_edges[next_side(c)]];
+}
+
+} // namespace
+
+Hierarchy::Hierarchy(const TriMesh& mesh, double ratio, uint64_t coarsest, int32_t collapse)
+    : Hierarchy(mesh, build_options(ratio, coarsest, collapse)) {}
+
+Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_build_options& options) {
+    hmf_error error{};
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
+                                        &options, &handle_, &error);
+    EXPECT_EQ(status, HMF_OK) << error.message;
+    if (handle_) {
+        EXPECT_EQ(hmf_genus(handle_), mesh.genus);
+    }
+}
+
+size_t Hierarchy::edges(size_t level) const {
+    hmf_level_info info{};
+    EXPECT_EQ(hmf_level_counts(handle_, level, &info, nullptr), HMF_OK);
+    return info.edge_count;
+}
+
+LevelMesh read_level(const Hierarchy& hierarchy, size_t level) {
+    LevelMesh mesh;
+    hmf_level_info info{};
+    EXPECT_EQ(hmf_level_counts(hierarchy.get(), level, &info, nullptr), HMF_OK);
+    mesh.level = level;
+    mesh.vertex_count = info.vertex_count;
+    mesh.edge_count = info.edge_count;
+    mesh.triangle_count = info.triangle_count;
+    mesh.non_delaunay_count = info.non_delaunay_count;
+    mesh.edge_vertices.resize(2 * mesh.edge_count);
+    mesh.triangle_edges.resize(3 * mesh.triangle_count);
+    mesh.triangle_vertices.resize(3 * mesh.triangle_count);
+    mesh.weights.resize(mesh.edge_count);
+    mesh.positions.resize(3 * mesh.vertex_count);
+    EXPECT_EQ(hmf_level_edge_vertices(hierarchy.get(), level, mesh.edge_vertices.data(), mesh.edge_vertices.size(), nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_triangle_edges(hierarchy.get(), level, mesh.triangle_edges.data(), mesh.triangle_edges.size(), nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_triangle_vertices(hierarchy.get(), level, mesh.triangle_vertices.data(), mesh.triangle_vertices.size(), nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_weights(hierarchy.get(), level, mesh.weights.data(), mesh.weights.size(), nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_positions(hierarchy.get(), level, mesh.positions.data(), mesh.positions.size(), nullptr), HMF_OK);
+    return mesh;
+}
+
+void Loops::add(const std::vector<uint32_t>& loop) {
+    elements.insert(elements.end(), loop.begin(), loop.end());
+    offsets.push_back(elements.size());
+}
+
+hmf_loop_set Loops::view() const {
+    hmf_loop_set set{};
+    set.struct_size = sizeof set;
+    set.element_kind = kind;
+    set.level = level;
+    set.count = count();
+    set.offsets = offsets.data();
+    set.elements = elements.data();
+    set.weights = weights.empty() ? nullptr : weights.data();
+    return set;
+}
+
+Loops library_loops(const Hierarchy& hierarchy, size_t level) {
+    Loops loops;
+    loops.level = level;
+    size_t count = 0, total = 0;
+    hmf_error error{};
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
+    loops.offsets.assign(count + 1, 0);
+    loops.elements.resize(total);
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, HMF_LOOPS_CUT, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error),
+              HMF_OK)
+        << error.message;
+    return loops;
+}
+
+std::vector<uint32_t> section(const LevelMesh& mesh, const Field& field, const Field& region) {
+    std::vector<bool> positive(mesh.vertex_count);
+    for (size_t v = 0; v < mesh.vertex_count; ++v) positive[v] = field(&mesh.positions[3 * v]) > 0;
+    const auto crossed = [&](uint32_t e) { return positive[mesh.edge_vertices[2 * e]] != positive[mesh.edge_vertices[2 * e + 1]]; };
+    const std::vector<uint32_t> sides = edge_sides(mesh);
+    std::vector<bool> seen(mesh.triangle_count, false);
+    std::vector<std::vector<uint32_t>> found;
+    for (uint32_t start = 0; start < mesh.triangle_count; ++start) {
+        if (seen[start]) continue;
+        std::vector<uint32_t> loop;
+        double middle[3] = {0, 0, 0};
+        uint32_t t = start, entry = UINT32_MAX; // the edge through which t was entered
+        while (!seen[t]) {
+            uint32_t exit = UINT32_MAX;
+            for (uint32_t c = 3 * t; c < 3 * t + 3 && exit == UINT32_MAX; ++c)
+                if (crossed(mesh.triangle_edges[c]) && mesh.triangle_edges[c] != entry) exit = c;
+            if (exit == UINT32_MAX) break;
+            seen[t] = true;
+            loop.push_back(t);
+            for (size_t x = 0; x < 3; ++x) middle[x] += mesh.positions[3 * mesh.triangle_vertices[3 * t] + x];
+            entry = mesh.triangle_edges[exit];
+            t = (sides[2 * entry] == exit ? sides[2 * entry + 1] : sides[2 * entry]) / 3;
+        }
+        if (loop.empty()) continue;
+        for (double& x : middle) x /= static_cast<double>(loop.size());
+        if (region(middle) > 0) found.push_back(loop);
+    }
+    EXPECT_EQ(found.size(), 1u) << "the section is not one curve on level " << mesh.level;
+    return found.empty() ? std::vector<uint32_t>() : found[0];
+}
+
+Loops bar_loops(const Hierarchy& hierarchy, size_t level, size_t holes, const std::function<double(size_t)>& hole_x) {
+    const LevelMesh mesh = read_level(hierarchy, level);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t v = 0; v < mesh.vertex_count; ++v) {
+        low = std::min(low, mesh.positions[3 * v + 1]);
+        high = std::max(high, mesh.positions[3 * v + 1]);
+    }
+    Loops loops;
+    loops.level = level;
+    for (size_t k = 0; k < holes; ++k) {
+        const double x = hole_x(k), y = 0.5 * (low + high);
+        loops.add(section(mesh, [x](const double* p) { return p[0] - x; }, [y](const double* p) { return p[1] - y; }));
+    }
+    return loops;
+}
+
+Loops plate_loops(const Hierarchy& hierarchy, size_t level, size_t holes) {
+    return bar_loops(hierarchy, level, holes, [](size_t k) { return 2.0 * static_cast<double>(k) + 1.50137; });
+}
+
+Loops meridian(const Hierarchy& hierarchy, size_t level) {
+    Loops loops;
+    loops.level = level;
+    loops.add(section(read_level(hierarchy, level), [](const double* p) { return p[1] - 0.00137; }, [](const double* p) { return p[0]; }));
+    return loops;
+}
+
+Indices count_indices(const LevelMesh& mesh, const std::vector<double>& values) {
+    std::vector<uint32_t> root(mesh.vertex_count);
+    std::iota(root.begin(), root.end(), 0u);
+    const auto find = [&](uint32_t v) {
+        while (root[v] != v) v = root[v] = root[root[v]];
+        return v;
+    };
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        if (values[e] == 0) root[find(mesh.edge_vertices[2 * e])] = find(mesh.edge_vertices[2 * e + 1]);
+    std::vector<long> index(mesh.vertex_count, 0);
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) index[find(v)] += 2;
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        if (values[e] == 0) index[find(mesh.edge_vertices[2 * e])] -= 2;
+    Indices result;
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
+        int zero_edges = 0, closed = 0;
+        for (uint32_t c = 3 * t; c < 3 * t + 3; ++c) zero_edges += values[mesh.triangle_edges[c]] == 0;
+        if (zero_edges == 3) index[find(mesh.triangle_vertices[3 * t])] += 2;
+        if (zero_edges > 0) continue;
+        for (uint32_t c = 3 * t; c < 3 * t + 3; ++c)
+            if (corner2(mesh, values, c) == 0) {
+                ++closed;
+                --index[find(mesh.triangle_vertices[c])];
+            }
+        if (closed == 0) {
+            ++result.zeros;
+            --result.sum;
+        }
+    }
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (root[v] != v) continue;
+        result.sum += index[v];
+        if (index[v] > 0) ++result.poles;
+        if (index[v] < 0) result.zeros += static_cast<size_t>(-index[v]);
+    }
+    return result;
+}
+
+std::string closedness_defect(const LevelMesh& mesh, const std::vector<double>& values) {
+    if (values.size() != mesh.edge_count) return "wrong number of values";
+    double largest = 0, unit = HUGE_VAL;
+    for (double x : values) {
+        if (!(x >= 0) || !std::isfinite(x)) return "a value is negative or not finite";
+        largest = std::max(largest, x);
+        if (x == 0) continue;
+        int exponent = 0;
+        const double mantissa = std::frexp(x, &exponent);
+        uint64_t bits = static_cast<uint64_t>(std::ldexp(mantissa, 53));
+        while (!(bits & 1)) bits >>= 1, ++exponent;
+        unit = std::min(unit, std::ldexp(1.0, exponent - 53));
+    }
+    if (largest == 0) return "all values are zero";
+    if (largest / unit > 4503599627370496.0) return "the values do not fit 52 bits of a common unit";
+    for (uint32_t c = 0; c < 3 * mesh.triangle_count; ++c)
+        if (corner2(mesh, values, c) < 0) return "triangle inequality broken in triangle " + std::to_string(c / 3);
+    return "";
+}
+
+void expect_foliation(const Hierarchy& hierarchy, const LevelMesh& mesh, const std::vector<double>& values) {
+    ASSERT_EQ(closedness_defect(mesh, values), "");
+    const long genus = static_cast<long>(hmf_genus(hierarchy.get()));
+    const Indices own = count_indices(mesh, values);
+    EXPECT_EQ(own.poles, 0u);
+    EXPECT_EQ(own.sum, 4 - 4 * genus);
+    EXPECT_EQ(static_cast<long>(own.zeros), 4 * genus - 4);
+
+    size_t count = 0;
+    hmf_error error{};
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, &error),
+              HMF_OK)
+        << error.message;
+    std::vector<hmf_singularity> list(count);
+    std::vector<int32_t> at_vertex(mesh.vertex_count), at_triangle(mesh.triangle_count);
+    std::vector<uint32_t> cluster(mesh.vertex_count);
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), at_vertex.data(), at_vertex.size(), at_triangle.data(),
+                                at_triangle.size(), cluster.data(), cluster.size(), list.data(), list.size(), &count, &error),
+              HMF_OK)
+        << error.message;
+    long listed = 0, arrays = 0;
+    for (const hmf_singularity& s : list) {
+        EXPECT_LT(s.index, 0);
+        listed += s.index;
+        if (s.kind == HMF_SINGULAR_TRIANGLE) {
+            ASSERT_LT(s.element, mesh.triangle_count);
+            EXPECT_EQ(at_triangle[s.element], s.index);
+        } else {
+            ASSERT_LT(s.element, mesh.vertex_count);
+            EXPECT_EQ(at_vertex[s.element], s.index);
+            EXPECT_EQ(static_cast<size_t>(std::count(cluster.begin(), cluster.end(), s.element)), s.size);
+            EXPECT_EQ(s.kind == HMF_SINGULAR_CLUSTER, s.size > 1);
+        }
+    }
+    for (int32_t index : at_vertex) arrays += index;
+    for (int32_t index : at_triangle) arrays += index;
+    EXPECT_EQ(listed, 4 - 4 * genus);
+    EXPECT_EQ(arrays, 4 - 4 * genus);
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        if (values[e] == 0) {
+            ASSERT_EQ(cluster[mesh.edge_vertices[2 * e]], cluster[mesh.edge_vertices[2 * e + 1]]) << "edge " << e;
+        }
+}
+
+double energy(const LevelMesh& mesh, const std::vector<double>& values) {
+    double sum = 0;
+    for (size_t e = 0; e < mesh.edge_count; ++e) sum += mesh.weights[e] * values[e] * values[e];
+    return sum;
+}
+
+std::vector<double> residuals(const LevelMesh& mesh, const std::vector<double>& values) {
+    const std::vector<uint32_t> sides = edge_sides(mesh);
+    std::vector<double> total(mesh.vertex_count, 0), result(mesh.vertex_count, -1);
+    std::vector<bool> has_zero(mesh.vertex_count, false);
+    std::vector<uint32_t> start(mesh.vertex_count, UINT32_MAX);
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        for (size_t s = 0; s < 2; ++s) {
+            const uint32_t v = mesh.edge_vertices[2 * e + s];
+            total[v] += mesh.weights[e] * values[e];
+            if (values[e] == 0) has_zero[v] = true;
+        }
+    for (uint32_t c = 0; c < 3 * mesh.triangle_count; ++c) start[mesh.triangle_vertices[c]] = c;
+    const double mean = std::accumulate(total.begin(), total.end(), 0.0) / static_cast<double>(mesh.vertex_count);
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (has_zero[v]) continue;
+        // Round the vertex by corners: side c leaves v, the side before it enters v.
+        std::vector<double> pull(1, 0);
+        uint32_t c = start[v];
+        do {
+            const uint32_t e = mesh.triangle_edges[c];
+            pull.back() += mesh.weights[e] * values[e];
+            if (corner2(mesh, values, c) == 0) pull.push_back(0);
+            const uint32_t before = previous_side(c), f = mesh.triangle_edges[before];
+            c = sides[2 * f] == before ? sides[2 * f + 1] : sides[2 * f];
+        } while (c != start[v]);
+        // The walk began inside a sector: the last run belongs to the first.
+        if (pull.size() > 1) {
+            pull[0] += pull.back();
+            pull.pop_back();
+        }
+        const double worst = *std::max_element(pull.begin(), pull.end());
+        result[v] = std::max(0.0, 2 * worst - total[v]) / std::max(total[v], 0.01 * mean);
+    }
+    return result;
+}
+
+std::vector<uint32_t> crossed_edges(const LevelMesh& mesh, const Loops& loops, size_t c) {
+    std::vector<uint32_t> edges;
+    const size_t begin = loops.offsets[c], size = loops.offsets[c + 1] - begin;
+    for (size_t i = 0; i < size; ++i) {
+        const uint32_t t = loops.elements[begin + i], u = loops.elements[begin + (i + 1) % size];
+        for (size_t x = 0; x < 9; ++x)
+            if (mesh.triangle_edges[3 * t + x / 3] == mesh.triangle_edges[3 * u + x % 3]) {
+                edges.push_back(mesh.triangle_edges[3 * t + x / 3]);
+                break;
+            }
+    }
+    EXPECT_EQ(edges.size(), size) << "loop " << c << " is not a chain of triangles";
+    return edges;
+}
+
+double shortest_crossing(const LevelMesh& mesh, const Loops& loops, size_t c, const std::vector<double>& values) {
+    const std::vector<uint32_t> crossing = crossed_edges(mesh, loops, c);
+    std::vector<bool> wall(mesh.edge_count, false);
+    for (uint32_t e : crossing) wall[e] = true;
+    std::vector<std::vector<uint32_t>> at(mesh.vertex_count);
+    for (uint32_t e = 0; e < mesh.edge_count; ++e)
+        if (!wall[e])
+            for (size_t s = 0; s < 2; ++s) at[mesh.edge_vertices[2 * e + s]].push_back(e);
+    double best = HUGE_VAL;
+    for (uint32_t gate : crossing) {
+        const uint32_t from = mesh.edge_vertices[2 * gate], to = mesh.edge_vertices[2 * gate + 1];
+        std::vector<double> distance(mesh.vertex_count, HUGE_VAL);
+        using Entry = std::pair<double, uint32_t>;
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
+        distance[from] = 0;
+        queue.push({0, from});
+        while (!queue.empty()) {
+            const Entry top = queue.top();
+            queue.pop();
+            const uint32_t v = top.second;
+            if (top.first > distance[v]) continue;
+            if (v == to || top.first + values[gate] >= best) break;
+            for (uint32_t e : at[v]) {
+                const uint32_t u = mesh.edge_vertices[2 * e] == v ? mesh.edge_vertices[2 * e + 1] : mesh.edge_vertices[2 * e];
+                if (top.first + values[e] >= distance[u]) continue;
+                distance[u] = top.first + values[e];
+                queue.push({distance[u], u});
+            }
+        }
+        best = std::min(best, distance[to] + values[gate]);
+    }
+    return best;
+}
+
+hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations) {
+    hmf_solve_options options;
+    hmf_solve_options_init(&options);
+    options.method = method;
+    options.tolerance = tolerance;
+    options.iteration_limit = iterations;
+    return options;
+}
+
+Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options) {
+    Solution solution;
+    solution.values.resize(hierarchy.edges(options.stop_level));
+    solution.report.struct_size = sizeof solution.report;
+    hmf_loop_set set{};
+    if (loops) set = loops->view();
+    solution.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, solution.values.data(), solution.values.size(), &solution.report,
+                                &solution.error);
+    return solution;
+}
+
+Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_solve_options& options) {
+    Solution solution;
+    solution.values = values;
+    solution.report.struct_size = sizeof solution.report;
+    solution.status = hmf_relax(hierarchy.get(), level, &options, solution.values.data(), solution.values.size(), &solution.report, &solution.error);
+    return solution;
+}
+
+} // namespace test

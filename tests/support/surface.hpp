@@ -1,0 +1,115 @@
+// The C interface as the tests use it: handles that clean up, levels as
+// vectors, loops by construction, and checks of foliations that share no code
+// with the library.
+#pragma once
+
+#include <hmf/hmf.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "meshes.hpp"
+
+namespace test {
+
+// Owns a hierarchy; fails the running test if it cannot be built.
+class Hierarchy {
+public:
+    explicit Hierarchy(const TriMesh& mesh, double ratio = 0, uint64_t coarsest = 0, int32_t collapse = 0);
+    Hierarchy(const TriMesh& mesh, const hmf_build_options& options);
+    ~Hierarchy() { hmf_destroy(handle_); }
+    Hierarchy(const Hierarchy&) = delete;
+    Hierarchy& operator=(const Hierarchy&) = delete;
+
+    const hmf_hierarchy* get() const { return handle_; }
+    explicit operator bool() const { return handle_ != nullptr; }
+    size_t levels() const { return hmf_level_count(handle_); }
+    size_t coarsest() const { return levels() - 1; }
+    size_t edges(size_t level) const;
+
+private:
+    hmf_hierarchy* handle_ = nullptr;
+};
+
+struct LevelMesh {
+    size_t level = 0, vertex_count = 0, edge_count = 0, triangle_count = 0, non_delaunay_count = 0;
+    std::vector<uint32_t> edge_vertices, triangle_edges, triangle_vertices;
+    std::vector<double> weights, positions;
+};
+LevelMesh read_level(const Hierarchy& hierarchy, size_t level);
+
+// Loops that own their arrays.
+struct Loops {
+    int32_t kind = HMF_LOOP_TRIANGLES;
+    uint64_t level = 0;
+    std::vector<uint64_t> offsets{0};
+    std::vector<uint32_t> elements;
+    std::vector<double> weights; // empty: all 1
+
+    size_t count() const { return offsets.size() - 1; }
+    void add(const std::vector<uint32_t>& loop);
+    hmf_loop_set view() const;
+};
+Loops library_loops(const Hierarchy& hierarchy, size_t level);
+
+// --- Loops by construction ---------------------------------------------------
+
+using Field = std::function<double(const double*)>; // of a position
+
+// The closed curve {field = 0} that meets the region {region > 0} with its
+// centre, as a loop of triangles.  The class is that of the curve on the
+// smooth shape, whatever the level.  Fails the test unless there is exactly one.
+std::vector<uint32_t> section(const LevelMesh& mesh, const Field& field, const Field& region);
+
+// The loops around the upper bars (y large) of the holes of plate(g) and of what is
+// made from it: a cut system.  hole_x: the middle of hole k.
+Loops bar_loops(const Hierarchy& hierarchy, size_t level, size_t holes, const std::function<double(size_t)>& hole_x);
+Loops plate_loops(const Hierarchy& hierarchy, size_t level, size_t holes);
+
+// Around the tube of torus(): the values of a foliation have a period along the axis angle.
+Loops meridian(const Hierarchy& hierarchy, size_t level);
+
+// --- Checks ------------------------------------------------------------------
+
+// Counted from the definition ([W] Eq. 1 and 3, clusters of zero edges).
+struct Indices {
+    size_t zeros = 0, poles = 0; // orders added up, number of poles
+    long sum = 0;
+};
+Indices count_indices(const LevelMesh& mesh, const std::vector<double>& values);
+
+// Empty, or what is wrong: negative or not finite, not multiples of a common power of two that keeps
+// the sums of a triangle exact, a triangle inequality broken.
+std::string closedness_defect(const LevelMesh& mesh, const std::vector<double>& values);
+
+// Everything that holds for every result: closed, no poles, indices, and that
+// hmf_singularities says the same.
+void expect_foliation(const Hierarchy& hierarchy, const LevelMesh& mesh, const std::vector<double>& values);
+
+double energy(const LevelMesh& mesh, const std::vector<double>& values);
+
+// Violation of [W] Eq. 4 where no edge at the vertex is zero, else -1.  The
+// level must have positive weights only.
+std::vector<double> residuals(const LevelMesh& mesh, const std::vector<double>& values);
+
+// Edges that loop c crosses (triangle loops), in the order of the loop.
+std::vector<uint32_t> crossed_edges(const LevelMesh& mesh, const Loops& loops, size_t c);
+
+// Least length of a closed edge path that crosses triangle loop c exactly once.
+double shortest_crossing(const LevelMesh& mesh, const Loops& loops, size_t c, const std::vector<double>& values);
+
+// --- Solving -----------------------------------------------------------------
+
+struct Solution {
+    hmf_status status = HMF_ERROR_INTERNAL;
+    std::vector<double> values;
+    hmf_report report{};
+    hmf_error error{};
+};
+
+hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations = 0);
+Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options);
+Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_solve_options& options);
+
+} // namespace test
