@@ -54,7 +54,8 @@ void expect_connected(const Mesh& mesh, const Loops& loops) {
         }
 }
 
-void expect_cut_system(test::MadeMesh& made) {
+// round_trip: faces name the edges between them.
+void expect_cut_system(test::MadeMesh& made, bool round_trip = true) {
     const Mesh mesh = made.mesh();
     Context c;
     Loops loops;
@@ -67,12 +68,13 @@ void expect_cut_system(test::MadeMesh& made) {
     EXPECT_EQ(p.count, 1u);
     EXPECT_EQ(p.euler, 2 - 2 * static_cast<int64_t>(genus));
 
-    // As triangles and back.
-    std::vector<uint32_t> faces;
-    for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
-    Loops again;
-    ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again), HMF_OK) << c.error.message;
-    EXPECT_EQ(check_loops(mesh, again, c.call), HMF_OK) << c.error.message;
+    if (round_trip) {
+        std::vector<uint32_t> faces;
+        for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
+        Loops again;
+        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again), HMF_OK) << c.error.message;
+        EXPECT_EQ(check_loops(mesh, again, c.call), HMF_OK) << c.error.message;
+    }
 
     std::vector<int64_t> weight(genus), value(mesh.edge_count);
     for (uint32_t i = 0; i < genus; ++i) weight[i] = (1 << 20) + 7 * i;
@@ -362,6 +364,106 @@ TEST(CheckLoops, ParallelOnAPlate) {
     Read r(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1], faces[0]});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
     EXPECT_EQ(r.context.error.index, 2u);
+}
+
+// The faces along a straight line that goes p times round in x and q times in y.
+std::vector<uint32_t> straight_line(uint32_t n, uint32_t m, int p, int q, double x0, double y0) {
+    const double dx = p * double(n), dy = q * double(m);
+    std::vector<double> times;
+    const auto cross = [&](double start, double way) { // start + t * way is an integer
+        if (way == 0) return;
+        const double low = way > 0 ? start : start + way, high = way > 0 ? start + way : start;
+        for (double k = std::ceil(low); k < high; ++k) times.push_back((k - start) / way);
+    };
+    cross(x0, dx);
+    cross(y0, dy);
+    cross(x0 - y0, dx - dy);
+    std::sort(times.begin(), times.end());
+    std::vector<uint32_t> faces;
+    for (size_t i = 0; i < times.size(); ++i) {
+        const double t = (times[i] + (i + 1 < times.size() ? times[i + 1] : times[0] + 1)) / 2;
+        const double x = x0 + t * dx, y = y0 + t * dy, cx = std::floor(x), cy = std::floor(y);
+        const auto wrap = [](double c, uint32_t k) { return static_cast<uint32_t>(((static_cast<int>(c) % int(k)) + int(k)) % int(k)); };
+        faces.push_back(2 * (wrap(cx, n) * m + wrap(cy, m)) + (x - cx > y - cy ? 0 : 1));
+    }
+    return faces;
+}
+
+TEST(CheckLoops, StraightLinesOnATorus) {
+    const uint32_t n = 4, m = 3;
+    test::MadeMesh made(test::torus(n, m));
+    const Mesh mesh = made.mesh();
+    for (int p = -6; p <= 6; ++p)
+        for (int q = 0; q <= 6; ++q) {
+            if (p == 0 && q == 0) continue;
+            int a = p < 0 ? -p : p, b = q;
+            while (b) { const int c = a % b; a = b; b = c; }
+            const auto line = straight_line(n, m, p, q, 0.3141, 0.2718);
+            Read r(mesh, HMF_LOOP_TRIANGLES, {line});
+            EXPECT_EQ(r.status(), a == 1 ? HMF_OK : HMF_ERROR_LOOP_NOT_SIMPLE) << p << " " << q << " " << r.context.error.message;
+            if (a != 1) continue;
+            Read two(mesh, HMF_LOOP_TRIANGLES, {line, straight_line(n, m, p, q, 0.7391, 0.0917)});
+            EXPECT_EQ(two.status(), HMF_ERROR_LOOP_PARALLEL) << p << " " << q;
+            const int crossings = p * 3 - q * 2;
+            Read other(mesh, HMF_LOOP_TRIANGLES, {straight_line(n, m, 2, 3, 0.1234, 0.4321), line});
+            EXPECT_EQ(other.status(), crossings ? HMF_ERROR_LOOP_CROSSING : HMF_ERROR_LOOP_PARALLEL) << p << " " << q;
+        }
+}
+
+TEST(CheckLoops, SeparatingLoop) {
+    // Round the middle of a plate with two holes: essential, though it bounds.
+    const test::Triangles plate = test::plate(2, 1, 2);
+    test::MadeMesh made(plate);
+    const Mesh mesh = made.mesh();
+    std::vector<uint32_t> path;
+    const auto find = [&](double y, double z) {
+        for (uint32_t v = 0; v < plate.vertex_count(); ++v)
+            if (plate.positions[3 * v] == 2.5 && plate.positions[3 * v + 1] == y && plate.positions[3 * v + 2] == z) path.push_back(v);
+    };
+    for (int i = 0; i < 6; ++i) find(i / 2.0, 0);
+    for (int i = 0; i < 2; ++i) find(3, i / 2.0);
+    for (int i = 6; i > 0; --i) find(i / 2.0, 1);
+    for (int i = 2; i > 0; --i) find(0, i / 2.0);
+    ASSERT_EQ(path.size(), 16u);
+    Read r(mesh, HMF_LOOP_VERTICES, {path});
+    EXPECT_EQ(r.status(), HMF_OK) << r.context.error.message;
+    EXPECT_EQ(pieces(mesh, r.loops).count, 2u);
+    EXPECT_EQ(Read(mesh, HMF_LOOP_VERTICES, {path, path}).status(), HMF_ERROR_LOOP_PARALLEL);
+}
+
+// Flips that nothing restrains: several edges between two vertices, edges from
+// a vertex to itself, triangles glued to themselves.
+void flip_at_random(test::MadeMesh& made, uint32_t count, uint64_t seed) {
+    const Mesh mesh = made.mesh();
+    for (uint32_t i = 0; i < count; ++i) {
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        const uint32_t h = 2 * static_cast<uint32_t>((seed >> 33) % mesh.edge_count), t = twin(h);
+        const uint32_t f = mesh.face[h], g = mesh.face[t];
+        if (f == g) continue;
+        const uint32_t jk = mesh.next[h], ki = mesh.next[jk], il = mesh.next[t], lj = mesh.next[il];
+        const uint32_t a = mesh.origin[h], b = mesh.origin[t];
+        if (mesh.rotate_cw(h) == h || mesh.rotate_cw(t) == t) continue; // the only edge of a vertex
+        mesh.out[a] = il;
+        mesh.out[b] = jk;
+        mesh.origin[h] = mesh.origin[lj];
+        mesh.origin[t] = mesh.origin[ki];
+        const uint32_t left[3] = {h, ki, il}, right[3] = {t, lj, jk};
+        for (int k = 0; k < 3; ++k) {
+            mesh.next[left[k]] = left[(k + 1) % 3];
+            mesh.face[left[k]] = f;
+            mesh.next[right[k]] = right[(k + 1) % 3];
+            mesh.face[right[k]] = g;
+        }
+    }
+}
+
+TEST(CutSystem, AfterRandomFlips) {
+    for (uint64_t seed = 1; seed <= 60; ++seed) {
+        test::MadeMesh made(seed % 3 == 0 ? test::torus(3 + seed % 4, 3) : test::plate(1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed % 2)));
+        flip_at_random(made, static_cast<uint32_t>(40 * seed), seed);
+        expect_cut_system(made, false);
+        if (HasFailure()) FAIL() << "seed " << seed;
+    }
 }
 
 } // namespace

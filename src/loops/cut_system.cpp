@@ -56,17 +56,20 @@ public:
         if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !measure(position) || !roots_.allocate(memory_, mesh_.face_count))
             return call_.out_of_memory();
         spread_roots();
-        // Regions settled in all searches.
-        const double budget = static_cast<double>(mesh_.face_count) * (40 + 6.0 * genus);
+        // Regions settled in all searches: linear in the faces on large meshes.
+        const double faces = mesh_.face_count, most = 8e6 + 20 * faces;
+        const double budget = faces * (40 + 6.0 * genus) < most ? faces * (40 + 6.0 * genus) : most;
         for (uint32_t k = 0; k < genus; ++k) {
             if (!call_.tick(static_cast<double>(k) / genus)) return cancelled();
-            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !sign() || !prepare_search()) return call_.out_of_memory();
+            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !sign() || !prepare_search())
+                return call_.cancelled() ? cancelled() : call_.out_of_memory();
             found_ = false;
             best_ = UNREACHED;
             const double part = static_cast<double>(k + 1) / genus;
             if (!search_roots(budget * (0.3 + 0.7 * part), k == 0)) return cancelled();
             if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
             tighten();
+            if (call_.cancelled()) return cancelled();
             const size_t begin = out.crossings.size();
             for (uint32_t half_segment : loop_)
                 if (!out.crossings.push(cut_.half_edge(half_segment))) return call_.out_of_memory();
@@ -130,7 +133,7 @@ private:
         root_count_ = static_cast<size_t>(n);
     }
 
-    // Step 1: signature_ of every segment.
+    // Step 1: signature_ of every segment.  False: out of memory or cancelled.
     bool sign() {
         const uint32_t regions = cut_.region_count, segments = cut_.segment_count, points = cut_.point_count;
         Array<uint32_t> queue, parent, degree, last;
@@ -146,6 +149,7 @@ private:
         queue[end++] = 0;
         reached[0] = 1;
         while (begin < end) {
+            if (begin % 65536 == 0 && !call_.tick(0)) return false;
             const uint32_t r = queue[begin++];
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{r} + i];
@@ -160,6 +164,7 @@ private:
         for (uint32_t p = 0; p < points; ++p) parent[p] = p;
         uint64_t word = 0;
         for (uint32_t s = 0; s < segments; ++s) {
+            if (s % 65536 == 0 && !call_.tick(0)) return false;
             if (kind[s]) continue;
             const uint32_t p = cut_.point[2 * size_t{s}], q = cut_.point[2 * size_t{s} + 1];
             if (unite(parent.data(), p, q)) {
@@ -179,6 +184,7 @@ private:
         for (uint32_t p = 0; p < points; ++p)
             if (degree[p] == 1) queue[end++] = p;
         while (begin < end) {
+            if (begin % 65536 == 0 && !call_.tick(0)) return false;
             const uint32_t p = queue[begin++];
             if (degree[p] != 1) continue;
             const uint32_t s = last[p];
@@ -248,7 +254,7 @@ private:
             if (settled(r)) continue;
             if (2 * entry.distance >= shortest) break;
             stamp_[r] = 2 * epoch_ + 1;
-            ++work_;
+            if (++work_ % 16384 == 0 && !call_.tick(0)) return best_;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{r} + i];
                 if (link == NONE) break;
@@ -320,20 +326,19 @@ private:
             }
             if (i % 16 == 0 && !call_.tick(0)) return false;
             const double bound = search(cut_.region_first[roots_[i].face]);
+            if (call_.cancelled()) return false;
             if (bound > roots_[i].bound) roots_[i].bound = bound;
         }
         return true;
     }
 
-    // Again from roots on the loop itself, until a quarter round it nothing gains.
+    // Again from roots round the loop itself, until none of them gains.
     void tighten() {
-        size_t quarter = 2;
-        for (int i = 0; i < 24; ++i) {
+        size_t eighth = 1;
+        for (int i = 0; i < 24 && eighth < 8; ++i) {
             const double before = best_;
-            const size_t n = loop_.size();
-            search(cut_.region[loop_[n * quarter / 8]]);
-            if (best_ < before) quarter = 4;
-            else if (++quarter == 8) break;
+            search(cut_.region[loop_[loop_.size() * eighth / 8]]);
+            eighth = best_ < before ? 1 : eighth + 1;
         }
     }
 
