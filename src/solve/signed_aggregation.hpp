@@ -1,0 +1,32 @@
+// Setup of the signed multigrid: one step from a level to the next coarser.
+#pragma once
+
+#include "signed_multigrid.hpp"
+
+namespace hmf {
+
+// A matrix of the hierarchy while it is being built, in double precision: the
+// rows of a Laplacian nearly cancel, and what is left has to survive.
+struct CoarseMatrix {
+    Array<uint32_t> offset, column;
+    Array<double> entry, diagonal;
+    SignedMatrix view() const {
+        return {static_cast<uint32_t>(diagonal.size()), offset.data(), column.data(), entry.data(), diagonal.data()};
+    }
+};
+
+// 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.
+bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
+
+// The scaled matrix in single precision, into level (scale is already there).
+bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
+
+// Aggregates, prolongation and Galerkin product.
+//   near_kernel   n values, the smooth vector up to signs (constant 1 for a
+//                 Laplacian before scaling); replaced by that of the coarse level
+//   strength      entries below it are weak, relative to the unit diagonal
+// The prolongation still lacks the scaling of the coarse level.
+bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
+             Memory& memory);
+
+} // namespace hmf

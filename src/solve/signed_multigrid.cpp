@@ -1,0 +1,359 @@
+// The cycle of the signed multigrid and conjugate gradients around it.
+//
+//   level 0   smooth, restrict                      prolong, smooth
+//   level 1        K-cycle: two steps of conjugate gradients, each with
+//   level 2..           one V-cycle
+//   last                     Cholesky factor
+//
+// One forward Gauss-Seidel sweep before and one backward after make the
+// preconditioner symmetric but for the K-cycle and rounding; flexible
+// conjugate gradients allow for those.
+#include "signed_multigrid.hpp"
+
+#include <cmath>
+
+#include "signed_aggregation.hpp"
+
+namespace hmf {
+
+namespace {
+
+// Left-out components and orientable foliations make the matrix singular;
+// the shift keeps the kernel from being blown up.
+constexpr double dense_shift = 1e-3;
+// Added to the right side in single precision: far from its support the
+// sweeps would decay into subnormal numbers, which are slow.
+constexpr float floor_value = 1e-25f;
+
+bool continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
+
+} // namespace
+
+bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call) {
+    for (MultigridLevel& level : level_) level = MultigridLevel{};
+    level_count_ = 0;
+    dense_n_ = 0;
+    const size_t n = matrix.n;
+    if (!residual_.allocate(memory, n) || !direction_.allocate(memory, n) || !product_.allocate(memory, n)) return false;
+
+    double largest = 0;
+    for (uint32_t i = 0; i < matrix.n; ++i)
+        if (matrix.diagonal[i] > largest) largest = matrix.diagonal[i];
+    double threshold = 1e-22 * largest;
+    if (threshold < 1e-30) threshold = 1e-30;
+    Array<double> near_kernel;
+    if (!near_kernel.allocate_filled(memory, n, 1)) return false;
+    CoarseMatrix storage;
+    SignedMatrix current = matrix;
+    float strength = 0.05f;
+    for (uint32_t l = 0; l < max_levels; ++l) {
+        MultigridLevel& level = level_[l];
+        if (!unit_diagonal_scale(current, threshold, level.scale, memory)) return false;
+        if (l > 0) {
+            MultigridLevel& finer = level_[l - 1];
+            for (size_t k = 0; k < finer.prolongation_column.size(); ++k) finer.prolongation_entry[k] *= level.scale[finer.prolongation_column[k]];
+        }
+        if (current.n <= dense_limit) {
+            if (!factorise(current, level.scale, memory)) return false;
+            break;
+        }
+        if (!continues(call) || !scale_matrix(current, level, memory)) return false;
+        ++level_count_;
+        if (l + 1 == max_levels) break;
+        if (!continues(call)) return false;
+        CoarseMatrix coarse;
+        if (!coarsen(current, level, strength, near_kernel, coarse, memory)) return false;
+        if (l > 0) level.scale.release();
+        storage = static_cast<CoarseMatrix&&>(coarse);
+        current = storage.view();
+        // A coarse diagonal far below 1 belongs to the kernel of a component.
+        threshold = 1e-11;
+        strength *= 0.5f;
+    }
+    if (level_count_ > 1) {
+        const size_t m = level_[1].n;
+        if (!first_.allocate(memory, m) || !image_.allocate(memory, m)) return false;
+    }
+    return true;
+}
+
+double SignedMultigrid::operator_complexity() const {
+    double all = 0;
+    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[2 * size_t{level_[l].n}]);
+    return level_count_ ? all / (level_[0].n + static_cast<double>(level_[0].start[2 * size_t{level_[0].n}])) : 1;
+}
+
+// --- Coarsest level ----------------------------------------------------------
+
+bool SignedMultigrid::factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
+    const size_t n = matrix.n;
+    dense_n_ = matrix.n;
+    Array<double> a;
+    if (!a.allocate_filled(memory, n * n, 0) || !dense_.allocate(memory, n * n) || !dense_inverse_.allocate(memory, n)
+        || !dense_b_.allocate(memory, n))
+        return false;
+    for (size_t i = 0; i < n; ++i) {
+        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
+            const size_t j = matrix.column[k];
+            a[i * n + j] += matrix.entry[k] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]);
+        }
+        a[i * n + i] = 1 + dense_shift;
+    }
+    // By columns, right-looking; column j of L is a[j * n + i], i >= j.
+    for (size_t j = 0; j < n; ++j) {
+        double pivot = a[j * n + j];
+        if (pivot < 0.1 * dense_shift) pivot = 0.1 * dense_shift;
+        const double inverse = 1 / std::sqrt(pivot);
+        dense_inverse_[j] = static_cast<float>(inverse);
+        for (size_t i = j + 1; i < n; ++i) a[j * n + i] *= inverse;
+        for (size_t k = j + 1; k < n; ++k) {
+            const double factor = a[j * n + k];
+            if (factor == 0) continue;
+            for (size_t i = k; i < n; ++i) a[k * n + i] -= factor * a[j * n + i];
+        }
+    }
+    for (size_t j = 0; j < n; ++j)
+        for (size_t i = j + 1; i < n; ++i) {
+            const double value = a[j * n + i];
+            dense_[j * n + i] = dense_[i * n + j] = value > 1e-20 || value < -1e-20 ? static_cast<float>(value) : 0.0f;
+        }
+    return true;
+}
+
+void SignedMultigrid::solve_dense(float* b) const {
+    const size_t n = dense_n_;
+    for (size_t j = 0; j < n; ++j) {
+        const float* factor = &dense_[j * n];
+        const float x = b[j] *= dense_inverse_[j];
+        for (size_t i = j + 1; i < n; ++i) b[i] -= factor[i] * x;
+    }
+    for (size_t j = n; j-- > 0;) {
+        const float* factor = &dense_[j * n];
+        const float x = b[j] *= dense_inverse_[j];
+        for (size_t i = 0; i < j; ++i) b[i] -= factor[i] * x;
+    }
+}
+
+// --- Cycle -------------------------------------------------------------------
+
+// Forward sweep from x = 0, then the right side of the next level.
+void SignedMultigrid::descend(uint32_t l) {
+    MultigridLevel& level = level_[l];
+    const uint32_t n = level.n;
+    const uint32_t* start = level.start.data();
+    const uint32_t* column = level.column.data();
+    const float* entry = level.entry.data();
+    const float* b = level.b.data();
+    float* x = level.x.data();
+    for (size_t i = 0; i < n; ++i) {
+        float sum = b[i];
+        for (uint32_t k = start[2 * i]; k < start[2 * i + 1]; ++k) sum -= entry[k] * x[column[k]];
+        x[i] = sum;
+    }
+    if (level.prolongation_start.empty()) return;
+    const bool last = l + 1 == level_count_;
+    float* coarse = last ? dense_b_.data() : level_[l + 1].b.data();
+    const size_t m = last ? dense_n_ : level_[l + 1].n;
+    for (size_t c = 0; c < m; ++c) coarse[c] = floor_value;
+    const uint32_t* p_start = level.prolongation_start.data();
+    const uint32_t* p_column = level.prolongation_column.data();
+    const float* p_entry = level.prolongation_entry.data();
+    // After a sweep from zero the residual is the upper part alone.
+    for (size_t i = 0; i < n; ++i) {
+        float r = 0;
+        for (uint32_t k = start[2 * i + 1]; k < start[2 * i + 2]; ++k) r -= entry[k] * x[column[k]];
+        for (uint32_t k = p_start[i]; k < p_start[i + 1]; ++k) coarse[p_column[k]] += p_entry[k] * r;
+    }
+}
+
+// Adds the correction of the next level, then a backward sweep.
+void SignedMultigrid::ascend(uint32_t l) {
+    MultigridLevel& level = level_[l];
+    const uint32_t n = level.n;
+    const uint32_t* start = level.start.data();
+    const uint32_t* column = level.column.data();
+    const float* entry = level.entry.data();
+    const float* b = level.b.data();
+    float* x = level.x.data();
+    if (!level.prolongation_start.empty()) {
+        const float* coarse = l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
+        const uint32_t* p_start = level.prolongation_start.data();
+        const uint32_t* p_column = level.prolongation_column.data();
+        const float* p_entry = level.prolongation_entry.data();
+        for (size_t i = 0; i < n; ++i) {
+            float sum = x[i];
+            for (uint32_t k = p_start[i]; k < p_start[i + 1]; ++k) sum += p_entry[k] * coarse[p_column[k]];
+            x[i] = sum;
+        }
+    }
+    for (size_t i = n; i-- > 0;) {
+        float sum = b[i];
+        for (uint32_t k = start[2 * i]; k < start[2 * i + 2]; ++k) sum -= entry[k] * x[column[k]];
+        x[i] = sum;
+    }
+}
+
+void SignedMultigrid::v_cycle(uint32_t first) {
+    for (uint32_t l = first; l < level_count_; ++l) descend(l);
+    solve_dense(dense_b_.data());
+    for (uint32_t l = level_count_; l-- > first;) ascend(l);
+}
+
+namespace {
+
+// y = A x and its product with z; y may be null.
+double multiply(const MultigridLevel& level, const float* x, float* y, const float* z) {
+    const uint32_t* start = level.start.data();
+    const uint32_t* column = level.column.data();
+    const float* entry = level.entry.data();
+    double sum = 0;
+    for (size_t i = 0; i < level.n; ++i) {
+        float v = x[i];
+        for (uint32_t k = start[2 * i]; k < start[2 * i + 2]; ++k) v += entry[k] * x[column[k]];
+        if (y) y[i] = v;
+        sum += static_cast<double>(v) * static_cast<double>(z[i]);
+    }
+    return sum;
+}
+
+} // namespace
+
+// Two steps of flexible conjugate gradients on level 1.
+void SignedMultigrid::k_cycle() {
+    MultigridLevel& level = level_[1];
+    const size_t n = level.n;
+    float* b = level.b.data();
+    float* x = level.x.data();
+    float* c = first_.data();
+    float* v = image_.data();
+    v_cycle(1);
+    double cb = 0;
+    for (size_t i = 0; i < n; ++i) {
+        c[i] = x[i];
+        cb += static_cast<double>(x[i]) * static_cast<double>(b[i]);
+    }
+    const double cv = multiply(level, c, v, c);
+    if (!(cv > 0)) return;
+    const float step = static_cast<float>(cb / cv);
+    for (size_t i = 0; i < n; ++i) b[i] -= step * v[i];
+    v_cycle(1);
+    double xb = 0, xv = 0;
+    for (size_t i = 0; i < n; ++i) {
+        xb += static_cast<double>(x[i]) * static_cast<double>(b[i]);
+        xv += static_cast<double>(x[i]) * static_cast<double>(v[i]);
+    }
+    // What is left of the second direction once it is conjugate to the first.
+    const double xx = multiply(level, x, nullptr, x);
+    const double rest = xx - xv * xv / cv;
+    const double second = rest > 1e-6 * xx ? xb / rest : 0;
+    const float along_x = static_cast<float>(second), along_c = static_cast<float>(cb / cv - xv / cv * second);
+    for (size_t i = 0; i < n; ++i) x[i] = along_x * x[i] + along_c * c[i];
+}
+
+void SignedMultigrid::precondition() {
+    if (level_count_ < 2) {
+        v_cycle(0);
+        return;
+    }
+    descend(0);
+    k_cycle();
+    ascend(0);
+}
+
+// --- Conjugate gradients -----------------------------------------------------
+
+namespace {
+
+// y = A x; returns x * y.
+double multiply(const SignedMatrix& a, const double* x, double* y) {
+    double sum = 0;
+    for (size_t i = 0; i < a.n; ++i) {
+        double v = a.diagonal[i] * x[i];
+        for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
+        y[i] = v;
+        sum += x[i] * v;
+    }
+    return sum;
+}
+
+double scaled_norm(const float* scale, const double* r, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const double g = static_cast<double>(scale[i]) * r[i];
+        sum += g * g;
+    }
+    return std::sqrt(sum);
+}
+
+} // namespace
+
+LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
+                                    uint32_t iteration_limit, Call& call) {
+    LinearResult result;
+    const size_t n = matrix.n;
+    const float* scale = level_[0].scale.data();
+    float* input = level_count_ ? level_[0].b.data() : dense_b_.data();
+    const float* output = level_count_ ? level_[0].x.data() : dense_b_.data();
+    double* r = residual_.data();
+    double* p = direction_.data();
+    double* q = product_.data();
+
+    const double reference = scaled_norm(scale, b, n);
+    if (!(reference > 0) || !(reference < 1e300)) {
+        for (size_t i = 0; i < n; ++i) x[i] = 0;
+        result.converged = reference == 0;
+        return result;
+    }
+    const double goal = relative_tolerance * reference;
+
+    // The residual of the recurrence drifts from the true one; at the goal the
+    // true one decides, and if need be the search starts again from it.
+    double before_restart = 1e300;
+    for (uint32_t restart = 0; restart < 8; ++restart) {
+        multiply(matrix, x, r);
+        for (size_t i = 0; i < n; ++i) r[i] = b[i] - r[i];
+        double norm = scaled_norm(scale, r, n);
+        result.residual = norm / reference;
+        result.converged = norm <= goal;
+        if (result.converged || !(norm < 0.5 * before_restart) || result.iterations >= iteration_limit) return result;
+        before_restart = norm;
+
+        for (size_t i = 0; i < n; ++i) q[i] = 0;
+        double pq = 0; // 0: no direction yet
+        while (norm > goal && result.iterations < iteration_limit) {
+            if (!continues(&call) || call.out_of_time()) {
+                result.residual = norm / reference;
+                return result;
+            }
+            const double inverse = 1 / norm;
+            for (size_t i = 0; i < n; ++i) input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
+            precondition();
+            double zr = 0, zq = 0;
+            for (size_t i = 0; i < n; ++i) {
+                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+                zr += z * r[i];
+                zq += z * q[i];
+            }
+            const double beta = pq > 0 ? -zq / pq : 0;
+            for (size_t i = 0; i < n; ++i) {
+                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+                p[i] = pq > 0 ? z + beta * p[i] : z;
+            }
+            pq = multiply(matrix, p, q);
+            ++result.iterations;
+            if (!(pq > 0) || !(zr > 0)) break;
+            const double alpha = zr / pq;
+            double sum = 0;
+            for (size_t i = 0; i < n; ++i) {
+                x[i] += alpha * p[i];
+                r[i] -= alpha * q[i];
+                const double g = static_cast<double>(scale[i]) * r[i];
+                sum += g * g;
+            }
+            norm = std::sqrt(sum);
+        }
+    }
+    return result;
+}
+
+} // namespace hmf

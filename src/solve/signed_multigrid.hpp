@@ -1,0 +1,93 @@
+// Linear solver of the direct method: conjugate gradients, preconditioned by
+// smoothed-aggregation multigrid that respects signs.
+//
+// The matrix is a graph Laplacian whose off-diagonals have signs s = +-1,
+//
+//     A_vv >= sum over edges of alpha,     A_uv = s_uv alpha_uv,
+//
+// symmetric positive semidefinite.  Where the product of -s along every closed
+// path is + it becomes an ordinary Laplacian once the signs of some unknowns
+// are flipped.  Near a tripod it does not: the foliation turns by half there.
+// Nothing here needs a global choice of signs, each aggregate has its own.
+//
+// The preconditioner works in single precision on the matrix scaled to unit
+// diagonal, so weights from 1e-9 to 1e6 fit; conjugate gradients in double.
+#pragma once
+
+#include "../base/memory.hpp"
+
+namespace hmf {
+
+// Compressed rows, owned by the caller.  Columns in any order; a column may
+// come twice, the values then add up.  No entries on the diagonal.  Rows
+// without entries and with diagonal 0 are left alone by the solver.
+struct SignedMatrix {
+    uint32_t n;
+    const uint32_t* offset;   // n + 1
+    const uint32_t* column;   // offset[n]
+    const double* entry;      // offset[n], off-diagonal values with their signs
+    const double* diagonal;   // n
+};
+
+struct LinearResult {
+    uint32_t iterations = 0;
+    double residual = 0;      // |b - A x| / |b|, each row divided by the root of its diagonal
+    bool converged = false;
+};
+
+// One level of the preconditioner: matrix with unit diagonal, prolongation
+// from the next coarser level, and room for the cycle.
+struct MultigridLevel {
+    uint32_t n = 0;
+    Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; only kept on level 0
+    // Row i: columns below i from start[2i], columns above i from
+    // start[2i+1] to start[2i+2].  A sweep from zero only meets the first part.
+    Array<uint32_t> start;         // 2 n + 1
+    Array<uint32_t> column;
+    Array<float> entry;
+    Array<uint32_t> prolongation_start; // n + 1; empty on the last level
+    Array<uint32_t> prolongation_column;
+    Array<float> prolongation_entry;
+    Array<float> b, x;             // n
+};
+
+class SignedMultigrid {
+public:
+    // Builds the preconditioner.  false: out of memory, or call (may be null)
+    // was cancelled.  The matrix is not kept.
+    bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr);
+
+    // Solves A x = b from the given x.  A may differ from the matrix of setup
+    // in values and columns, not in size: a change of signs near singularities
+    // costs a few iterations and saves the setup.  A singular A is allowed
+    // where b is consistent.  Stops early on cancellation, finishing and the
+    // time limit of the call.  Needs no memory.
+    LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
+                       uint32_t iteration_limit, Call& call);
+
+    uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
+    double operator_complexity() const; // entries of all sparse levels / entries of the finest
+
+private:
+    bool factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
+    void solve_dense(float* b) const;
+    void descend(uint32_t level);
+    void ascend(uint32_t level);
+    void solve_last();
+    void v_cycle(uint32_t first);
+    void k_cycle();
+    void precondition();
+
+    static constexpr uint32_t max_levels = 24;
+    static constexpr uint32_t dense_limit = 300;
+    MultigridLevel level_[max_levels];
+    uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
+    uint32_t dense_n_ = 0;         // unknowns of the coarsest level
+    Array<float> dense_;           // Cholesky factor L below the diagonal by columns, its transpose above
+    Array<float> dense_inverse_;   // 1 / diagonal of L
+    Array<float> dense_b_;
+    Array<float> first_, image_;   // K-cycle, size of level 1
+    Array<double> residual_, direction_, product_; // conjugate gradients
+};
+
+} // namespace hmf
