@@ -1,0 +1,585 @@
+// Results of the solver against oracles that do not depend on how it works:
+// exact integers, uniqueness of the minimum, the harmonic 1-form on a torus,
+// scaling, flux, lengths of closed paths.
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+using namespace test;
+
+namespace {
+
+constexpr double tight = 1e-12;
+constexpr uint64_t many = 200000;
+
+hmf_solve_options whitehead(double tolerance = tight) { return solve_options(HMF_METHOD_WHITEHEAD, tolerance, many); }
+hmf_solve_options single_level(double tolerance = tight) { return solve_options(HMF_METHOD_SINGLE_LEVEL, tolerance, many); }
+hmf_solve_options newton() { return solve_options(HMF_METHOD_NEWTON, 1e-9); }
+
+// The report says what the queries say.
+void expect_report(const Hierarchy& hierarchy, const Solution& solution, size_t level) {
+    const long genus = static_cast<long>(hmf_genus(hierarchy.get()));
+    const hmf_report& report = solution.report;
+    EXPECT_EQ(report.values_written, 1);
+    EXPECT_EQ(report.converged, solution.status == HMF_OK);
+    EXPECT_EQ(report.poles, 0u);
+    EXPECT_EQ(static_cast<long>(report.zeros), 4 * genus - 4);
+    EXPECT_EQ(report.index_sum, 4 - 4 * genus);
+    EXPECT_EQ(report.bad_flips_left, 0u);
+    hmf_error error{};
+    double energy_now = 0;
+    const size_t count = solution.values.size();
+    ASSERT_EQ(hmf_energy(hierarchy.get(), level, solution.values.data(), count, &energy_now, &error), HMF_OK) << error.message;
+    EXPECT_NEAR(report.energy, energy_now, 1e-12 * energy_now);
+    hmf_level_info info{};
+    ASSERT_EQ(hmf_level_counts(hierarchy.get(), level, &info, nullptr), HMF_OK);
+    std::vector<double> residual(info.vertex_count);
+    ASSERT_EQ(hmf_residuals(hierarchy.get(), level, solution.values.data(), count, residual.data(), residual.size(), &error), HMF_OK) << error.message;
+    EXPECT_NEAR(report.residual_max, *std::max_element(residual.begin(), residual.end()), 1e-12);
+    EXPECT_NEAR(report.residual_mean, std::accumulate(residual.begin(), residual.end(), 0.0) / static_cast<double>(residual.size()), 1e-12);
+}
+
+void expect_result(const Hierarchy& hierarchy, const Solution& solution, size_t level = 0) {
+    EXPECT_TRUE(solution.status == HMF_OK || solution.status == HMF_LIMIT_STALLED) << solution.status << ": " << solution.error.message;
+    ASSERT_LT(solution.status, HMF_ERROR_NULL);
+    expect_foliation(hierarchy, read_level(hierarchy, level), solution.values);
+    expect_report(hierarchy, solution, level);
+}
+
+double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs(a), std::abs(b)); }
+
+// Meshes with loops of known class.
+struct Sample {
+    const char* name;
+    TriMesh mesh;
+    std::function<Loops(const Hierarchy&, size_t)> loops;
+};
+
+TriMesh sheared_torus() { // Delaunay, without symmetry
+    TorusOptions options;
+    options.jitter = 0.25;
+    options.seed = 7;
+    return torus(64, 32, 2, 1, options);
+}
+
+TriMesh wild_torus() { // far from Delaunay
+    TorusOptions options;
+    options.random_diagonals = true;
+    options.jitter = 0.4;
+    options.stretch = 4;
+    options.seed = 3;
+    return torus(64, 32, 2, 1, options);
+}
+
+Loops pretzel_loops(const Hierarchy& hierarchy, size_t level) { return plate_loops(hierarchy, level, hmf_genus(hierarchy.get())); }
+
+Loops neck_loops(const Hierarchy& hierarchy, size_t level) {
+    const LevelMesh mesh = read_level(hierarchy, level);
+    Loops loops;
+    loops.level = level;
+    loops.add(section(mesh, [](const double* p) { return p[0] - 0.00137; }, [](const double* p) { return p[1]; }));
+    loops.add(section(mesh, [](const double* p) { return p[0] - 9.00137; }, [](const double* p) { return p[1]; }));
+    return loops;
+}
+
+std::vector<Sample> samples() {
+    return {{"sheared torus", sheared_torus(), meridian},
+            {"wild torus", wild_torus(), meridian},
+            {"pretzel 2", pretzel(2, 3), pretzel_loops},
+            {"pretzel 3", pretzel(3, 3), pretzel_loops},
+            {"plate 2", subdivide(subdivide(subdivide(plate(2)))), pretzel_loops},
+            {"bad triangles", with_bad_triangles(pretzel(2, 3), 100, 0.01, 5), pretzel_loops},
+            {"joined tori", joined_tori(40, 20, 9, 12), neck_loops},
+            {"finger", torus_with_finger(40, 20, 40, 8), [](const Hierarchy& h, size_t level) {
+                 Loops loops;
+                 loops.level = level;
+                 loops.add(section(read_level(h, level), [](const double* p) { return p[0] - 0.00137; }, [](const double* p) { return p[1]; }));
+                 return loops;
+             }}};
+}
+
+// The harmonic 1-form on level 0 of a torus mesh n x m with period 1 round the axis:
+// |value| for each edge.
+std::vector<double> harmonic_form(const LevelMesh& mesh, size_t n, size_t m) {
+    const auto step = [&](size_t e) { // of the angle, as a fraction
+        const long a = static_cast<long>(mesh.edge_vertices[2 * e] / m), b = static_cast<long>(mesh.edge_vertices[2 * e + 1] / m);
+        long d = b - a;
+        if (d > 1) d -= static_cast<long>(n);
+        if (d < -1) d += static_cast<long>(n);
+        return static_cast<double>(d) / static_cast<double>(n);
+    };
+    const auto count = static_cast<Eigen::Index>(mesh.vertex_count - 1); // vertex 0 stays
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    for (size_t e = 0; e < mesh.edge_count; ++e) {
+        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1, j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
+        const double w = mesh.weights[e];
+        if (i >= 0) entries.emplace_back(i, i, w), right[i] += w * step(e);
+        if (j >= 0) entries.emplace_back(j, j, w), right[j] -= w * step(e);
+        if (i >= 0 && j >= 0) entries.emplace_back(i, j, -w), entries.emplace_back(j, i, -w);
+    }
+    Eigen::SparseMatrix<double> matrix(count, count);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+    EXPECT_EQ(solver.info(), Eigen::Success);
+    const Eigen::VectorXd f = solver.solve(right);
+    std::vector<double> form(mesh.edge_count);
+    for (size_t e = 0; e < mesh.edge_count; ++e) {
+        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1, j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
+        form[e] = std::abs(step(e) + (j >= 0 ? f[j] : 0) - (i >= 0 ? f[i] : 0));
+    }
+    return form;
+}
+
+std::vector<double> initial(const Hierarchy& hierarchy, const Loops& loops) {
+    std::vector<double> values(hierarchy.edges(loops.level));
+    const hmf_loop_set set = loops.view();
+    hmf_error error{};
+    EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_OK) << error.message;
+    return values;
+}
+
+std::vector<double> interpolated(const Hierarchy& hierarchy, size_t from, const std::vector<double>& values, size_t to) {
+    std::vector<double> out(hierarchy.edges(to));
+    hmf_error error{};
+    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error), HMF_OK) << error.message;
+    return out;
+}
+
+} // namespace
+
+// --- Initial foliation -------------------------------------------------------
+
+TEST(Initial, CountsCrossingsAndIsClosed) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy);
+        for (const size_t level : {hierarchy.coarsest(), size_t{0}}) {
+            SCOPED_TRACE(level);
+            const LevelMesh mesh = read_level(hierarchy, level);
+            Loops loops = sample.loops(hierarchy, level);
+            loops.weights.clear();
+            for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(1 + 0.75 * static_cast<double>(c));
+            const std::vector<double> values = initial(hierarchy, loops);
+            std::vector<double> expected(mesh.edge_count, 0);
+            for (size_t c = 0; c < loops.count(); ++c)
+                for (uint32_t e : crossed_edges(mesh, loops, c)) expected[e] += loops.weights[c];
+            EXPECT_EQ(values, expected);
+            expect_foliation(hierarchy, mesh, values);
+            for (size_t c = 0; c < loops.count(); ++c) EXPECT_EQ(shortest_crossing(mesh, loops, c, values), loops.weights[c]);
+        }
+    }
+}
+
+TEST(Initial, LoopsOfTheLibraryAreACutSystem) {
+    for (const size_t genus : {1, 2, 5, 12}) {
+        SCOPED_TRACE(genus);
+        const Hierarchy hierarchy(pretzel(genus, 2));
+        ASSERT_TRUE(hierarchy);
+        for (const size_t level : {hierarchy.coarsest(), size_t{0}}) {
+            const LevelMesh mesh = read_level(hierarchy, level);
+            const Loops loops = library_loops(hierarchy, level);
+            ASSERT_EQ(loops.count(), genus);
+            const std::vector<double> values = initial(hierarchy, loops);
+            expect_foliation(hierarchy, mesh, values);
+            // The vertices stay connected by edges that no loop crosses: one planar piece.
+            std::vector<uint32_t> root(mesh.vertex_count);
+            std::iota(root.begin(), root.end(), 0u);
+            size_t pieces = mesh.vertex_count;
+            for (size_t e = 0; e < mesh.edge_count; ++e) {
+                if (values[e] != 0) continue;
+                uint32_t a = mesh.edge_vertices[2 * e], b = mesh.edge_vertices[2 * e + 1];
+                while (root[a] != a) a = root[a] = root[root[a]];
+                while (root[b] != b) b = root[b] = root[root[b]];
+                if (a != b) root[a] = b, --pieces;
+            }
+            EXPECT_EQ(pieces, 1u);
+        }
+    }
+}
+
+// A closed path of vertices is the same as the strip of triangles beside it.
+TEST(Initial, VertexLoopsAndTriangleLoopsAgree) {
+    const size_t n = 48, m = 24;
+    const Hierarchy hierarchy(torus(n, m, 2, 1));
+    ASSERT_TRUE(hierarchy);
+    Loops path;
+    path.kind = HMF_LOOP_VERTICES;
+    std::vector<uint32_t> column;
+    for (uint32_t j = 0; j < m; ++j) column.push_back(static_cast<uint32_t>(5 * m) + j);
+    path.add(column);
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    const std::vector<double> values = initial(hierarchy, path);
+    expect_foliation(hierarchy, mesh, values);
+    const Solution by_path = solve(hierarchy, &path, single_level());
+    const Loops strip = meridian(hierarchy, 0);
+    const Solution by_strip = solve(hierarchy, &strip, single_level());
+    expect_result(hierarchy, by_path);
+    EXPECT_LT(relative(by_path.report.energy, by_strip.report.energy), 1e-6);
+}
+
+// --- Results -----------------------------------------------------------------
+
+TEST(Solve, EveryResultIsAFoliation) {
+    for (const Sample& sample : samples())
+        for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
+            SCOPED_TRACE(testing::Message() << sample.name << " method " << method);
+            const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+            ASSERT_TRUE(hierarchy);
+            const Loops loops = sample.loops(hierarchy, method == HMF_METHOD_SINGLE_LEVEL ? 0 : hierarchy.coarsest());
+            expect_result(hierarchy, solve(hierarchy, &loops, solve_options(method, 0)));
+        }
+}
+
+TEST(Solve, OwnLoopsOfTheLibrary) {
+    for (const size_t genus : {1, 2, 4, 10, 20}) {
+        SCOPED_TRACE(genus);
+        const Hierarchy hierarchy(pretzel(genus, 2));
+        ASSERT_TRUE(hierarchy);
+        expect_result(hierarchy, solve(hierarchy, nullptr, whitehead(1e-6)));
+    }
+    const Hierarchy knot(trefoil(200, 12, 0.3));
+    ASSERT_TRUE(knot);
+    expect_result(knot, solve(knot, nullptr, whitehead(1e-6)));
+}
+
+TEST(Solve, StopLevelGivesAPreview) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 400);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = pretzel_loops(hierarchy, hierarchy.coarsest());
+    for (size_t level = 0; level < hierarchy.levels(); ++level) {
+        SCOPED_TRACE(level);
+        hmf_solve_options options = whitehead(1e-6);
+        options.stop_level = level;
+        expect_result(hierarchy, solve(hierarchy, &loops, options), level);
+    }
+}
+
+// The queries against the same things counted here.
+TEST(Solve, EnergyAndResidualsByDefinition) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 400);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = pretzel_loops(hierarchy, hierarchy.coarsest());
+    for (size_t level = 1; level < hierarchy.levels(); ++level) {
+        SCOPED_TRACE(level);
+        hmf_solve_options options = whitehead(1e-4); // leaves residuals to compare
+        options.stop_level = level;
+        const Solution solution = solve(hierarchy, &loops, options);
+        const LevelMesh mesh = read_level(hierarchy, level);
+        EXPECT_LT(relative(energy(mesh, solution.values), solution.report.energy), 1e-12);
+        std::vector<double> found(mesh.vertex_count);
+        ASSERT_EQ(hmf_residuals(hierarchy.get(), level, solution.values.data(), solution.values.size(), found.data(), found.size(), nullptr), HMF_OK);
+        const std::vector<double> expected = residuals(mesh, solution.values);
+        size_t compared = 0;
+        double largest = 0;
+        for (size_t v = 0; v < mesh.vertex_count; ++v) {
+            if (expected[v] < 0) continue;
+            ++compared;
+            largest = std::max(largest, expected[v]);
+            ASSERT_NEAR(found[v], expected[v], 1e-9) << "vertex " << v;
+        }
+        EXPECT_GT(compared, mesh.vertex_count / 2);
+        EXPECT_GT(largest, 0);
+    }
+}
+
+TEST(Solve, ReportTellsTheStory) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 400);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = pretzel_loops(hierarchy, hierarchy.coarsest());
+    const hmf_loop_set set = loops.view();
+    std::vector<double> values(hierarchy.edges(0));
+    std::vector<hmf_level_report> levels(hierarchy.levels());
+    std::vector<hmf_history_entry> history(100000);
+    hmf_report report{};
+    report.struct_size = sizeof report;
+    report.levels = levels.data();
+    report.level_capacity = levels.size();
+    report.history = history.data();
+    report.history_capacity = history.size();
+    const hmf_solve_options options = whitehead(1e-6);
+    ASSERT_EQ(hmf_solve(hierarchy.get(), &set, &options, values.data(), values.size(), &report, nullptr), HMF_OK);
+    EXPECT_EQ(report.method, HMF_METHOD_WHITEHEAD);
+    EXPECT_EQ(report.level_count, hierarchy.levels());
+    EXPECT_GT(report.peak_memory_bytes, 0u);
+    uint64_t sweeps = 0;
+    for (size_t k = 0; k < levels.size(); ++k) {
+        hmf_level_info info{};
+        ASSERT_EQ(hmf_level_counts(hierarchy.get(), k, &info, nullptr), HMF_OK);
+        EXPECT_EQ(levels[k].vertices, info.vertex_count);
+        EXPECT_EQ(levels[k].edges, info.edge_count);
+        EXPECT_EQ(levels[k].nld, info.non_delaunay_count);
+        EXPECT_GT(levels[k].iterations, 0u);
+        sweeps += levels[k].iterations;
+    }
+    ASSERT_LE(report.history_count, history.size());
+    uint64_t recorded = 0;
+    for (size_t i = 0; i < report.history_count; ++i) {
+        recorded += history[i].kind == 1;
+        if (i == 0) continue;
+        EXPECT_GE(history[i].seconds, history[i - 1].seconds);
+        EXPECT_LE(history[i].level, history[i - 1].level);
+        if (history[i].kind == 1 && history[i].level == history[i - 1].level) {
+            EXPECT_LE(history[i].energy, history[i - 1].energy * (1 + 1e-12));
+        }
+    }
+    EXPECT_EQ(recorded, sweeps);
+    EXPECT_LT(relative(history[report.history_count - 1].energy, report.energy), 1e-9);
+}
+
+// --- Uniqueness --------------------------------------------------------------
+
+// The same curves, three hierarchies, with and without levels: one energy.
+TEST(Unique, AcrossHierarchiesAndMethods) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy fine(sample.mesh, 0.75, 1000), coarse(sample.mesh, 0.25, 400);
+        ASSERT_TRUE(fine && coarse);
+        const Loops on_fine = sample.loops(fine, fine.coarsest()), on_coarse = sample.loops(coarse, coarse.coarsest()), on_input = sample.loops(fine, 0);
+        const Solution a = solve(fine, &on_fine, whitehead()), b = solve(coarse, &on_coarse, whitehead()), c = solve(fine, &on_input, single_level());
+        for (const Solution* s : {&a, &b, &c}) {
+            expect_result(fine, *s);
+            EXPECT_LT(relative(s->report.energy, a.report.energy), 1e-6);
+        }
+    }
+}
+
+TEST(Unique, NewtonAgreesWithWhitehead) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = sample.loops(hierarchy, hierarchy.coarsest());
+        const Solution exact = solve(hierarchy, &loops, newton());
+        if (exact.status == HMF_ERROR_UNSUPPORTED) GTEST_SKIP() << "skipped: no Newton method in this version";
+        expect_result(hierarchy, exact);
+        EXPECT_LT(exact.report.residual_max, 1e-6);
+        const Solution paper = solve(hierarchy, &loops, whitehead());
+        EXPECT_LT(relative(exact.report.energy, paper.report.energy), 1e-6);
+        // The minimum is the minimum.
+        EXPECT_LE(exact.report.energy, paper.report.energy * (1 + 1e-9));
+    }
+}
+
+// The class survives interpolation: relaxing the interpolated initial foliation
+// ends where the cascade ends.
+TEST(Unique, InterpolatedInitialFoliation) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = sample.loops(hierarchy, hierarchy.coarsest());
+        const std::vector<double> start = interpolated(hierarchy, hierarchy.coarsest(), initial(hierarchy, loops), 0);
+        expect_foliation(hierarchy, read_level(hierarchy, 0), start);
+        const Solution relaxed = relax(hierarchy, 0, start, whitehead());
+        expect_result(hierarchy, relaxed);
+        const Solution cascade = solve(hierarchy, &loops, whitehead());
+        EXPECT_LT(relative(relaxed.report.energy, cascade.report.energy), 1e-6);
+    }
+}
+
+TEST(Unique, RestrictionThereAndBack) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 600);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = pretzel_loops(hierarchy, hierarchy.coarsest()), on_input = pretzel_loops(hierarchy, 0);
+    const std::vector<double> fine = initial(hierarchy, on_input);
+    std::vector<double> coarse(hierarchy.edges(hierarchy.coarsest()));
+    hmf_error error{};
+    const hmf_status status = hmf_interpolate(hierarchy.get(), 0, fine.data(), fine.size(), hierarchy.coarsest(), coarse.data(), coarse.size(), &error);
+    if (status == HMF_ERROR_UNSUPPORTED) GTEST_SKIP() << "skipped: no restriction in this version";
+    ASSERT_EQ(status, HMF_OK) << error.message;
+    expect_foliation(hierarchy, read_level(hierarchy, hierarchy.coarsest()), coarse);
+    const Solution a = relax(hierarchy, hierarchy.coarsest(), coarse, whitehead());
+    const Solution b = relax(hierarchy, hierarchy.coarsest(), initial(hierarchy, loops), whitehead());
+    EXPECT_LT(relative(a.report.energy, b.report.energy), 1e-6);
+}
+
+TEST(Unique, InterpolationToTheSameLevelChangesNothing) {
+    const Hierarchy hierarchy(sheared_torus(), 0.5, 600);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = meridian(hierarchy, hierarchy.coarsest());
+    const Solution solution = solve(hierarchy, &loops, whitehead(1e-6));
+    EXPECT_EQ(interpolated(hierarchy, 0, solution.values, 0), solution.values);
+}
+
+// The plane parts of a plate stay plane: any triangulation of the same surface
+// has the same intrinsic Delaunay triangulation, hence the same energy.
+TEST(Unique, AcrossTriangulationsOfOneSurface) {
+    const TriMesh flat = subdivide(subdivide(subdivide(plate(2))));
+    const TriMesh flipped = with_random_flips(flat, 20 * flat.triangle_count(), 1 - 1e-12, 11);
+    ASSERT_NE(flat.triangles, flipped.triangles);
+    const Hierarchy first(flat, 0.5, 600), second(flipped, 0.5, 600);
+    ASSERT_TRUE(first && second);
+    const Loops a = pretzel_loops(first, 0), b = pretzel_loops(second, 0);
+    const Solution x = solve(first, &a, single_level()), y = solve(second, &b, single_level());
+    expect_result(first, x);
+    expect_result(second, y);
+    EXPECT_LT(relative(x.report.energy, y.report.energy), 1e-5);
+}
+
+// Flips that bend the surface a little change the energy a little.
+TEST(Unique, FlippedTorusIsClose) {
+    const TriMesh round = torus(64, 32, 2, 1), flipped = with_random_flips(round, 20000, 0.9, 13);
+    ASSERT_NE(round.triangles, flipped.triangles);
+    const Hierarchy first(round, 0.5, 600), second(flipped, 0.5, 600);
+    ASSERT_TRUE(first && second);
+    const Loops a = meridian(first, first.coarsest()), b = meridian(second, second.coarsest());
+    EXPECT_LT(relative(solve(first, &a, whitehead(1e-9)).report.energy, solve(second, &b, whitehead(1e-9)).report.energy), 0.05);
+}
+
+// --- Genus 1 -----------------------------------------------------------------
+
+TEST(GenusOne, EqualsTheHarmonicForm) {
+    const size_t n = 64, m = 32;
+    for (const TriMesh& torus_mesh : {torus(n, m, 2, 1), sheared_torus()}) {
+        const Hierarchy hierarchy(torus_mesh, 0.5, 500);
+        ASSERT_TRUE(hierarchy);
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        for (double w : mesh.weights) ASSERT_GT(w, 0) << "this test needs a Delaunay mesh";
+        Loops loops = meridian(hierarchy, hierarchy.coarsest());
+        loops.weights = {2.5};
+        const Solution solution = solve(hierarchy, &loops, whitehead(1e-14));
+        expect_result(hierarchy, solution);
+        const std::vector<double> form = harmonic_form(mesh, n, m);
+        double worst = 0, best_energy = 0, largest = 0;
+        for (size_t e = 0; e < mesh.edge_count; ++e) {
+            worst = std::max(worst, std::abs(solution.values[e] - 2.5 * form[e]));
+            largest = std::max(largest, 2.5 * form[e]);
+            best_energy += mesh.weights[e] * 6.25 * form[e] * form[e];
+        }
+        EXPECT_LT(worst, 1e-4 * largest);
+        EXPECT_LT(relative(solution.report.energy, best_energy), 1e-8);
+        EXPECT_GE(solution.report.energy, best_energy * (1 - 1e-10)); // nothing is below the minimum
+    }
+}
+
+// D(F) = w * flux of the conjugate through any curve parallel to the loop.
+TEST(GenusOne, EnergyIsWeightTimesFlux) {
+    const size_t n = 64, m = 32;
+    const Hierarchy hierarchy(sheared_torus(), 0.5, 500);
+    ASSERT_TRUE(hierarchy);
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    Loops loops = meridian(hierarchy, hierarchy.coarsest());
+    loops.weights = {0.75};
+    const Solution solution = solve(hierarchy, &loops, whitehead(1e-14));
+    for (size_t column = 0; column < n; ++column) {
+        double flux = 0; // through the curve between this column of vertices and the next
+        for (size_t e = 0; e < mesh.edge_count; ++e) {
+            const size_t a = mesh.edge_vertices[2 * e] / m, b = mesh.edge_vertices[2 * e + 1] / m;
+            const size_t next = (column + 1) % n;
+            if ((a == column && b == next) || (b == column && a == next)) flux += mesh.weights[e] * solution.values[e];
+        }
+        EXPECT_LT(relative(0.75 * flux, solution.report.energy), 1e-5) << column;
+    }
+}
+
+// --- Class -------------------------------------------------------------------
+
+TEST(Class, NoPathAcrossALoopIsShorterThanItsWeight) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy);
+        Loops coarse = sample.loops(hierarchy, hierarchy.coarsest()), fine = sample.loops(hierarchy, 0);
+        for (size_t c = 0; c < coarse.count(); ++c) coarse.weights.push_back(1 + 0.5 * static_cast<double>(c));
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        const std::vector<double> start = interpolated(hierarchy, hierarchy.coarsest(), initial(hierarchy, coarse), 0);
+        const Solution solution = solve(hierarchy, &coarse, whitehead(1e-6));
+        ASSERT_LT(solution.status, HMF_ERROR_NULL);
+        for (size_t c = 0; c < fine.count(); ++c) {
+            EXPECT_GE(shortest_crossing(mesh, fine, c, start), coarse.weights[c]);
+            const double length = shortest_crossing(mesh, fine, c, solution.values);
+            EXPECT_GE(length, coarse.weights[c]);
+            EXPECT_LE(length, 1.5 * coarse.weights[c]); // not merely large values
+        }
+    }
+}
+
+// --- Scaling -----------------------------------------------------------------
+
+TEST(Scaling, OfTheWeights) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy);
+        Loops loops = sample.loops(hierarchy, hierarchy.coarsest());
+        const auto with = [&](double w) {
+            loops.weights.assign(loops.count(), w);
+            return solve(hierarchy, &loops, whitehead());
+        };
+        const Solution one = with(1), two = with(2), eighth = with(0.125), three = with(3);
+        std::vector<double> expected = one.values;
+        for (double& x : expected) x *= 2;
+        EXPECT_EQ(two.values, expected);
+        for (double& x : expected) x /= 16;
+        EXPECT_EQ(eighth.values, expected);
+        EXPECT_LT(relative(three.report.energy, 9 * one.report.energy), 1e-6);
+    }
+}
+
+TEST(Scaling, OfTheMesh) {
+    const TriMesh mesh = pretzel(2, 3);
+    const Hierarchy plain(mesh, 0.5, 600), large(scaled(mesh, 64), 0.5, 600);
+    ASSERT_TRUE(plain && large);
+    const Solution a = solve(plain, nullptr, whitehead(1e-8)), b = solve(large, nullptr, whitehead(1e-8));
+    expect_result(plain, a);
+    EXPECT_EQ(a.values, b.values);
+}
+
+TEST(Scaling, RotationKeepsTheEnergy) {
+    const TriMesh mesh = pretzel(2, 3);
+    const Matrix turn = rotation(1, 2, 3, 0.7), back = rotation(1, 2, 3, -0.7);
+    const Hierarchy plain(mesh, 0.5, 600), turned(transformed(mesh, turn), 0.5, 600);
+    ASSERT_TRUE(plain && turned);
+    const Loops a = pretzel_loops(plain, plain.coarsest());
+    Loops b;
+    b.level = turned.coarsest();
+    LevelMesh level = read_level(turned, b.level);
+    TriMesh points;
+    points.positions = level.positions;
+    level.positions = transformed(points, back).positions;
+    for (size_t k = 0; k < 2; ++k) {
+        const double x = 2.0 * static_cast<double>(k) + 1.50137;
+        b.add(section(level, [x](const double* p) { return p[0] - x; }, [](const double* p) { return p[1] - 1.5; }));
+    }
+    const Solution u = solve(plain, &a, whitehead()), v = solve(turned, &b, whitehead());
+    expect_result(turned, v);
+    EXPECT_LT(relative(u.report.energy, v.report.energy), 1e-6);
+}
+
+// --- Determinism -------------------------------------------------------------
+
+TEST(Determinism, SameBitsTwiceAndFromManyThreads) {
+    for (const Sample& sample : samples()) {
+        SCOPED_TRACE(sample.name);
+        const Hierarchy hierarchy(sample.mesh, 0.5, 600);
+        const Hierarchy again(sample.mesh, 0.5, 600);
+        ASSERT_TRUE(hierarchy && again);
+        const Loops loops = library_loops(hierarchy, hierarchy.coarsest());
+        EXPECT_EQ(loops.elements, library_loops(again, again.coarsest()).elements);
+        const hmf_solve_options options = whitehead(1e-5);
+        const Solution first = solve(hierarchy, &loops, options), second = solve(again, &loops, options);
+        EXPECT_EQ(first.values, second.values);
+        constexpr size_t count = 4;
+        std::vector<std::vector<double>> results(count, std::vector<double>(hierarchy.edges(0)));
+        std::vector<hmf_status> status(count, HMF_ERROR_INTERNAL);
+        std::vector<std::thread> threads;
+        for (size_t i = 0; i < count; ++i)
+            threads.emplace_back([&, i] {
+                const hmf_loop_set set = loops.view();
+                status[i] = hmf_solve(hierarchy.get(), &set, &options, results[i].data(), results[i].size(), nullptr, nullptr);
+            });
+        for (std::thread& thread : threads) thread.join();
+        for (size_t i = 0; i < count; ++i) {
+            EXPECT_EQ(status[i], first.status);
+            EXPECT_EQ(results[i], first.values);
+        }
+    }
+}
