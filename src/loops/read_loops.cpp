@@ -106,6 +106,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
             return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
                              static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1, static_cast<Long>(offsets[c + 1]));
     const bool triangles = element_kind == HMF_LOOP_TRIANGLES;
+    // Elements are named by their place: the caller may number them otherwise.
     const char* const word = triangles ? "triangle" : "vertex";
     const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
     Array<uint32_t> side, path, strip;
@@ -123,17 +124,16 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
         path.clear();
         for (uint64_t i = first; i < end; ++i)
             if (elements[i] >= limit)
-                return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu is %s %llu, but the level has only %llu.",
-                                 static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(elements[i]), static_cast<Long>(limit));
+                return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu is no %s of the level, which has %llu.",
+                                 static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(limit));
         for (uint64_t i = first; i < end; ++i) {
             if (i % 8192 == 0 && !call.tick(0))
                 return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
             const uint32_t h = triangles ? shared_side(mesh, side[here], there) : shared_edge(mesh, here, there);
             if (h == NONE)
-                return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu, %s %llu, and the %s, %s %llu, share no edge.",
-                                 static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(here), i + 1 < end ? "next one" : "first one",
-                                 word, static_cast<Long>(there));
+                return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c, "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next, and the last the first.",
+                                 static_cast<Long>(i - first), static_cast<Long>(i + 1 < end ? i + 1 - first : 0), static_cast<Long>(c), word);
             if (!path.push(h)) return call.out_of_memory();
         }
         if (!triangles) {
