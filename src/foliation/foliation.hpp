@@ -84,7 +84,9 @@ struct TransportStatistics {
 void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, TransportStatistics& statistics);
 
 // If the cluster of a vertex is an extremum (a disk with all else in one
-// direction), moves it there until it has a second one; true if it moved.
+// direction), moves it there until it has a second one.  false: the values
+// are no distances in a tree (one closed corner separates a direction from
+// itself), which a step that went too far can cause.
 bool settle_extremum(Foliation& foliation, uint32_t vertex);
 
 // Undoes a collapse on mesh and foliation: the new vertex starts where the

@@ -72,10 +72,12 @@ bool settle_extremum(Foliation& f, uint32_t vertex) {
     // Each round enlarges the cluster or gives it a direction.
     for (uint32_t round = 0; round <= f.mesh.vertex_count; ++round) {
         const Cluster cluster = explore_cluster(f, vertex, NONE, NONE, NONE, 2, 0);
-        if (f.out_of_memory || !cluster.is_pole()) return round > 0;
+        if (f.out_of_memory) return false;
+        if (!cluster.is_pole()) return true;
+        if (cluster.closed_corners == 1) return false;
         advance_cluster(f, NONE);
     }
-    return true;
+    return false;
 }
 
 void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics) {

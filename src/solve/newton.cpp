@@ -1,0 +1,236 @@
+// The direct method: Newton steps on the twisted Laplacian, globalised by
+// Whitehead moves.
+//
+// One round on a level:
+//   1. sweeps of Whitehead moves: singularities walk, clusters open
+//   2. the quadratic model of the signs as they are (twisted_model.hpp),
+//      solved by conjugate gradients with signed multigrid
+//   3. the solution, brought into its bounds, is rounded and applied to all
+//      vertices at once; extrema that rounding or a loose solve left are
+//      settled; kept if the energy falls, else halved
+//   4. moves near the singularities, where the model is not smooth
+// Far from the singularities one round is exact, so a few rounds reach the
+// minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
+#include "signed_multigrid.hpp"
+#include "solve.hpp"
+#include "twisted_model.hpp"
+
+namespace hmf {
+
+namespace {
+
+class Newton {
+public:
+    explicit Newton(LevelWork& work) : w_(work), f_(work.state.foliation), weight_(work.level.weight) {}
+
+    bool allocate() {
+        Memory& memory = w_.call.memory;
+        const Mesh& mesh = f_.mesh;
+        patch_.start(memory);
+        near_.start(memory);
+        suspect_.start(memory);
+        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, mesh.vertex_count)
+            && distance_.allocate(memory, mesh.vertex_count) && patch_.reserve(mesh.vertex_count) && near_.reserve(mesh.vertex_count)
+            && suspect_.reserve(mesh.vertex_count);
+    }
+
+    double residual() {
+        const ResidualResult r = residuals(f_, w_.rings, weight_, w_.star, nullptr);
+        return r.max;
+    }
+
+    void sweeps(uint32_t n) {
+        for (uint32_t i = 0; i < n && w_.call.tick(0, true); ++i) {
+            SweepResult result;
+            sweep(f_, w_.rings, weight_, backward_, w_.star, result, w_.call, 0);
+            backward_ = !backward_;
+            ++w_.statistics.iterations;
+        }
+    }
+
+    // HMF_OK, or memory, or HMF_CANCELLED.  accepted: the share of the step
+    // that was taken, 0 if none would do.
+    hmf_status step(double tolerance, double& accepted) {
+        accepted = 0;
+        model_.assemble(f_, w_.rings, weight_);
+        if (f_.out_of_memory) return w_.call.out_of_memory();
+        const uint32_t n = model_.count;
+        if (n == 0) return HMF_OK;
+        for (uint32_t k = 0; k < n; ++k) model_.d[k] = 0;
+        const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
+        SignedMultigrid multigrid;
+        if (!multigrid.setup(matrix, w_.call.memory)) return w_.call.out_of_memory();
+        multigrid.solve(matrix, model_.right.data(), model_.d.data(), tolerance, 200, w_.call);
+        ++w_.statistics.linear_solves;
+        if (w_.call.cancelled()) return HMF_CANCELLED;
+        model_.project(patch_, distance_);
+        const double before = energy(f_, weight_);
+        std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
+        double factor = 1;
+        for (uint32_t attempt = 0; attempt < 6; ++attempt, factor *= 0.5) {
+            if (apply(factor)) {
+                const double after = energy(f_, weight_);
+                if (after <= before * (1 + 1e-15)) { accepted = factor; break; }
+            }
+            if (f_.out_of_memory) return w_.call.out_of_memory();
+            std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
+        }
+        return HMF_OK;
+    }
+
+    // Moves at the vertices within a few rings of the zeros.
+    void relax_near_zeros(uint32_t rounds) {
+        const Mesh& mesh = f_.mesh;
+        near_.clear();
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            bool singular = model_.unknown[v] == NONE;
+            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && !singular; ++t) {
+                const uint32_t h = w_.rings.side[t].half_edge;
+                singular = f_.at(h) > 0 && f_.corner2(h) > 0 && f_.corner2(mesh.next[h]) > 0 && f_.corner2(mesh.prev(h)) > 0;
+            }
+            if (!singular) continue;
+            distance_[v] = 0;
+            near_.push(v);
+        }
+        constexpr uint32_t rings_around = 3;
+        for (size_t i = 0; i < near_.size(); ++i) {
+            const uint32_t v = near_[i];
+            if (distance_[v] == rings_around) continue;
+            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
+                const uint32_t u = mesh.target(w_.rings.side[t].half_edge);
+                if (distance_[u] != NONE) continue;
+                distance_[u] = distance_[v] + 1;
+                near_.push(u);
+            }
+        }
+        SweepResult result;
+        for (uint32_t r = 0; r < rounds; ++r)
+            for (size_t i = 0; i < near_.size(); ++i)
+                relax_vertex(f_, w_.rings, weight_, near_[r % 2 ? near_.size() - 1 - i : i], w_.star, result);
+    }
+
+private:
+    int64_t rounded(uint32_t k, double factor) const {
+        const double x = model_.d[k] * factor;
+        if (!(x > -9e15 && x < 9e15)) return 0;
+        int64_t i = static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
+        if (i < model_.lower[k]) i = model_.lower[k];
+        if (i > model_.upper[k]) i = model_.upper[k];
+        return i;
+    }
+
+    void set_value(const Mesh& mesh, uint32_t e) {
+        const uint32_t h = 2 * e;
+        const int64_t x = backup_[e] - model_.sign[h] * step_[mesh.origin[h]] - model_.sign[h + 1] * step_[mesh.origin[h + 1]];
+        f_.value[e] = x < 0 ? -x : x;
+    }
+
+    // Applies factor * d; false if the result is not a foliation of the class.
+    bool apply(double factor) {
+        const Mesh& mesh = f_.mesh;
+        const uint32_t n = mesh.vertex_count;
+        for (uint32_t v = 0; v < n; ++v) step_[v] = model_.unknown[v] == NONE ? 0 : rounded(model_.unknown[v], factor);
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
+        // Vertices that have become extrema go to the mean of their neighbours.
+        suspect_.clear();
+        for (uint32_t v = 0; v < n; ++v)
+            if (shape(v) == Shape::extremum) suspect_.push(v);
+        for (uint32_t round = 0; round < 8 && !suspect_.empty() && factor == 1; ++round) {
+            const size_t had = suspect_.size();
+            for (size_t i = 0; i < had; ++i) {
+                const uint32_t v = suspect_[i], k = model_.unknown[v];
+                if (k == NONE) continue;
+                model_.d[k] = model_.relaxed(k);
+                step_[v] = rounded(k, 1);
+                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) set_value(mesh, edge_of(w_.rings.side[t].half_edge));
+            }
+            size_t end = had;
+            for (size_t i = 0; i < had; ++i) {
+                const uint32_t v = suspect_[i];
+                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && end < n; ++t) {
+                    const uint32_t u = mesh.target(w_.rings.side[t].half_edge);
+                    if (shape(u) == Shape::extremum) { suspect_.push(u); ++end; }
+                }
+            }
+            for (size_t i = had; i < end; ++i) suspect_[i - had] = suspect_[i];
+            while (suspect_.size() > end - had) suspect_.pop();
+        }
+        return settle();
+    }
+
+    enum class Shape : uint8_t { sound, extremum, has_zero, broken };
+
+    Shape shape(uint32_t v) const {
+        const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
+        const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
+        uint32_t closed = 0;
+        const int64_t first = f_.value[edge_of(side[0].half_edge)];
+        int64_t here = first;
+        bool zero = false;
+        for (uint32_t t = 0; t < degree; ++t) {
+            const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
+            const int64_t corner2 = here + ahead - f_.value[side[t].opposite];
+            if (corner2 < 0) return Shape::broken;
+            zero |= here == 0;
+            closed += here != 0 && ahead != 0 && corner2 == 0;
+            here = ahead;
+        }
+        return closed >= 2 ? Shape::sound : zero ? Shape::has_zero : Shape::extremum;
+    }
+
+    // Settles the extrema that are left; false if the step went too far.
+    bool settle() {
+        const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+            const Shape s = shape(v);
+            if (s == Shape::broken) return false;
+            if (s == Shape::sound || (s == Shape::has_zero && f_.stamp[v] > before)) continue;
+            if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) continue;
+            if (!settle_extremum(f_, v)) return false;
+        }
+        return true;
+    }
+
+    LevelWork& w_;
+    Foliation& f_;
+    const double* weight_;
+    TwistedModel model_;
+    Array<int64_t> backup_, step_;
+    Array<uint32_t> patch_, near_, suspect_, distance_;
+    bool backward_ = false;
+};
+
+} // namespace
+
+hmf_status newton_level(LevelWork& work, double tolerance) {
+    Newton newton(work);
+    if (!newton.allocate()) return work.call.out_of_memory();
+    const bool finest = work.state.level == work.options.stop_level;
+    const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
+    const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
+    const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
+    newton.sweeps(coarsest ? 20 : 2);
+    double best = 1e300;
+    uint32_t without_progress = 0;
+    for (uint32_t round = 0; round < most_rounds; ++round) {
+        const double before = newton.residual();
+        work.record(2, energy(work.state.foliation, work.level.weight), before);
+        if (before <= goal) return HMF_OK;
+        if (before < 0.5 * best) { best = before; without_progress = 0; }
+        else if (++without_progress > 12) break;
+        if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+        if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
+        double linear = 0.03 * goal / before;
+        if (linear > 1e-2 || !finest || round == 0) linear = 1e-2;
+        if (linear < 1e-11) linear = 1e-11;
+        double accepted = 0;
+        if (const hmf_status status = newton.step(linear, accepted)) return status;
+        newton.relax_near_zeros(accepted == 1 ? 10 : 30);
+        newton.sweeps(accepted == 1 ? 1 : 10);
+    }
+    if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
+    return finest ? HMF_LIMIT_STALLED : HMF_OK;
+}
+
+} // namespace hmf

@@ -1,0 +1,183 @@
+#include "twisted_model.hpp"
+
+namespace hmf {
+
+bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
+    const size_t n = mesh.vertex_count, m = mesh.edge_count;
+    return sign.allocate(memory, 2 * m) && unknown.allocate(memory, n) && vertex.allocate(memory, n) && offset.allocate(memory, n + 1)
+        && column.allocate(memory, 2 * m) && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
+        && lower.allocate(memory, n) && upper.allocate(memory, n) && d.allocate(memory, n);
+}
+
+namespace {
+
+// Signs of a regular vertex without zero edges.
+bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int8_t* sign, bool& has_zero) {
+    const Rings::Side* side = &rings.side[rings.offset[v]];
+    const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
+    has_zero = false;
+    uint32_t closed = 0;
+    int8_t s = 1;
+    int64_t here = f.value[edge_of(side[0].half_edge)];
+    const int64_t first = here;
+    for (uint32_t t = 0; t < degree; ++t) {
+        if (here == 0) { has_zero = true; return false; }
+        const int64_t ahead = t + 1 < degree ? f.value[edge_of(side[t + 1].half_edge)] : first;
+        sign[side[t].half_edge] = s;
+        if (here + ahead == f.value[side[t].opposite]) { s = static_cast<int8_t>(-s); ++closed; }
+        here = ahead;
+    }
+    return closed == 2;
+}
+
+// Signs round the cluster in f.members, which has index 0 and a disk's shape.
+void sign_regular_cluster(const Foliation& f, int8_t* sign) {
+    const Mesh& mesh = f.mesh;
+    uint32_t start = NONE;
+    size_t sides = 0;
+    for (uint32_t v : f.members) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            const uint32_t ahead = mesh.rotate_ccw(h);
+            ++sides;
+            if (f.at(h) == 0) sign[h] = h & 1 ? -1 : 1;
+            else if (f.at(ahead) != 0 && f.corner2(h) == 0) start = ahead;
+            h = ahead;
+        } while (h != first);
+    }
+    int8_t s = 1;
+    uint32_t g = start;
+    // One turn round the boundary meets each side at most once per zero edge beside it.
+    for (size_t step = 0; step < 4 * sides; ++step) {
+        sign[g] = s;
+        const uint32_t ahead = mesh.rotate_ccw(g);
+        if (f.at(ahead) == 0) {
+            g = twin(mesh.next[g]);
+        } else {
+            if (f.corner2(g) == 0) s = static_cast<int8_t>(-s);
+            g = ahead;
+        }
+        if (g == start) return;
+    }
+}
+
+} // namespace
+
+void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weight) {
+    const Mesh& mesh = f.mesh;
+    const uint32_t n = mesh.vertex_count;
+    const uint32_t before = f.epoch;
+    count = 0;
+    for (uint32_t v = 0; v < n; ++v) unknown[v] = NONE;
+    for (uint32_t v = 0; v < n; ++v) {
+        if (f.stamp[v] > before) continue;
+        bool has_zero = false;
+        if (sign_regular_vertex(f, rings, v, sign.data(), has_zero)) {
+            unknown[v] = 0;
+            continue;
+        }
+        if (!has_zero) {
+            for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
+            continue;
+        }
+        const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+        const bool regular = cluster.complete && cluster.euler == 1 && cluster.closed_corners == 2;
+        if (regular) sign_regular_cluster(f, sign.data());
+        for (uint32_t u : f.members) {
+            if (regular) unknown[u] = 0;
+            else
+                for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) sign[rings.side[t].half_edge] = 0;
+        }
+    }
+    for (uint32_t v = 0; v < n; ++v)
+        if (unknown[v] != NONE) { unknown[v] = count; vertex[count++] = v; }
+
+    uint32_t at = 0;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t v = vertex[k];
+        offset[k] = at;
+        double sum = 0, b = 0;
+        int64_t low = INT64_MIN, high = INT64_MAX;
+        const uint32_t begin = rings.offset[v], end = rings.offset[v + 1];
+        for (uint32_t t = begin; t < end; ++t) {
+            const Rings::Side side = rings.side[t];
+            const uint32_t h = side.half_edge;
+            const int64_t F = f.value[edge_of(h)];
+            const double alpha = weight[edge_of(h)];
+            const int8_t s = sign[h], back = sign[twin(h)];
+            const uint32_t w = mesh.target(h);
+            b += alpha * s * static_cast<double>(F);
+            int64_t bound = INT64_MAX;
+            if (w == v) {
+                sum += alpha * (s + back) * s;
+            } else {
+                sum += alpha;
+                if (unknown[w] != NONE) {
+                    column[at] = unknown[w];
+                    entry[at++] = alpha * s * back;
+                } else {
+                    bound = F;
+                }
+            }
+            // A tripod on this side of h?
+            const uint32_t ahead = rings.side[t + 1 < end ? t + 1 : begin].half_edge;
+            const int64_t G = f.value[edge_of(ahead)], opposite = f.value[side.opposite];
+            if (F + G > opposite && F + opposite > G && G + opposite > F && (F + G - opposite) / 2 < bound) bound = (F + G - opposite) / 2;
+            if (bound != INT64_MAX) {
+                if (s > 0 && bound < high) high = bound;
+                if (s < 0 && -bound > low) low = -bound;
+            }
+        }
+        diagonal[k] = sum;
+        right[k] = b;
+        lower[k] = low;
+        upper[k] = high;
+    }
+    offset[count] = at;
+}
+
+double TwistedModel::relaxed(uint32_t k) const {
+    double b = right[k];
+    for (uint32_t i = offset[k]; i < offset[k + 1]; ++i) b -= entry[i] * d[column[i]];
+    double x = diagonal[k] > 0 ? b / diagonal[k] : 0;
+    if (lower[k] != INT64_MIN && x < static_cast<double>(lower[k])) x = static_cast<double>(lower[k]);
+    if (upper[k] != INT64_MAX && x > static_cast<double>(upper[k])) x = static_cast<double>(upper[k]);
+    return x;
+}
+
+uint64_t TwistedModel::project(Array<uint32_t>& patch, Array<uint32_t>& distance) {
+    patch.clear();
+    for (uint32_t k = 0; k < count; ++k) {
+        distance[k] = NONE;
+        double x = d[k];
+        if (lower[k] != INT64_MIN && x < static_cast<double>(lower[k])) x = static_cast<double>(lower[k]);
+        if (upper[k] != INT64_MAX && x > static_cast<double>(upper[k])) x = static_cast<double>(upper[k]);
+        if (x == d[k]) continue;
+        d[k] = x;
+        distance[k] = 0;
+        patch.push(k);
+    }
+    const uint64_t active = patch.size();
+    if (active == 0) return 0;
+    // The neighbourhood takes over what the bound keeps back.
+    constexpr uint32_t rings_around = 8, sweeps = 24;
+    for (size_t i = 0; i < patch.size(); ++i) {
+        const uint32_t k = patch[i];
+        if (distance[k] == rings_around) continue;
+        for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) {
+            const uint32_t other = column[j];
+            if (distance[other] != NONE) continue;
+            distance[other] = distance[k] + 1;
+            patch.push(other);
+        }
+    }
+    for (uint32_t s = 0; s < sweeps; ++s)
+        for (size_t i = 0; i < patch.size(); ++i) {
+            const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
+            d[k] = relaxed(k);
+        }
+    return active;
+}
+
+} // namespace hmf

@@ -1,0 +1,46 @@
+// The quadratic model of the direct method: the energy with the signs of the
+// local potentials frozen.
+//
+// At a regular cluster (two directions, index 0) one direction is called +
+// and the other -; half-edge h has the sign s_h of the direction it leaves in.
+// Moving vertex i by d_i into its + direction changes the value of an edge to
+//
+//     F'_ij = | F_ij - s_ij d_i - s_ji d_j |
+//
+// and the energy sum alpha F'^2 is quadratic in d.  Zero edges inside a
+// regular cluster get opposite signs at their two ends: F' = |d_i - d_j|.
+// Vertices of other clusters (zeros) rest.  The model is exact while
+//
+//     s d_v <= a_v        at every corner of a tripod: stop at its branch point
+//     s d_v <= F_vm       at every neighbour m that rests: stop there
+//
+// and no vertex becomes an extremum of the local potential.
+#pragma once
+
+#include "../foliation/whitehead.hpp"
+
+namespace hmf {
+
+struct TwistedModel {
+    uint32_t count = 0;        // unknowns
+    Array<int8_t> sign;        // per half-edge; 0 where the origin rests
+    Array<uint32_t> unknown;   // per vertex: its number, or NONE
+    Array<uint32_t> vertex;    // per unknown
+    Array<uint32_t> offset;    // count + 1, rows of the matrix
+    Array<uint32_t> column;    // off-diagonal entries
+    Array<double> entry;
+    Array<double> diagonal, right; // count
+    Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
+    Array<double> d;               // count, the solution
+
+    bool allocate(const Mesh& mesh, Memory& memory);
+    // Signs, matrix, right side and bounds of the current foliation.
+    void assemble(Foliation& f, const Rings& rings, const double* weight);
+    // Brings d into the bounds and improves it near the bounds that are
+    // active by projected Gauss-Seidel; returns the number of active bounds.
+    uint64_t project(Array<uint32_t>& patch, Array<uint32_t>& distance);
+    // New value of d_v from its neighbours, within the bounds.
+    double relaxed(uint32_t unknown_index) const;
+};
+
+} // namespace hmf
