@@ -300,6 +300,24 @@ TEST_F(OnTorus, RandomDetoursDoNotMatter) {
     }
 }
 
+TEST_F(OnTorus, TrianglesBackAndForth) {
+    // A strip with a dead end of two triangles, begun anywhere.
+    Read plain(mesh, HMF_LOOP_VERTICES, {meridian(3)});
+    std::vector<uint32_t> strip;
+    for (uint32_t h : plain.loops.crossings) strip.push_back(mesh.face[h]);
+    uint32_t side = plain.loops.crossings[1];
+    while (mesh.face[twin(side)] == strip[2] || mesh.face[twin(side)] == strip[0]) side = mesh.next[side];
+    const uint32_t dead = mesh.face[twin(side)], end = mesh.face[twin(mesh.next[twin(side)])];
+    std::vector<uint32_t> longer = strip;
+    longer.insert(longer.begin() + 2, {dead, end, dead, strip[1]});
+    for (size_t turn = 0; turn < longer.size(); ++turn) {
+        std::rotate(longer.begin(), longer.begin() + 1, longer.end());
+        Read r(mesh, HMF_LOOP_TRIANGLES, {longer});
+        ASSERT_EQ(r.status(), HMF_OK) << r.context.error.message;
+        EXPECT_EQ(r.loops.crossings.size(), strip.size());
+    }
+}
+
 TEST_F(OnTorus, Count) {
     Context c;
     Loops loops;
