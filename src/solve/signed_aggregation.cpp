@@ -218,45 +218,118 @@ struct Transposed {
     }
 };
 
-// P^T A P, a coarse row at a time.
-bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, CoarseMatrix& coarse, Memory& memory) {
-    Transposed transposed;
-    Array<uint32_t> place;
-    if (!transposed.build(level, count, memory) || !place.allocate_filled(memory, count, undecided)) return false;
-    coarse.column.start(memory);
-    coarse.entry.start(memory);
-    if (!coarse.offset.allocate(memory, count + size_t{1}) || !coarse.diagonal.allocate(memory, count)) return false;
-    if (!coarse.column.reserve(size_t{8} * count) || !coarse.entry.reserve(size_t{8} * count)) return false;
+// Rows of a product that is written row by row, with room made beforehand.
+struct ProductRows {
+    Array<uint32_t> offset, column;
+    Array<double> entry;
+    size_t used = 0;
+
+    bool begin(size_t rows, size_t expected, Memory& memory) {
+        used = 0;
+        return offset.allocate(memory, rows + 1) && column.allocate(memory, expected) && entry.allocate(memory, expected);
+    }
+    bool make_room(size_t more, Memory& memory) {
+        if (used + more <= column.size()) return true;
+        if (used + more > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+        const size_t wanted = used + more > 2 * column.size() ? used + more : 2 * column.size();
+        Array<uint32_t> new_column;
+        Array<double> new_entry;
+        if (!new_column.allocate(memory, wanted) || !new_entry.allocate(memory, wanted)) return false;
+        if (used) {
+            std::memcpy(new_column.data(), column.data(), used * sizeof(uint32_t));
+            std::memcpy(new_entry.data(), entry.data(), used * sizeof(double));
+        }
+        column.swap(new_column);
+        entry.swap(new_entry);
+        return true;
+    }
+};
+
+// A P on the scaled matrix, diagonal of A included.
+bool multiply_by_prolongation(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, ProductRows& product, Memory& memory) {
+    Array<uint32_t> places;
+    const uint32_t n = level.n;
+    if (!places.allocate_filled(memory, count, undecided) || !product.begin(n, size_t{5} * n, memory)) return false;
     const uint32_t* start = level.prolongation_start.data();
-    const uint32_t* column = level.prolongation_column.data();
-    const float* entry = level.prolongation_entry.data();
+    const uint32_t* p_column = level.prolongation_column.data();
+    const float* p_entry = level.prolongation_entry.data();
     const float* scale = level.scale.data();
-    for (uint32_t c = 0; c < count; ++c) {
-        const size_t begin = coarse.column.size();
-        if (begin > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
-        coarse.offset[c] = static_cast<uint32_t>(begin);
-        double diagonal = 0;
-        for (uint32_t t = transposed.start[c]; t < transposed.start[c + 1]; ++t) {
-            const uint32_t i = transposed.row[t];
-            const double left = static_cast<double>(transposed.entry[t]) * static_cast<double>(scale[i]);
-            const uint32_t end = matrix.offset[i + 1];
-            for (uint32_t k = matrix.offset[i]; k <= end; ++k) {
-                const uint32_t j = k < end ? matrix.column[k] : i;
-                const double a = left * static_cast<double>(scale[j]) * (k < end ? matrix.entry[k] : matrix.diagonal[i]);
-                for (uint32_t q = start[j]; q < start[j + 1]; ++q) {
-                    const uint32_t d = column[q];
-                    const double value = a * static_cast<double>(entry[q]);
-                    if (d == c) { diagonal += value; continue; }
-                    const uint32_t p = place[d];
-                    if (p != undecided && p >= begin) { coarse.entry[p] += value; continue; }
-                    place[d] = static_cast<uint32_t>(coarse.column.size());
-                    if (!coarse.column.push(d) || !coarse.entry.push(value)) return false;
-                }
+    uint32_t* place = places.data();
+    for (uint32_t i = 0; i < n; ++i) {
+        const uint32_t first = matrix.offset[i], end = matrix.offset[i + 1];
+        size_t most = start[i + 1] - start[i];
+        for (uint32_t k = first; k < end; ++k) most += start[matrix.column[k] + 1] - start[matrix.column[k]];
+        if (!product.make_room(most, memory)) return false;
+        const uint32_t begin = static_cast<uint32_t>(product.used);
+        uint32_t at = begin;
+        uint32_t* column = product.column.data();
+        double* entry = product.entry.data();
+        const double own = static_cast<double>(scale[i]);
+        product.offset[i] = begin;
+        for (uint32_t k = first; k <= end; ++k) {
+            const uint32_t j = k < end ? matrix.column[k] : i;
+            const double a = own * static_cast<double>(scale[j]) * (k < end ? matrix.entry[k] : matrix.diagonal[i]);
+            for (uint32_t q = start[j]; q < start[j + 1]; ++q) {
+                const uint32_t d = p_column[q];
+                const double value = a * static_cast<double>(p_entry[q]);
+                const uint32_t p = place[d];
+                if (p != undecided && p >= begin) { entry[p] += value; continue; }
+                place[d] = at;
+                column[at] = d;
+                entry[at++] = value;
             }
         }
+        product.used = at;
+    }
+    product.offset[n] = static_cast<uint32_t>(product.used);
+    return true;
+}
+
+// P^T (A P), a coarse row at a time.
+bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, CoarseMatrix& coarse, Memory& memory) {
+    Transposed transposed;
+    ProductRows product, rows;
+    Array<uint32_t> places;
+    if (!multiply_by_prolongation(matrix, level, count, product, memory) || !transposed.build(level, count, memory)
+        || !places.allocate_filled(memory, count, undecided) || !coarse.diagonal.allocate(memory, count)
+        || !rows.begin(count, size_t{10} * count, memory))
+        return false;
+    const uint32_t* p_column = product.column.data();
+    const double* p_entry = product.entry.data();
+    uint32_t* place = places.data();
+    for (uint32_t c = 0; c < count; ++c) {
+        const uint32_t first = transposed.start[c], end = transposed.start[c + 1];
+        size_t most = 0;
+        for (uint32_t t = first; t < end; ++t) most += product.offset[transposed.row[t] + 1] - product.offset[transposed.row[t]];
+        // A row never has more entries than there are aggregates.
+        if (!rows.make_room(most < count ? most : count, memory)) return false;
+        const uint32_t begin = static_cast<uint32_t>(rows.used);
+        uint32_t at = begin;
+        uint32_t* column = rows.column.data();
+        double* entry = rows.entry.data();
+        double diagonal = 0;
+        rows.offset[c] = begin;
+        for (uint32_t t = first; t < end; ++t) {
+            const uint32_t i = transposed.row[t];
+            const double left = static_cast<double>(transposed.entry[t]);
+            for (uint32_t k = product.offset[i]; k < product.offset[i + 1]; ++k) {
+                const uint32_t d = p_column[k];
+                const double value = left * p_entry[k];
+                if (d == c) { diagonal += value; continue; }
+                const uint32_t p = place[d];
+                if (p != undecided && p >= begin) { entry[p] += value; continue; }
+                place[d] = at;
+                column[at] = d;
+                entry[at++] = value;
+            }
+        }
+        rows.used = at;
         coarse.diagonal[c] = diagonal;
     }
-    coarse.offset[count] = static_cast<uint32_t>(coarse.column.size());
+    rows.offset[count] = static_cast<uint32_t>(rows.used);
+    coarse.offset = static_cast<Array<uint32_t>&&>(rows.offset);
+    coarse.column = static_cast<Array<uint32_t>&&>(rows.column);
+    coarse.entry = static_cast<Array<double>&&>(rows.entry);
     return true;
 }
 
@@ -271,8 +344,16 @@ bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<flo
 
 bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory) {
     const uint32_t n = level.n = matrix.n;
-    if (!level.start.allocate(memory, 2 * size_t{n} + 1) || !level.column.allocate(memory, matrix.offset[n])
-        || !level.entry.allocate(memory, matrix.offset[n]) || !level.b.allocate(memory, n) || !level.x.allocate(memory, n))
+    size_t total = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t below = 0;
+        const uint32_t first = matrix.offset[i], end = matrix.offset[i + 1];
+        for (uint32_t k = first; k < end; ++k) below += matrix.column[k] < i;
+        total += (below + 3) / 4 * 4 + (end - first - below + 3) / 4 * 4;
+    }
+    if (total > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+    if (!level.start.allocate(memory, 2 * size_t{n} + 1) || !level.column.allocate(memory, total)
+        || !level.entry.allocate(memory, total) || !level.b.allocate(memory, n) || !level.x.allocate(memory, n))
         return false;
     uint32_t at = 0;
     for (uint32_t i = 0; i < n; ++i)
@@ -286,6 +367,10 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
                 if (!(unit_entry > 1e-20 || unit_entry < -1e-20)) continue;
                 level.column[at] = j;
                 level.entry[at++] = static_cast<float>(unit_entry);
+            }
+            for (; at % 4; ++at) {
+                level.column[at] = level.column[at - 1];
+                level.entry[at] = 0;
             }
         }
     level.start[2 * size_t{n}] = at;

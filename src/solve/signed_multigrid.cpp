@@ -25,6 +25,15 @@ constexpr double dense_shift = 1e-3;
 // sweeps would decay into subnormal numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
+// Sum of entry * x over a padded part of a row.
+inline float row_product(const uint32_t* column, const float* entry, uint32_t begin, uint32_t end, const float* x) {
+    float sum = 0;
+    for (uint32_t k = begin; k < end; k += 4)
+        sum += (entry[k] * x[column[k]] + entry[k + 1] * x[column[k + 1]])
+             + (entry[k + 2] * x[column[k + 2]] + entry[k + 3] * x[column[k + 3]]);
+    return sum;
+}
+
 bool continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
 
 } // namespace
@@ -146,9 +155,7 @@ void SignedMultigrid::descend(uint32_t l) {
     const float* b = level.b.data();
     float* x = level.x.data();
     for (size_t i = 0; i < n; ++i) {
-        float sum = b[i];
-        for (uint32_t k = start[2 * i]; k < start[2 * i + 1]; ++k) sum -= entry[k] * x[column[k]];
-        x[i] = sum;
+        x[i] = b[i] - row_product(column, entry, start[2 * i], start[2 * i + 1], x);
     }
     if (level.prolongation_start.empty()) return;
     const bool last = l + 1 == level_count_;
@@ -160,8 +167,7 @@ void SignedMultigrid::descend(uint32_t l) {
     const float* p_entry = level.prolongation_entry.data();
     // After a sweep from zero the residual is the upper part alone.
     for (size_t i = 0; i < n; ++i) {
-        float r = 0;
-        for (uint32_t k = start[2 * i + 1]; k < start[2 * i + 2]; ++k) r -= entry[k] * x[column[k]];
+        const float r = -row_product(column, entry, start[2 * i + 1], start[2 * i + 2], x);
         for (uint32_t k = p_start[i]; k < p_start[i + 1]; ++k) coarse[p_column[k]] += p_entry[k] * r;
     }
 }
@@ -187,9 +193,7 @@ void SignedMultigrid::ascend(uint32_t l) {
         }
     }
     for (size_t i = n; i-- > 0;) {
-        float sum = b[i];
-        for (uint32_t k = start[2 * i]; k < start[2 * i + 2]; ++k) sum -= entry[k] * x[column[k]];
-        x[i] = sum;
+        x[i] = b[i] - row_product(column, entry, start[2 * i], start[2 * i + 2], x);
     }
 }
 
@@ -208,8 +212,7 @@ double multiply(const MultigridLevel& level, const float* x, float* y, const flo
     const float* entry = level.entry.data();
     double sum = 0;
     for (size_t i = 0; i < level.n; ++i) {
-        float v = x[i];
-        for (uint32_t k = start[2 * i]; k < start[2 * i + 2]; ++k) v += entry[k] * x[column[k]];
+        const float v = x[i] + row_product(column, entry, start[2 * i], start[2 * i + 2], x);
         if (y) y[i] = v;
         sum += static_cast<double>(v) * static_cast<double>(z[i]);
     }

@@ -42,6 +42,8 @@ struct MultigridLevel {
     Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; only kept on level 0
     // Row i: columns below i from start[2i], columns above i from
     // start[2i+1] to start[2i+2].  A sweep from zero only meets the first part.
+    // Both parts are filled up with zero entries to multiples of four: loops
+    // of hardly varying length are worth the room.
     Array<uint32_t> start;         // 2 n + 1
     Array<uint32_t> column;
     Array<float> entry;
