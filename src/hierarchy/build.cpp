@@ -1,0 +1,392 @@
+// Build of the hierarchy ([W] 4.1): arrays in -> validated mesh -> levels.
+//
+//   1  validate, number breadth-first                       (mesh/validate.cpp, renumber.cpp)
+//   2  collapse and flip, level by level, keeping a log     (simplify.cpp, delaunay.cpp)
+//   3  number everything by level                           (renumber.cpp)
+//   4  replay the log backwards from the coarsest level and copy each level on
+//      the way; what comes out at the end is the input mesh
+//   5  make the input intrinsically Delaunay                (mesh/intrinsic.cpp)
+//
+// The levels are made by the reversal that interpolation uses, so they cannot
+// disagree with it, and nothing but positions must be kept during step 2.
+#include "hierarchy.hpp"
+
+#include "../mesh/intrinsic.hpp"
+#include "../mesh/validate.hpp"
+#include "../mesh/weights.hpp"
+#include "delaunay.hpp"
+#include "renumber.hpp"
+#include "simplify.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr size_t MAX_LEVELS = 1024;
+
+// Edge counts of the levels to come.
+struct Schedule {
+    double ratio;
+    uint64_t vertices, edges; // of the coarsest level to aim for
+
+    Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
+        vertices = options.coarsest > 40 * genus ? options.coarsest : 40 * genus;
+        if (vertices > NONE / 3) vertices = NONE / 3;
+        edges = 3 * vertices + 6 * genus - 6;
+    }
+    // 0: the level is the coarsest one.  A last step that would be less than
+    // half of a usual one is not worth a level.
+    uint64_t next(uint64_t edge_count) const {
+        if (edge_count <= edges) return 0;
+        const double usual = ratio * static_cast<double>(edge_count);
+        const uint64_t target = usual < static_cast<double>(edges) ? edges : static_cast<uint64_t>(usual);
+        return static_cast<double>(target) > 0.5 * (1 + ratio) * static_cast<double>(edge_count) ? 0 : target;
+    }
+};
+
+bool take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, Mesh& mesh) {
+    mesh.vertex_count = vertex_count;
+    mesh.edge_count = edge_count;
+    mesh.face_count = face_count;
+    return (mesh.origin = arena.take<uint32_t>(size_t{2} * edge_count)) && (mesh.next = arena.take<uint32_t>(size_t{2} * edge_count))
+        && (mesh.face = arena.take<uint32_t>(size_t{2} * edge_count)) && (mesh.out = arena.take<uint32_t>(vertex_count));
+}
+
+// Copies the first elements, as many as the coarser of the two meshes has.
+void copy_prefix(const Mesh& from, const Mesh& to) {
+    const Mesh& coarser = from.edge_count < to.edge_count ? from : to;
+    const size_t bytes = size_t{2} * coarser.edge_count * sizeof(uint32_t);
+    std::memcpy(to.origin, from.origin, bytes);
+    std::memcpy(to.next, from.next, bytes);
+    std::memcpy(to.face, from.face, bytes);
+    std::memcpy(to.out, from.out, coarser.vertex_count * sizeof(uint32_t));
+}
+
+// A power of two that brings coordinates to a size whose fourth power is
+// harmless; 1 for all reasonable units.
+double working_scale(const double* positions, size_t vertex_count, size_t stride) {
+    double largest = 0, scale = 1;
+    for (size_t v = 0; v < vertex_count; ++v)
+        for (int c = 0; c < 3; ++c) {
+            const double x = position_at(positions, stride, v)[c], size = x < 0 ? -x : x;
+            if (size > largest) largest = size;
+        }
+    if (largest > 1e-30 && largest < 1e30) return 1;
+    for (int n = 0; n < 1000 && largest * scale > 1; ++n) scale *= 0.5;
+    for (int n = 0; n < 1000 && largest * scale < 0.5; ++n) scale *= 2;
+    return scale;
+}
+
+class Builder {
+public:
+    Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call)
+        : h_(h), positions_(positions), stride_(stride), options_(options), call_(call) {}
+
+    hmf_status run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
+
+private:
+    hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
+    bool fill_work_mesh(const Sides& sides, const Numbering& numbers);
+    hmf_status coarsen();
+    bool keep_positions(Level& level);
+    hmf_status number();
+    void fill_coarsest(const Mesh& to) const;
+    hmf_status replay();
+    bool order_positions();
+    hmf_status make_delaunay();
+
+    hmf_hierarchy& h_;
+    const double* positions_;
+    size_t stride_;
+    const BuildOptions& options_;
+    Call& call_;
+    uint32_t vertex_count_ = 0, edge_count_ = 0, face_count_ = 0;
+    double scale_ = 1;
+    WorkMesh work_;
+    Array<Level> levels_;
+    Array<uint32_t> flips_;
+    Numbering numbers_; // breadth-first -> by level
+    size_t collapse_count_ = 0;
+};
+
+hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+    Arena& arena = h_.arena;
+    Sides sides;
+    Numbering numbers;
+    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)) || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count)))
+        return call_.out_of_memory();
+    hmf_status status = validate(positions_, vertex_count, stride_, triangles, triangle_count, h_.triangle_vertices, h_.triangle_edges, sides, call_);
+    if (status) return status;
+    vertex_count_ = static_cast<uint32_t>(vertex_count);
+    face_count_ = static_cast<uint32_t>(triangle_count);
+    edge_count_ = sides.edge_count;
+    h_.genus = sides.genus;
+    scale_ = working_scale(positions_, vertex_count, stride_);
+    status = breadth_first(vertex_count_, edge_count_, face_count_, h_.triangle_vertices, h_.triangle_edges, sides.opposite, numbers, call_);
+    if (status) return status;
+    if (!call_.tick(0.17)) return HMF_CANCELLED;
+    if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)
+        || !fill_work_mesh(sides, numbers) || !(h_.edge_internal = arena.take<uint32_t>(edge_count_))
+        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count_)))
+        return call_.out_of_memory();
+    std::memcpy(h_.edge_internal, numbers.edge.data(), edge_count_ * sizeof(uint32_t));
+    std::memcpy(h_.vertex_internal, numbers.vertex.data(), vertex_count_ * sizeof(uint32_t));
+    return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
+}
+
+bool Builder::fill_work_mesh(const Sides& sides, const Numbering& numbers) {
+    // The side that names an edge first is its half-edge 2e.
+    const auto half_edge = [&](uint32_t side) {
+        return 2 * numbers.edge[h_.triangle_edges[side]] + (sides.opposite[side] < side ? 1u : 0u);
+    };
+    for (uint32_t t = 0; t < face_count_; ++t) {
+        const uint32_t h[3] = {half_edge(3 * t), half_edge(3 * t + 1), half_edge(3 * t + 2)};
+        for (uint32_t s = 0; s < 3; ++s) {
+            const uint32_t v = numbers.vertex[h_.triangle_vertices[3 * t + s]];
+            work_.origin[h[s]] = v;
+            work_.next[h[s]] = h[s == 2 ? 0 : s + 1];
+            work_.face[h[s]] = numbers.face[t];
+            work_.out[v] = h[s];
+            ++work_.degree[v];
+        }
+    }
+    for (uint32_t v = 0; v < vertex_count_; ++v)
+        for (int c = 0; c < 3; ++c) work_.at(numbers.vertex[v])[c] = scale_ * position_at(positions_, stride_, v)[c];
+    if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
+    return true;
+}
+
+bool Builder::keep_positions(Level& level) {
+    level.position = h_.arena.take<double>(size_t{3} * work_.vertices.size());
+    if (!level.position) return false;
+    double* to = level.position;
+    for (const uint32_t v : work_.vertices)
+        for (int c = 0; c < 3; ++c) *to++ = work_.at(v)[c] / scale_;
+    return true;
+}
+
+hmf_status Builder::coarsen() {
+    const Schedule schedule(options_, h_.genus);
+    levels_.start(h_.memory);
+    flips_.start(h_.memory);
+    Level level;
+    level.mesh.vertex_count = vertex_count_;
+    level.mesh.edge_count = edge_count_;
+    level.mesh.face_count = face_count_;
+    if (!levels_.push(level)) return call_.out_of_memory();
+    const uint32_t minimum = schedule.vertices < vertex_count_ ? static_cast<uint32_t>(schedule.vertices) : vertex_count_;
+    if (!(h_.collapses = h_.arena.take<Collapse>(vertex_count_ - minimum))) return call_.out_of_memory();
+    const double total = edge_count_;
+    while (levels_.size() < MAX_LEVELS) {
+        const uint32_t edges_before = work_.mesh.edge_count;
+        const uint64_t target = schedule.next(edges_before);
+        if (target == 0) break;
+        const double from = 0.6 - 0.4 * edges_before / total, to = 0.6 - 0.4 * static_cast<double>(target) / total;
+        Level& finer = levels_.back();
+        finer.collapse_begin = collapse_count_;
+        hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum, h_.collapses, collapse_count_, call_,
+                                           from, 0.5 * (from + to));
+        if (status) return status;
+        finer.collapse_end = collapse_count_;
+        if (work_.mesh.edge_count == edges_before) break;
+        finer.flip_begin = flips_.size();
+        status = delaunay_flips(work_, flips_, call_, 0.5 * (from + to));
+        if (status) return status;
+        finer.flip_end = flips_.size();
+        level = Level{};
+        level.mesh.vertex_count = work_.mesh.vertex_count;
+        level.mesh.edge_count = work_.mesh.edge_count;
+        level.mesh.face_count = work_.mesh.face_count;
+        if (!keep_positions(level) || !levels_.push(level)) return call_.out_of_memory();
+        if (work_.mesh.edge_count > target + 3 && work_.mesh.vertex_count > minimum) break; // stuck
+    }
+    return HMF_OK;
+}
+
+hmf_status Builder::number() {
+    work_.position.release();
+    work_.link.release();
+    work_.quadrics.release();
+    h_.level_count = levels_.size();
+    if (!(h_.levels = h_.arena.take<Level>(levels_.size())) || !(h_.flips = h_.arena.take<uint32_t>(flips_.size()))) return call_.out_of_memory();
+    for (size_t k = 0; k < levels_.size(); ++k) h_.levels[k] = levels_[k];
+    if (!flips_.empty()) std::memcpy(h_.flips, flips_.data(), flips_.size() * sizeof(uint32_t));
+    const size_t flip_count = flips_.size();
+    flips_.release();
+    const hmf_status status = number_by_level(h_.levels, h_.level_count, h_.collapses, numbers_, call_);
+    if (status) return status;
+    renumber_log(h_.collapses, collapse_count_, h_.flips, flip_count, numbers_);
+    for (uint32_t e = 0; e < edge_count_; ++e) h_.edge_internal[e] = numbers_.edge[h_.edge_internal[e]];
+    for (uint32_t v = 0; v < vertex_count_; ++v) h_.vertex_internal[v] = numbers_.vertex[h_.vertex_internal[v]];
+    return call_.tick(0.65) ? HMF_OK : HMF_CANCELLED;
+}
+
+void Builder::fill_coarsest(const Mesh& to) const {
+    const Mesh& from = work_.mesh;
+    for (const uint32_t e : work_.edges)
+        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
+            const uint32_t n = renumbered_side(numbers_.edge, h);
+            to.origin[n] = numbers_.vertex[from.origin[h]];
+            to.next[n] = renumbered_side(numbers_.edge, from.next[h]);
+            to.face[n] = numbers_.face[from.face[h]];
+        }
+    for (const uint32_t v : work_.vertices) to.out[numbers_.vertex[v]] = renumbered_side(numbers_.edge, from.out[v]);
+}
+
+hmf_status Builder::replay() {
+    const size_t last = h_.level_count - 1;
+    Mesh& mesh = h_.input;
+    Level& coarsest = h_.levels[last];
+    if (last > 0) {
+        if (!take_mesh(h_.arena, coarsest.mesh.vertex_count, coarsest.mesh.edge_count, coarsest.mesh.face_count, coarsest.mesh))
+            return call_.out_of_memory();
+        fill_coarsest(coarsest.mesh);
+        work_ = WorkMesh();
+    }
+    if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, mesh)) return call_.out_of_memory();
+    if (last == 0) fill_coarsest(mesh);
+    else copy_prefix(coarsest.mesh, mesh);
+    for (size_t k = last; k > 0; --k) {
+        Level& level = h_.levels[k];
+        const Level& finer = h_.levels[k - 1];
+        if (k < last) {
+            if (!take_mesh(h_.arena, level.mesh.vertex_count, level.mesh.edge_count, level.mesh.face_count, level.mesh)) return call_.out_of_memory();
+            copy_prefix(mesh, level.mesh);
+        }
+        const double fraction = 0.65 + 0.2 * (1 - static_cast<double>(level.mesh.edge_count) / edge_count_);
+        for (size_t n = finer.flip_end; n-- > finer.flip_begin;) {
+            if (n % 65536 == 0 && !call_.tick(fraction)) return HMF_CANCELLED;
+            unflip(mesh, h_.flips[n]);
+        }
+        for (size_t n = finer.collapse_end; n-- > finer.collapse_begin;) {
+            if (n % 65536 == 0 && !call_.tick(fraction)) return HMF_CANCELLED;
+            split(mesh, h_.collapses[n]);
+        }
+    }
+    if (!order_positions()) return call_.out_of_memory();
+    for (size_t k = last; k > 0; --k) {
+        Level& level = h_.levels[k];
+        if (!(level.weight = h_.arena.take<double>(level.mesh.edge_count))) return call_.out_of_memory();
+        level.raised_count = coarse_weights(level.mesh, level.position, level.weight);
+        if (!call_.tick(0.85)) return HMF_CANCELLED;
+    }
+    return HMF_OK;
+}
+
+// Kept positions are in breadth-first order: put them at their final numbers.
+bool Builder::order_positions() {
+    if (h_.level_count > 1) {
+        Array<uint32_t> list; // final numbers of the vertices of a level, in breadth-first order
+        Array<double> copy;
+        const size_t largest = h_.levels[1].mesh.vertex_count;
+        if (!list.allocate(h_.memory, vertex_count_) || !copy.allocate(h_.memory, 3 * largest)) return false;
+        std::memcpy(list.data(), numbers_.vertex.data(), vertex_count_ * sizeof(uint32_t));
+        size_t count = vertex_count_;
+        for (size_t k = 1; k < h_.level_count; ++k) {
+            const Level& level = h_.levels[k];
+            size_t kept = 0;
+            for (size_t n = 0; n < count; ++n)
+                if (list[n] < level.mesh.vertex_count) list[kept++] = list[n];
+            count = kept;
+            std::memcpy(copy.data(), level.position, 3 * count * sizeof(double));
+            for (size_t n = 0; n < count; ++n)
+                for (size_t c = 0; c < 3; ++c) level.position[3 * size_t{list[n]} + c] = copy[3 * n + c];
+        }
+    }
+    double* position = h_.arena.take<double>(size_t{3} * vertex_count_);
+    if (!position) return false;
+    for (size_t v = 0; v < vertex_count_; ++v)
+        for (size_t c = 0; c < 3; ++c) position[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+    h_.levels[0].position = position;
+    return true;
+}
+
+hmf_status Builder::make_delaunay() {
+    Level& level = h_.levels[0];
+    Array<double> length;
+    if (!edge_lengths(h_.input, level.position, h_.memory, length)) return call_.out_of_memory();
+    level.mesh = h_.input;
+    if (!call_.tick(0.9)) return HMF_CANCELLED;
+    if (count_non_delaunay(h_.input, length) > 0) {
+        Array<uint32_t> flips;
+        flips.start(h_.memory);
+        if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
+        copy_prefix(h_.input, level.mesh);
+        const hmf_status status = intrinsic_delaunay(level.mesh, length, flips, call_, 0.92, 0.97);
+        if (status) return status;
+        if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(flips.size()))) return call_.out_of_memory();
+        if (!flips.empty()) std::memcpy(h_.intrinsic_flips, flips.data(), flips.size() * sizeof(uint32_t));
+        h_.intrinsic_flip_count = flips.size();
+    }
+    if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
+    level.raised_count = intrinsic_weights(level.mesh, length, level.weight);
+    return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
+}
+
+hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+    hmf_status status = load(vertex_count, triangles, triangle_count);
+    if (!status) status = coarsen();
+    if (!status) status = number();
+    if (!status) status = replay();
+    numbers_ = Numbering();
+    work_ = WorkMesh();
+    if (!status) status = make_delaunay();
+    return status;
+}
+
+} // namespace
+
+hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count, size_t position_stride,
+                           const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call) {
+    hmf_status status = validate_arguments(positions, vertex_count, position_stride, triangles, triangle_count, call);
+    if (status) return status;
+    if (!call.tick(0)) status = HMF_CANCELLED;
+    if (!status) {
+        Builder builder(hierarchy, positions, position_stride, options, call);
+        status = builder.run(vertex_count, triangles, triangle_count);
+    }
+    if (status == HMF_CANCELLED) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    return status;
+}
+
+uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options) {
+    const uint64_t V = vertex_count, F = triangle_count, E = F + F / 2;
+    const uint64_t genus = E > V + F ? (2 + E - V - F) / 2 : 1;
+    const Schedule schedule(options, genus);
+    // Edges of all coarse levels together; a level that gets stuck is almost
+    // as large as the finer one.
+    uint64_t sum = 0, coarse = 0, edges = E;
+    for (size_t n = 1; n < MAX_LEVELS; ++n) {
+        const uint64_t target = schedule.next(edges);
+        if (target == 0) break;
+        if (sum + edges > coarse) coarse = sum + edges;
+        sum += target;
+        if (sum > coarse) coarse = sum;
+        edges = target;
+    }
+    const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
+    const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
+    const uint64_t slack = 65536 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
+    const uint64_t kept_input = 24 * F, maps = 4 * E + 4 * V;
+    const uint64_t validating = kept_input + 24 * F + 20 * V;
+    const uint64_t loading = kept_input + maps + 12 * F + 4 * V + 4 * E + 8 * F;
+    const uint64_t work = 32 * E + 45 * V + 4 * 65536 + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
+    const uint64_t log = sizeof(Collapse) * records;
+    // The log of flips grows by doubling: three times its length while it does.
+    const uint64_t flips = 4 * COARSE_FLIPS_PER_EDGE * coarse;
+    const uint64_t coarsening = kept_input + maps + work + log + 3 * flips + 24 * coarse_vertices;
+    const uint64_t numbering = 6 * (V + E + F) + flips;
+    const uint64_t levels = 32 * coarse + 28 * coarse_vertices;
+    const uint64_t mesh = 24 * E + 4 * V;
+    const uint64_t replaying = kept_input + maps + log + flips + levels + 4 * (V + E + F) + mesh + 8 * E + 28 * V
+                               + (coarse ? 24 * V : mesh + 4 * E + 12 * V);
+    const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 24 * V + 12 * E
+                               + 3 * 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+    uint64_t bound = validating;
+    const uint64_t stages[4] = {loading + work, coarsening + numbering, replaying, finishing};
+    for (const uint64_t stage : stages)
+        if (stage > bound) bound = stage;
+    return bound + slack;
+}
+
+} // namespace hmf

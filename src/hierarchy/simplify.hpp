@@ -1,0 +1,73 @@
+// Coarsening by edge collapses ([W] 4.1) on a mesh whose removed elements stay
+// in place: numbers do not change before the whole hierarchy is known.
+#pragma once
+
+#include "../base/memory.hpp"
+#include "../mesh/mesh.hpp"
+#include "hierarchy.hpp"
+
+namespace hmf {
+
+// Shortest edges first, roughly: one list per 1/32 octave of the cost.  An
+// edge is in one list at most; its cost is looked at again when it is taken.
+class BucketQueue {
+public:
+    bool allocate(Memory& memory);
+    static uint32_t bucket(double cost); // cost >= 0, finite
+    void clear();
+    bool empty();                        // moves on to the lowest list in use
+    uint32_t lowest() const { return low_; }
+    void put(uint32_t edge, uint32_t at, Array<uint32_t>& link) {
+        link[edge] = head_[at];
+        head_[at] = edge;
+        if (at < low_) low_ = at;
+        if (at > high_) high_ = at;
+    }
+    uint32_t take(const Array<uint32_t>& link) { // after empty() was false
+        const uint32_t edge = head_[low_];
+        head_[low_] = link[edge];
+        return edge;
+    }
+
+private:
+    static constexpr uint32_t BUCKETS = 1u << 16;
+    Array<uint32_t> head_;
+    uint32_t low_ = BUCKETS, high_ = 0;
+};
+
+// Squared distance from a set of weighted planes and points, as a quadratic
+// polynomial about WorkMesh::centre: x^T A x - 2 b^T x + c.
+struct Quadric {
+    double a[6]; // xx xy xz yy yz zz
+    double b[3];
+    double c;
+};
+
+// The mesh while it is coarsened.  A removed edge has face NONE.
+struct WorkMesh {
+    Mesh mesh; // counts: of what is left
+    Array<uint32_t> origin, next, face, out, degree;
+    Array<double> position;
+    Array<uint32_t> edges, vertices; // what is left, ascending
+    Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips
+    Array<uint8_t> marks;            // per vertex, zeros
+    Array<Quadric> quadrics;         // per vertex, with HMF_COLLAPSE_QSLIM only
+    double centre[3] = {0, 0, 0};    // that the quadrics are about
+    BucketQueue queue;
+
+    bool allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, bool with_quadrics);
+    const double* at(uint32_t v) const { return &position[size_t{3} * v]; }
+    double* at(uint32_t v) { return &position[size_t{3} * v]; }
+    bool removed(uint32_t edge) const { return mesh.face[2 * edge] == NONE; }
+};
+
+// Quadrics of the input mesh [Garland and Heckbert 1997].
+void initial_quadrics(WorkMesh& work);
+
+// Collapses until at most edge_target edges are left or nothing more can be
+// collapsed, and drops what was removed from the lists.  Writes the records
+// to log and counts them; log has room for all vertices but vertex_minimum.
+hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
+                          size_t& log_count, Call& call, double from, double to);
+
+} // namespace hmf
