@@ -27,12 +27,19 @@ namespace {
 constexpr uint32_t undecided = 0xffffffffu;
 constexpr uint32_t left_out = 0xfffffffeu;    // the smoother alone is enough
 constexpr uint32_t joined = 0x80000000u;      // mark of an unknown that joined later
-constexpr double omega = 0.9;
+constexpr double omega = 2.0 / 3;
 // A hub is not smoothed: its row would couple all aggregates around it with
 // each other, and the Galerkin product would cost the square of its degree.
 constexpr uint32_t largest_smoothed_degree = 48;
 
-float magnitude(float x) { return x < 0 ? -x : x; }
+double magnitude(float x) { return static_cast<double>(x < 0 ? -x : x); }
+
+// Does unknown i depend strongly on j?  Measured by the share of the entry in
+// the row of i, not by |a_ij| / sqrt(a_ii a_jj): where weights jump by orders
+// of magnitude the latter calls all entries of the lighter rows weak.
+bool depends(const Array<double>& kernel, uint32_t i, uint32_t j, float entry, float strength) {
+    return magnitude(entry) * kernel[j] >= static_cast<double>(strength) * kernel[i];
+}
 
 struct Aggregates {
     uint32_t count = 0;
@@ -47,16 +54,16 @@ void leave_out_dominant_rows(const MultigridLevel& level, const Array<double>& k
         a.sign[i] = 1;
         double sum = 0;
         for (uint32_t k = level.start[2 * i]; k < level.start[2 * i + 2]; ++k)
-            sum += static_cast<double>(magnitude(level.entry[k])) * kernel[level.column[k]];
+            sum += magnitude(level.entry[k]) * kernel[level.column[k]];
         if (!(sum > 0.1 * kernel[i])) a.of[i] = left_out;
     }
 }
 
-void take_in(const MultigridLevel& level, uint32_t root, float strength, Aggregates& a) {
+void take_in(const MultigridLevel& level, const Array<double>& kernel, uint32_t root, float strength, Aggregates& a) {
     a.of[root] = a.count;
     for (uint32_t k = level.start[2 * root]; k < level.start[2 * root + 2]; ++k) {
         const uint32_t j = level.column[k];
-        if (a.of[j] != undecided || magnitude(level.entry[k]) < strength) continue;
+        if (a.of[j] != undecided || !depends(kernel, j, root, level.entry[k], strength)) continue;
         a.of[j] = a.count;
         a.sign[j] = level.entry[k] < 0 ? 1 : -1;
     }
@@ -71,14 +78,14 @@ bool join_by_vote(const MultigridLevel& level, const Array<double>& kernel, uint
     const uint32_t mask = any_member ? ~joined : ~0u;
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t j = level.column[k];
-        if (a.of[j] >= left_out || (a.of[j] & mask) >= a.count || magnitude(level.entry[k]) < strength) continue;
+        if (a.of[j] >= left_out || (a.of[j] & mask) >= a.count || !depends(kernel, i, j, level.entry[k], strength)) continue;
         vote[a.of[j] & mask] -= static_cast<double>(level.entry[k]) * a.sign[j] * kernel[j];
     }
     uint32_t best = undecided;
     double best_vote = -1;
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t j = level.column[k];
-        if (a.of[j] >= left_out || (a.of[j] & mask) >= a.count || magnitude(level.entry[k]) < strength) continue;
+        if (a.of[j] >= left_out || (a.of[j] & mask) >= a.count || !depends(kernel, i, j, level.entry[k], strength)) continue;
         const double v = vote[a.of[j] & mask], size = v < 0 ? -v : v;
         if (size <= best_vote) continue;
         best = a.of[j] & mask;
@@ -102,21 +109,32 @@ bool aggregate(const MultigridLevel& level, const Array<double>& kernel, float s
         if (a.of[i] != undecided) continue;
         bool has_strong = false, free = true;
         for (uint32_t k = level.start[2 * i]; k < level.start[2 * i + 2] && free; ++k) {
-            if (magnitude(level.entry[k]) < strength) continue;
             const uint32_t j = level.column[k];
+            if (!depends(kernel, j, i, level.entry[k], strength)) continue;
             has_strong |= a.of[j] == undecided;
             free = a.of[j] >= left_out;
         }
-        if (free && has_strong) take_in(level, i, strength, a);
+        if (free && has_strong) take_in(level, kernel, i, strength, a);
     }
     Array<double> vote;
     if (!vote.allocate_filled(memory, n, 0)) return false;
     // First to the cores only, which keeps the aggregates round.
     for (uint32_t i = 0; i < n; ++i)
         if (a.of[i] == undecided) join_by_vote(level, kernel, i, strength, false, vote.data(), a);
+    // Groups whose whole outside was taken, as heavy edges among light ones:
+    // they have to stay together, or the coarse level cannot move them.
+    for (uint32_t i = 0; i < n; ++i) {
+        if (a.of[i] != undecided) continue;
+        bool has_strong = false;
+        for (uint32_t k = level.start[2 * i]; k < level.start[2 * i + 2] && !has_strong; ++k) {
+            const uint32_t j = level.column[k];
+            has_strong = a.of[j] == undecided && depends(kernel, j, i, level.entry[k], strength);
+        }
+        if (has_strong) take_in(level, kernel, i, strength, a);
+    }
     // What is left has weak neighbours only.
     for (uint32_t i = 0; i < n; ++i)
-        if (a.of[i] == undecided && !join_by_vote(level, kernel, i, 0, true, vote.data(), a)) take_in(level, i, 0, a);
+        if (a.of[i] == undecided && !join_by_vote(level, kernel, i, 0, true, vote.data(), a)) take_in(level, kernel, i, 0, a);
     for (uint32_t i = 0; i < n; ++i)
         if (a.of[i] < left_out) a.of[i] &= ~joined;
     return true;
@@ -142,7 +160,7 @@ public:
             ++total;
             if (!is_smoothed(i)) continue;
             for (uint32_t k = level_.start[2 * i]; k < level_.start[2 * i + 2]; ++k) {
-                if (!is_used(k)) continue;
+                if (!is_used(i, k)) continue;
                 uint32_t& seen = place[a_.of[level_.column[k]]];
                 total += seen != i + 1;
                 seen = i + 1;
@@ -158,7 +176,10 @@ public:
 
 private:
     bool is_smoothed(uint32_t i) const { return level_.start[2 * i + 2] - level_.start[2 * i] <= largest_smoothed_degree; }
-    bool is_used(uint32_t k) const { return magnitude(level_.entry[k]) >= strength_ && a_.of[level_.column[k]] != left_out; }
+    bool is_used(uint32_t i, uint32_t k) const {
+        const uint32_t j = level_.column[k];
+        return a_.of[j] != left_out && depends(kernel_, i, j, level_.entry[k], strength_);
+    }
     double tentative(uint32_t i) const { return a_.sign[i] * kernel_[i] / norm_[a_.of[i]]; }
 
     void fill_row(uint32_t i, Array<uint32_t>& place) {
@@ -170,11 +191,11 @@ private:
             // Weak entries act on the smooth vector as if they lay on the diagonal.
             double diagonal = 1;
             for (uint32_t k = level_.start[2 * i]; k < level_.start[2 * i + 2]; ++k)
-                if (!is_used(k)) diagonal -= static_cast<double>(magnitude(level_.entry[k])) * kernel_[level_.column[k]] / kernel_[i];
+                if (!is_used(i, k)) diagonal -= magnitude(level_.entry[k]) * kernel_[level_.column[k]] / kernel_[i];
             const double factor = diagonal > 0.05 ? omega / diagonal : 0;
             own *= factor > 0 ? 1 - omega : 1;
             for (uint32_t k = level_.start[2 * i]; k < level_.start[2 * i + 2]; ++k)
-                if (is_used(k)) add(a_.of[level_.column[k]], -factor * static_cast<double>(level_.entry[k]) * tentative(level_.column[k]), begin, at, place);
+                if (is_used(i, k)) add(a_.of[level_.column[k]], -factor * static_cast<double>(level_.entry[k]) * tentative(level_.column[k]), begin, at, place);
         }
         add(a_.of[i], own, begin, at, place);
     }

@@ -24,7 +24,7 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
 // Aggregates, prolongation and Galerkin product.
 //   near_kernel   n values, the smooth vector up to signs (constant 1 for a
 //                 Laplacian before scaling); replaced by that of the coarse level
-//   strength      entries below it are weak, relative to the unit diagonal
+//   strength      entries with a smaller share of their row are weak
 // The prolongation still lacks the scaling of the coarse level.
 bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
              Memory& memory);

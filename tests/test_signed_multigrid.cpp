@@ -1,0 +1,413 @@
+// The linear solver against Eigen, and on everything that is not a nice mesh.
+#include <gtest/gtest.h>
+
+#include <Eigen/Sparse>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "../src/solve/signed_multigrid.hpp"
+
+namespace {
+
+struct Random {
+    uint64_t state;
+    explicit Random(uint64_t seed) : state(seed * 0x9e3779b97f4a7c15u + 1) {}
+    uint64_t next() {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        return state;
+    }
+    double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+    uint32_t below(uint32_t n) { return static_cast<uint32_t>(next() % n); }
+    int sign() { return next() & 1024 ? 1 : -1; }
+};
+
+struct Edge { uint32_t i, j; double weight; int sign; };
+
+struct System {
+    std::vector<uint32_t> offset, column;
+    std::vector<double> entry, diagonal;
+
+    System(uint32_t n, const std::vector<Edge>& edges, const std::vector<bool>& fixed = {}) : offset(n + 1, 0), diagonal(n, 0) {
+        const auto is_fixed = [&](uint32_t v) { return !fixed.empty() && fixed[v]; };
+        for (uint32_t pass = 0; pass < 2; ++pass) {
+            std::vector<uint32_t> at(offset.begin(), offset.end() - 1);
+            for (const Edge& e : edges)
+                for (uint32_t t = 0; t < 2; ++t) {
+                    const uint32_t i = t ? e.j : e.i, j = t ? e.i : e.j;
+                    if (is_fixed(i)) continue;
+                    if (pass == 0) diagonal[i] += e.weight;
+                    if (is_fixed(j)) continue;
+                    if (pass == 0) { ++offset[i + 1]; continue; }
+                    column[at[i]] = j;
+                    entry[at[i]++] = e.weight * e.sign;
+                }
+            if (pass == 1) break;
+            for (uint32_t i = 0; i < n; ++i) offset[i + 1] += offset[i];
+            column.resize(offset[n]);
+            entry.resize(offset[n]);
+        }
+    }
+    uint32_t n() const { return static_cast<uint32_t>(diagonal.size()); }
+    hmf::SignedMatrix matrix() const { return {n(), offset.data(), column.data(), entry.data(), diagonal.data()}; }
+    std::vector<double> times(const std::vector<double>& x) const {
+        std::vector<double> y(n());
+        for (uint32_t i = 0; i < n(); ++i) {
+            y[i] = diagonal[i] * x[i];
+            for (uint32_t k = offset[i]; k < offset[i + 1]; ++k) y[i] += entry[k] * x[column[k]];
+        }
+        return y;
+    }
+    // Not the solver's own opinion.
+    double residual(const std::vector<double>& x, const std::vector<double>& b) const {
+        const std::vector<double> y = times(x);
+        double r = 0, s = 0;
+        for (uint32_t i = 0; i < n(); ++i)
+            if (diagonal[i] > 0) {
+                r += (b[i] - y[i]) * (b[i] - y[i]) / diagonal[i];
+                s += b[i] * b[i] / diagonal[i];
+            }
+        return std::sqrt(r / s);
+    }
+    std::vector<double> eigen(const std::vector<double>& b) const {
+        std::vector<Eigen::Triplet<double>> triplets;
+        for (uint32_t i = 0; i < n(); ++i) {
+            triplets.emplace_back(i, i, diagonal[i]);
+            for (uint32_t k = offset[i]; k < offset[i + 1]; ++k) triplets.emplace_back(i, column[k], entry[k]);
+        }
+        Eigen::SparseMatrix<double> a(n(), n());
+        a.setFromTriplets(triplets.begin(), triplets.end());
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(a);
+        EXPECT_EQ(factor.info(), Eigen::Success);
+        const Eigen::VectorXd x = factor.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), n()));
+        return {x.data(), x.data() + n()};
+    }
+};
+
+struct Outcome {
+    hmf::LinearResult result;
+    std::vector<double> x;
+};
+
+Outcome solve(const System& s, const std::vector<double>& b, double tolerance = 1e-10, uint32_t limit = 300) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    Outcome run;
+    run.x.assign(s.n(), 0);
+    {
+        hmf::SignedMultigrid multigrid;
+        EXPECT_TRUE(multigrid.setup(s.matrix(), memory));
+        run.result = multigrid.solve(s.matrix(), b.data(), run.x.data(), tolerance, limit, call);
+    }
+    EXPECT_EQ(memory.used(), 0u);
+    return run;
+}
+
+// Triangulated torus of w x h vertices with weights about 1; gauge: random
+// signs of the unknowns that leave the matrix an ordinary Laplacian.
+std::vector<Edge> torus(uint32_t w, uint32_t h, Random& random, bool gauge = true, uint32_t base = 0) {
+    std::vector<int> sign(w * h, 1);
+    if (gauge)
+        for (int& s : sign) s = random.sign();
+    std::vector<Edge> edges;
+    for (uint32_t y = 0; y < h; ++y)
+        for (uint32_t x = 0; x < w; ++x) {
+            const uint32_t v = y * w + x;
+            const uint32_t others[3] = {y * w + (x + 1) % w, (y + 1) % h * w + x, (y + 1) % h * w + (x + 1) % w};
+            for (uint32_t o : others) edges.push_back({base + v, base + o, 0.2 + random.uniform(), -sign[v] * sign[o]});
+        }
+    return edges;
+}
+
+// Flips the edges across a vertical segment of the torus: a tripod at each end.
+void twist(std::vector<Edge>& edges, uint32_t w, uint32_t x, uint32_t from, uint32_t to) {
+    for (uint32_t y = from; y < to; ++y)
+        for (uint32_t k : {0u, 2u}) edges[3 * (y * w + x) + k].sign *= -1;
+}
+
+std::vector<Edge> twisted_torus(uint32_t w, uint32_t h, uint32_t pairs, Random& random) {
+    std::vector<Edge> edges = torus(w, h, random);
+    for (uint32_t p = 0; p < pairs; ++p) {
+        const uint32_t from = random.below(h / 2);
+        twist(edges, w, random.below(w), from, from + 1 + random.below(h / 2));
+    }
+    return edges;
+}
+
+std::vector<double> noise(uint32_t n, Random& random) {
+    std::vector<double> b(n);
+    for (double& v : b) v = 2 * random.uniform() - 1;
+    return b;
+}
+
+void expect_near(const std::vector<double>& x, const std::vector<double>& y, double tolerance) {
+    double difference = 0, size = 0;
+    for (size_t i = 0; i < x.size(); ++i) {
+        difference = std::max(difference, std::abs(x[i] - y[i]));
+        size = std::max(size, std::abs(y[i]));
+    }
+    EXPECT_LE(difference, tolerance * size);
+}
+
+} // namespace
+
+TEST(SignedMultigrid, TwistedTorusAsEigen) {
+    Random random(1);
+    for (uint32_t w : {5u, 15u, 18u, 40u, 100u}) {
+        const System s(w * w, twisted_torus(w, w, 6, random));
+        const std::vector<double> b = noise(s.n(), random);
+        const Outcome run = solve(s, b);
+        EXPECT_TRUE(run.result.converged) << w;
+        EXPECT_LE(s.residual(run.x, b), 1.001e-10);
+        EXPECT_NEAR(s.residual(run.x, b), run.result.residual, 1e-12);
+        expect_near(run.x, s.eigen(b), 1e-7);
+    }
+}
+
+TEST(SignedMultigrid, FixedUnknownsAsEigen) {
+    Random random(2);
+    std::vector<bool> fixed(80 * 80, false);
+    for (uint32_t k = 0; k < 40; ++k) fixed[random.below(6400)] = true;
+    const System s(6400, twisted_torus(80, 80, 10, random), fixed);
+    std::vector<double> b = noise(6400, random);
+    for (uint32_t i = 0; i < 6400; ++i)
+        if (fixed[i]) b[i] = 0;
+    const Outcome run = solve(s, b);
+    EXPECT_TRUE(run.result.converged);
+    EXPECT_LE(s.residual(run.x, b), 1.001e-10);
+    for (uint32_t i = 0; i < 6400; ++i)
+        if (fixed[i]) { EXPECT_EQ(run.x[i], 0); }
+}
+
+TEST(SignedMultigrid, FewIterationsThatHardlyGrow) {
+    Random random(3);
+    uint32_t before = 0;
+    for (uint32_t w : {50u, 100u, 200u, 400u}) {
+        const System s(w * w, twisted_torus(w, w, 20, random));
+        const Outcome run = solve(s, noise(s.n(), random), 1e-8);
+        EXPECT_TRUE(run.result.converged);
+        EXPECT_LE(run.result.iterations, 18u) << w;
+        if (before) { EXPECT_LE(run.result.iterations, before + 4) << w; }
+        before = run.result.iterations;
+    }
+}
+
+TEST(SignedMultigrid, SingularWithConsistentRightSide) {
+    Random random(4);
+    for (uint32_t w : {4u, 16u, 60u, 150u}) {
+        const System s(w * w, torus(w, w, random));
+        const std::vector<double> truth = noise(s.n(), random);
+        const std::vector<double> b = s.times(truth);
+        const Outcome run = solve(s, b);
+        EXPECT_TRUE(run.result.converged) << w;
+        EXPECT_LE(run.result.iterations, 25u) << w;
+        EXPECT_LE(s.residual(run.x, b), 1.001e-10);
+        for (double v : run.x) EXPECT_LT(std::abs(v), 1e3);
+    }
+}
+
+TEST(SignedMultigrid, ComponentsTinyRowsAndEmptyRows) {
+    Random random(5);
+    std::vector<Edge> edges = twisted_torus(50, 50, 5, random);          // 0 .. 2499
+    for (Edge e : torus(40, 40, random, true, 2500)) edges.push_back(e); // singular, 2500 .. 4099
+    for (Edge e : torus(30, 30, random, true, 4100)) {                   // singular, tiny, 4100 .. 4999
+        e.weight *= 1e-9;
+        edges.push_back(e);
+    }
+    for (uint32_t i = 5000; i < 5200; i += 2) edges.push_back({i, i + 1, 1 + random.uniform(), random.sign()}); // pairs
+    for (uint32_t i = 5300; i < 5600; i += 3) {                           // frustrated triangles
+        edges.push_back({i, i + 1, 1, 1});
+        edges.push_back({i + 1, i + 2, 1, 1});
+        edges.push_back({i, i + 2, 1, 1});
+    }
+    const System s(5700, edges);                                          // 5200 .. 5299, 5600 .. are empty
+    const std::vector<double> b = s.times(noise(s.n(), random));
+    const Outcome run = solve(s, b);
+    EXPECT_TRUE(run.result.converged);
+    EXPECT_LE(run.result.iterations, 40u);
+    EXPECT_LE(s.residual(run.x, b), 1.001e-10);
+    for (uint32_t i = 5200; i < 5300; ++i) EXPECT_EQ(run.x[i], 0);
+}
+
+TEST(SignedMultigrid, ExtremeWeights) {
+    Random random(6);
+    for (uint32_t kind = 0; kind < 4; ++kind) {
+        std::vector<Edge> edges = twisted_torus(100, 100, 8, random);
+        for (Edge& e : edges) {
+            if (kind == 0 && random.below(10) == 0) e.weight = 1e-9;       // raised to the floor
+            if (kind == 1 && random.below(30) == 0) e.weight = 1e6;        // needles
+            if (kind == 2) e.weight = std::pow(10, -9 + 15 * random.uniform());
+            if (kind == 3 && (e.i / 100 / 20 % 2) != (e.j / 100 / 20 % 2)) e.weight = 1e-9; // bands that hardly touch
+        }
+        const System s(10000, edges);
+        const std::vector<double> b = s.times(noise(s.n(), random));
+        const Outcome run = solve(s, b, 1e-8);
+        EXPECT_TRUE(run.result.converged) << kind;
+        EXPECT_LE(run.result.iterations, kind == 2 ? 120u : 25u) << kind;
+        EXPECT_LE(s.residual(run.x, b), 1.001e-8) << kind;
+    }
+}
+
+TEST(SignedMultigrid, HubsChainsAndDominantRows) {
+    Random random(7);
+    std::vector<Edge> edges;
+    for (uint32_t i = 1; i < 20000; ++i) edges.push_back({0, i, 0.5 + random.uniform(), random.sign()});
+    for (uint32_t i = 1; i < 19999; ++i) edges.push_back({i, i + 1, 0.5 + random.uniform(), -1});
+    const System fan(20000, edges);
+    std::vector<double> b = noise(20000, random);
+    EXPECT_TRUE(solve(fan, b, 1e-8).result.converged);
+
+    edges.clear();
+    for (uint32_t i = 0; i + 1 < 20000; ++i) edges.push_back({i, i + 1, 1, random.sign()});
+    System chain(20000, edges);
+    chain.diagonal[0] += 1;
+    EXPECT_TRUE(solve(chain, b, 1e-8).result.converged);
+
+    System dominant(10000, twisted_torus(100, 100, 3, random));
+    for (uint32_t i = 0; i < 10000; ++i)
+        if (i % 3) dominant.diagonal[i] += 1e4;
+    b.resize(10000);
+    EXPECT_TRUE(solve(dominant, b, 1e-8).result.converged);
+}
+
+TEST(SignedMultigrid, RepeatedColumnsAddUp) {
+    Random random(8);
+    std::vector<Edge> edges = twisted_torus(40, 40, 4, random);
+    const size_t single = edges.size();
+    for (size_t k = 0; k < single; k += 2) {
+        Edge e = edges[k];
+        if (k % 8 == 0) e.sign = -e.sign; // two edges between the same vertices, one turned
+        edges.push_back(e);
+    }
+    const System s(1600, edges);
+    const std::vector<double> b = noise(1600, random);
+    const Outcome run = solve(s, b);
+    EXPECT_TRUE(run.result.converged);
+    expect_near(run.x, s.eigen(b), 1e-7);
+}
+
+TEST(SignedMultigrid, SmallestSystems) {
+    Random random(9);
+    const System none(0, {});
+    EXPECT_TRUE(solve(none, {}).result.converged);
+    const System empty(1, {});
+    EXPECT_TRUE(solve(empty, {0.0}).result.converged);
+    const System pair(2, {{0, 1, 2.0, 1}});
+    const Outcome run = solve(pair, {3.0, 3.0});
+    EXPECT_TRUE(run.result.converged);
+    EXPECT_NEAR(run.x[0] + run.x[1], 1.5, 1e-9);
+    const System zeros(1000, {});
+    EXPECT_TRUE(solve(zeros, std::vector<double>(1000, 0.0)).result.converged);
+}
+
+TEST(SignedMultigrid, StartAndRightSide) {
+    Random random(10);
+    const System s(2500, twisted_torus(50, 50, 5, random));
+    const std::vector<double> b = noise(2500, random);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(s.matrix(), memory));
+    std::vector<double> x(2500, 0);
+    EXPECT_GT(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-10, 100, call).iterations, 0u);
+    EXPECT_EQ(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-9, 100, call).iterations, 0u);
+    // Another right side needs no new setup; zero gives zero.
+    const std::vector<double> zero(2500, 0);
+    EXPECT_TRUE(multigrid.solve(s.matrix(), zero.data(), x.data(), 1e-9, 100, call).converged);
+    EXPECT_EQ(x, zero);
+    EXPECT_EQ(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-9, 2, call).iterations, 2u);
+}
+
+TEST(SignedMultigrid, KeepsWhenSomeSignsChange) {
+    Random random(11);
+    std::vector<Edge> edges = twisted_torus(100, 100, 5, random);
+    const System before(10000, edges);
+    twist(edges, 100, 30, 20, 23);
+    twist(edges, 100, 60, 70, 72);
+    const System after(10000, edges);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(before.matrix(), memory));
+    const std::vector<double> b = noise(10000, random);
+    std::vector<double> x(10000, 0);
+    const hmf::LinearResult result = multigrid.solve(after.matrix(), b.data(), x.data(), 1e-8, 100, call);
+    EXPECT_TRUE(result.converged);
+    EXPECT_LE(result.iterations, 40u);
+    EXPECT_LE(after.residual(x, b), 1.001e-8);
+}
+
+TEST(SignedMultigrid, SameBitsEveryTime) {
+    Random random(12);
+    const System s(22500, twisted_torus(150, 150, 12, random));
+    const std::vector<double> b = noise(22500, random);
+    const Outcome first = solve(s, b), second = solve(s, b);
+    EXPECT_EQ(first.x, second.x);
+    EXPECT_EQ(first.result.iterations, second.result.iterations);
+    EXPECT_EQ(first.result.residual, second.result.residual);
+}
+
+namespace {
+struct Failing { size_t left; size_t open; };
+void* allocate(void* user, size_t size) {
+    Failing& f = *static_cast<Failing*>(user);
+    if (f.left == 0) return nullptr;
+    --f.left;
+    ++f.open;
+    return std::malloc(size);
+}
+void release(void* user, void* block, size_t) {
+    --static_cast<Failing*>(user)->open;
+    std::free(block);
+}
+} // namespace
+
+TEST(SignedMultigrid, EveryAllocationMayFail) {
+    Random random(13);
+    const System s(2500, twisted_torus(50, 50, 5, random));
+    bool done = false;
+    for (size_t n = 0; n < 500 && !done; ++n) {
+        Failing failing{n, 0};
+        {
+            hmf::Memory memory(allocate, release, &failing, 0);
+            hmf::SignedMultigrid multigrid;
+            done = multigrid.setup(s.matrix(), memory);
+            if (!done) { EXPECT_EQ(memory.failure(), HMF_ERROR_MEMORY); }
+        }
+        EXPECT_EQ(failing.open, 0u);
+    }
+    EXPECT_TRUE(done);
+}
+
+namespace {
+struct Stop { int left; int32_t answer; };
+int32_t stop(void* user, double) {
+    Stop& s = *static_cast<Stop*>(user);
+    return s.left-- > 0 ? HMF_PROGRESS_CONTINUE : s.answer;
+}
+} // namespace
+
+TEST(SignedMultigrid, StopsWhenTold) {
+    Random random(14);
+    const System s(2500, twisted_torus(50, 50, 5, random));
+    const std::vector<double> b = noise(2500, random);
+    for (int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH})
+        for (int n = 0; n < 8; ++n) {
+            Stop when{n, answer};
+            hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+            hmf::Call call(memory, nullptr, stop, &when);
+            hmf::SignedMultigrid multigrid;
+            if (!multigrid.setup(s.matrix(), memory, &call)) {
+                EXPECT_TRUE(call.cancelled() || call.finishing());
+                EXPECT_EQ(memory.failure(), HMF_OK);
+                continue;
+            }
+            std::vector<double> x(2500, 0);
+            const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-12, 100, call);
+            EXPECT_FALSE(result.converged);
+            EXPECT_EQ(call.cancelled(), answer == HMF_PROGRESS_CANCEL);
+            for (double v : x) EXPECT_TRUE(std::isfinite(v));
+        }
+}
