@@ -120,10 +120,14 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     vertex_count_ = static_cast<uint32_t>(vertex_count);
     face_count_ = static_cast<uint32_t>(triangle_count);
     edge_count_ = sides.edge_count;
-    h_.genus = sides.genus;
     scale_ = working_scale(positions_, vertex_count, stride_);
     status = breadth_first(vertex_count_, edge_count_, face_count_, h_.triangle_vertices, h_.triangle_edges, sides.opposite, numbers, call_);
     if (status) return status;
+    const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
+    h_.genus = static_cast<uint32_t>((2 - euler) / 2);
+    if (h_.genus == 0)
+        return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
+                          "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
     if (!call_.tick(0.17)) return HMF_CANCELLED;
     if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)
         || !fill_work_mesh(sides, numbers) || !(h_.edge_internal = arena.take<uint32_t>(edge_count_))
@@ -307,7 +311,7 @@ hmf_status Builder::make_delaunay() {
     if (!edge_lengths(h_.input, level.position, h_.memory, length)) return call_.out_of_memory();
     level.mesh = h_.input;
     if (!call_.tick(0.9)) return HMF_CANCELLED;
-    if (count_non_delaunay(h_.input, length) > 0) {
+    if (!is_delaunay(h_.input, length)) {
         Array<uint32_t> flips;
         flips.start(h_.memory);
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();

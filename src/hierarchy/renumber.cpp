@@ -28,8 +28,13 @@ hmf_status breadth_first(uint32_t vertex_count, uint32_t edge_count, uint32_t tr
             out.face[other] = faces;
             queue[faces++] = other;
         }
+        if (n % 65536 == 0 && !call.tick(0.12 + 0.04 * n / static_cast<double>(triangle_count))) return HMF_CANCELLED;
     }
-    return HMF_OK;
+    if (faces == triangle_count) return HMF_OK;
+    uint32_t lost = 0;
+    while (out.face[lost] != NONE) ++lost;
+    return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
+                     "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
 }
 
 namespace {

@@ -13,6 +13,7 @@ struct Numbering {
     Array<uint32_t> vertex, edge, face; // old number -> new number
 };
 
+// Fails if there is more than one component.
 hmf_status breadth_first(uint32_t vertex_count, uint32_t edge_count, uint32_t triangle_count, const uint32_t* triangle_vertices,
                          const uint32_t* triangle_edges, const Array<uint32_t>& opposite, Numbering& out, Call& call);
 

@@ -94,10 +94,10 @@ bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Arra
     return true;
 }
 
-uint64_t count_non_delaunay(const Mesh& mesh, const Array<double>& length) {
-    uint64_t count = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) count += needs_flip(mesh, length, e);
-    return count;
+bool is_delaunay(const Mesh& mesh, const Array<double>& length) {
+    for (uint32_t e = 0; e < mesh.edge_count; ++e)
+        if (needs_flip(mesh, length, e)) return false;
+    return true;
 }
 
 hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, Array<uint32_t>& flips, Call& call, double from, double to) {

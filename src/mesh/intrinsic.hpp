@@ -13,8 +13,8 @@ constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
 // Lengths of the edges in space, scaled so that squares are harmless.
 bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Array<double>& length);
 
-// Number of edges that are not Delaunay before any flip.
-uint64_t count_non_delaunay(const Mesh& mesh, const Array<double>& length);
+// Can every edge stay?
+bool is_delaunay(const Mesh& mesh, const Array<double>& length);
 
 // Flips until every edge is Delaunay; appends the edges to flips.
 hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, Array<uint32_t>& flips, Call& call, double from, double to);

@@ -110,17 +110,17 @@ hmf_status match_sides(size_t vertex_count, const uint32_t* corners, uint32_t si
             opposite[first] = side;
             opposite[side] = first;
         }
-    }
-    for (uint32_t side = 0; side < side_count; ++side) {
-        const uint32_t a = corners[side], b = end_of(corners, side);
-        if (opposite[side] == NONE)
-            return call.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, side / 3,
-                             "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
-                             "the hole, or join duplicate vertices.", side / 3, a, b);
-        if (corners[opposite[side]] == a)
-            return call.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, side / 3,
-                             "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
-                             "possible, the surface is not orientable.", side / 3, opposite[side] / 3, a, b);
+        for (uint32_t n = begin[low]; n < begin[low + 1]; ++n) {
+            const uint32_t side = sorted[n], a = corners[side], b = end_of(corners, side);
+            if (opposite[side] == NONE)
+                return call.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, side / 3,
+                                 "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
+                                 "the hole, or join duplicate vertices.", side / 3, a, b);
+            if (corners[opposite[side]] == a)
+                return call.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, side / 3,
+                                 "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
+                                 "possible, the surface is not orientable.", side / 3, opposite[side] / 3, a, b);
+        }
     }
     return HMF_OK;
 }
@@ -151,29 +151,6 @@ hmf_status check_fans(size_t vertex_count, const uint32_t* corners, uint32_t sid
     return HMF_OK;
 }
 
-hmf_status check_connected(uint32_t triangle_count, const Array<uint32_t>& opposite, Call& call) {
-    Array<uint32_t> queue;
-    Array<uint8_t> seen;
-    if (!queue.allocate(call.memory, triangle_count) || !seen.allocate_filled(call.memory, triangle_count, 0)) return call.out_of_memory();
-    uint32_t count = 1;
-    queue[0] = 0;
-    seen[0] = 1;
-    for (uint32_t n = 0; n < count; ++n) {
-        if (n % TICK == 0 && !call.tick(0.11 + 0.03 * n / static_cast<double>(triangle_count))) return HMF_CANCELLED;
-        for (uint32_t s = 0; s < 3; ++s) {
-            const uint32_t other = opposite[3 * queue[n] + s] / 3;
-            if (seen[other]) continue;
-            seen[other] = 1;
-            queue[count++] = other;
-        }
-    }
-    if (count == triangle_count) return HMF_OK;
-    uint32_t lost = 0;
-    while (seen[lost]) ++lost;
-    return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
-                     "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
-}
-
 } // namespace
 
 hmf_status validate_arguments(const double* positions, size_t vertex_count, size_t position_stride,
@@ -202,17 +179,11 @@ hmf_status validate(const double* positions, size_t vertex_count, size_t positio
     hmf_status status = check_corners(positions, vertex_count, position_stride, triangle_vertices, triangle_count, call);
     if (!status) status = match_sides(vertex_count, triangle_vertices, side_count, sides.opposite, call);
     if (!status) status = check_fans(vertex_count, triangle_vertices, side_count, sides.opposite, call);
-    if (!status) status = check_connected(static_cast<uint32_t>(triangle_count), sides.opposite, call);
     if (status) return status;
     for (uint32_t side = 0; side < side_count; ++side) {
         const uint32_t other = sides.opposite[side];
         triangle_edges[side] = other < side ? triangle_edges[other] : sides.edge_count++;
     }
-    const int64_t euler = static_cast<int64_t>(vertex_count) - sides.edge_count + static_cast<int64_t>(triangle_count);
-    sides.genus = static_cast<uint32_t>((2 - euler) / 2);
-    if (sides.genus == 0)
-        return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
-                         "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
     return HMF_OK;
 }
 

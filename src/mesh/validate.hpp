@@ -11,10 +11,10 @@ namespace hmf {
 struct Sides {
     Array<uint32_t> opposite; // 3 * triangle_count: the same edge in the neighbouring triangle
     uint32_t edge_count = 0;
-    uint32_t genus = 0;
 };
 
-// Fills triangle_vertices and triangle_edges (3 * triangle_count each; edges
+// All local checks; components and genus show during the numbering
+// (hierarchy/renumber.cpp).  Fills triangle_vertices and triangle_edges (3 * triangle_count each; edges
 // numbered by first appearance) and sides.  Returns the first defect.
 hmf_status validate(const double* positions, size_t vertex_count, size_t position_stride, const uint32_t* triangles,
                     size_t triangle_count, uint32_t* triangle_vertices, uint32_t* triangle_edges, Sides& sides, Call& call);

@@ -1,0 +1,401 @@
+// The hierarchy from the inside: validation, exact reversal, numbering,
+// Delaunay property, memory, cancellation.
+#include "../src/hierarchy/hierarchy.hpp"
+#include "../src/mesh/weights.hpp"
+#include "support/meshes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
+using namespace hmf;
+using test::TriMesh;
+
+namespace {
+
+struct Built {
+    hmf_hierarchy h{nullptr, nullptr, nullptr, 0};
+    hmf_error error{};
+    hmf_status status;
+    explicit Built(const TriMesh& mesh, const BuildOptions& options = {}, hmf_progress_fn progress = nullptr, void* user = nullptr) {
+        Call call(h.memory, &error, progress, user);
+        status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), options, call);
+    }
+};
+
+// A mesh with room for level 0, loaded with any level.
+struct Copy {
+    Mesh mesh;
+    std::vector<uint32_t> origin, next, face, out;
+    Copy(const Mesh& from, const Mesh& largest)
+        : origin(2 * largest.edge_count, 77), next(2 * largest.edge_count, 77), face(2 * largest.edge_count, 77), out(largest.vertex_count, 77) {
+        std::copy_n(from.origin, 2 * from.edge_count, origin.begin());
+        std::copy_n(from.next, 2 * from.edge_count, next.begin());
+        std::copy_n(from.face, 2 * from.edge_count, face.begin());
+        std::copy_n(from.out, from.vertex_count, out.begin());
+        mesh = {from.vertex_count, from.edge_count, from.face_count, origin.data(), next.data(), face.data(), out.data()};
+    }
+    void count_as(const Mesh& other) {
+        mesh.vertex_count = other.vertex_count;
+        mesh.edge_count = other.edge_count;
+        mesh.face_count = other.face_count;
+    }
+};
+
+bool same(const Mesh& a, const Mesh& b) {
+    const size_t bytes = 2 * size_t{b.edge_count} * sizeof(uint32_t);
+    return a.vertex_count == b.vertex_count && a.edge_count == b.edge_count && a.face_count == b.face_count
+        && std::memcmp(a.origin, b.origin, bytes) == 0 && std::memcmp(a.next, b.next, bytes) == 0 && std::memcmp(a.face, b.face, bytes) == 0;
+}
+
+const Mesh& simplicial(const hmf_hierarchy& h, size_t level) { return level == 0 ? h.input : h.levels[level].mesh; }
+
+std::set<std::pair<uint32_t, uint32_t>> vertex_pairs(const Mesh& mesh) {
+    std::set<std::pair<uint32_t, uint32_t>> pairs;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const uint32_t a = mesh.origin[2 * e], b = mesh.origin[2 * e + 1];
+        if (a != b) pairs.insert({std::min(a, b), std::max(a, b)});
+    }
+    return pairs;
+}
+
+void expect_sound(const TriMesh& mesh, const BuildOptions& options) {
+    Built built(mesh, options);
+    const hmf_hierarchy& h = built.h;
+    ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+    EXPECT_EQ(h.genus, mesh.genus);
+    const size_t last = h.level_count - 1;
+
+    // Backwards from the coarsest level, then forwards again.
+    Copy work(simplicial(h, last), h.input);
+    for (size_t k = last; k > 0; --k) {
+        EXPECT_TRUE(same(work.mesh, h.levels[k].mesh)) << "level " << k;
+        EXPECT_EQ(check(h.levels[k].mesh), nullptr) << "level " << k;
+        const Level& finer = h.levels[k - 1];
+        for (size_t n = finer.flip_end; n-- > finer.flip_begin;) unflip(work.mesh, h.flips[n]);
+        work.count_as(simplicial(h, k - 1));
+        for (size_t n = finer.collapse_end; n-- > finer.collapse_begin;) split(work.mesh, h.collapses[n]);
+    }
+    EXPECT_TRUE(same(work.mesh, h.input));
+    EXPECT_EQ(check(work.mesh), nullptr);
+    for (size_t k = 0; k < last; ++k) {
+        const Level& finer = h.levels[k];
+        for (size_t n = finer.collapse_begin; n < finer.collapse_end; ++n) {
+            const Collapse c = collapse(work.mesh, h.collapses[n].h);
+            EXPECT_EQ(std::memcmp(&c, &h.collapses[n], sizeof c), 0);
+        }
+        work.count_as(h.levels[k + 1].mesh);
+        for (size_t n = finer.flip_begin; n < finer.flip_end; ++n) flip(work.mesh, h.flips[n]);
+        EXPECT_TRUE(same(work.mesh, h.levels[k + 1].mesh)) << "level " << k + 1;
+        EXPECT_EQ(vertex_pairs(h.levels[k + 1].mesh).size(), h.levels[k + 1].mesh.edge_count) << "not simplicial";
+    }
+    Copy intrinsic(h.input, h.input);
+    for (size_t n = 0; n < h.intrinsic_flip_count; ++n) flip(intrinsic.mesh, h.intrinsic_flips[n]);
+    EXPECT_TRUE(same(intrinsic.mesh, h.levels[0].mesh));
+    EXPECT_EQ(check(h.levels[0].mesh), nullptr);
+    EXPECT_EQ(h.levels[0].raised_count, 0u);
+
+    // The maps lead back to the caller's triangles and positions.
+    uint32_t seen = 0;
+    for (size_t t = 0; t < mesh.triangle_count(); ++t)
+        for (size_t s = 0; s < 3; ++s) {
+            const uint32_t e = h.triangle_edges[3 * t + s];
+            ASSERT_LE(e, seen);
+            seen = std::max(seen, e + 1);
+            const uint32_t a = h.vertex_internal[mesh.triangles[3 * t + s]], b = h.vertex_internal[mesh.triangles[3 * t + (s + 1) % 3]];
+            const uint32_t g = 2 * h.edge_internal[e], from = h.input.origin[g], to = h.input.origin[g + 1];
+            EXPECT_TRUE((from == a && to == b) || (from == b && to == a));
+            for (size_t c = 0; c < 3; ++c) EXPECT_EQ(h.levels[0].position[3 * a + c], mesh.positions[3 * mesh.triangles[3 * t + s] + c]);
+        }
+    EXPECT_EQ(seen, h.input.edge_count);
+    for (size_t k = 0; k <= last; ++k) {
+        for (uint32_t e = 0; e < h.levels[k].mesh.edge_count; ++e) ASSERT_GT(h.levels[k].weight[e], 0);
+        for (uint32_t v = 0; v < 3 * h.levels[k].mesh.vertex_count; ++v) ASSERT_TRUE(std::isfinite(h.levels[k].position[v]));
+    }
+    EXPECT_LE(h.memory.peak(), build_memory_bound(mesh.vertex_count(), mesh.triangle_count(), options));
+}
+
+BuildOptions small(double ratio = 0.5, int32_t collapse = HMF_COLLAPSE_MIDPOINT) {
+    BuildOptions options;
+    options.ratio = ratio;
+    options.coarsest = 40;
+    options.collapse = collapse;
+    return options;
+}
+
+TriMesh plain_torus(size_t n = 12, size_t m = 8) { return test::torus(n, m, 3, 1); }
+
+TriMesh tetrahedron() {
+    TriMesh mesh;
+    mesh.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    mesh.triangles = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    return mesh;
+}
+
+// b beside a, as another component.
+TriMesh both(const TriMesh& a, const TriMesh& b) {
+    TriMesh mesh = a;
+    for (size_t n = 0; n < b.positions.size(); ++n) mesh.positions.push_back(b.positions[n] + (n % 3 == 0 ? 100 : 0));
+    for (const uint32_t v : b.triangles) mesh.triangles.push_back(v + static_cast<uint32_t>(a.vertex_count()));
+    return mesh;
+}
+
+void expect_defect(const TriMesh& mesh, hmf_status status, int32_t element, uint64_t index) {
+    Built built(mesh);
+    EXPECT_EQ(built.status, status) << built.error.message;
+    EXPECT_EQ(built.error.status, status);
+    EXPECT_EQ(built.error.element, element);
+    EXPECT_EQ(built.error.index, index);
+    EXPECT_NE(built.error.message[0], 0);
+}
+
+} // namespace
+
+TEST(Hierarchy, ReversalIsExact) {
+    for (const double ratio : {0.25, 0.5, 0.75, 0.95})
+        for (const int32_t collapse : {HMF_COLLAPSE_MIDPOINT, HMF_COLLAPSE_ENDPOINT, HMF_COLLAPSE_QSLIM}) {
+            SCOPED_TRACE(testing::Message() << "ratio " << ratio << " collapse " << collapse);
+            expect_sound(test::torus(40, 20, 3, 1), small(ratio, collapse));
+            expect_sound(test::pretzel(3, 2), small(ratio, collapse));
+        }
+}
+
+TEST(Hierarchy, HardMeshes) {
+    test::TorusOptions stretched;
+    stretched.stretch = 20;
+    stretched.random_diagonals = true;
+    stretched.jitter = 0.3;
+    expect_sound(test::torus(60, 30, 3, 1, stretched), small());
+    expect_sound(test::thin_plate(2, 100), small());
+    expect_sound(test::with_bad_triangles(test::torus(40, 20, 3, 1), 100, 0.001, 5), small());
+    expect_sound(test::with_random_flips(test::torus(40, 20, 3, 1), 1000, 0.5, 5), small());
+    expect_sound(test::torus_with_finger(20, 12, 60, 30), small());
+    expect_sound(test::joined_tori(20, 12, 40, 50), small());
+    expect_sound(test::trefoil(100, 10, 0.4), small());
+}
+
+TEST(Hierarchy, SmallestMeshes) {
+    expect_sound(plain_torus(3, 3), small());
+    expect_sound(test::plate(1), small());
+    expect_sound(test::plate(9), small());
+}
+
+TEST(Hierarchy, ShearedTorusBecomesDelaunay) {
+    // Rows of triangles that lean over by several cells.
+    TriMesh mesh = test::torus(48, 24, 30, 1);
+    expect_sound(mesh, small());
+}
+
+TEST(Hierarchy, UnitsDoNotMatter) {
+    // A power of two scales everything exactly, up to the limits of double.
+    const TriMesh mesh = test::pretzel(2, 2);
+    Built plain(mesh, small());
+    ASSERT_EQ(plain.status, HMF_OK);
+    for (const int exponent : {-700, -20, 20, 700}) {
+        const double factor = std::ldexp(1.0, exponent);
+        const TriMesh other = test::scaled(mesh, factor);
+        Built built(other, small());
+        ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+        ASSERT_EQ(built.h.level_count, plain.h.level_count);
+        for (size_t k = 0; k < plain.h.level_count; ++k) {
+            const Level &a = plain.h.levels[k], &b = built.h.levels[k];
+            EXPECT_TRUE(same(a.mesh, b.mesh)) << exponent << " level " << k;
+            for (uint32_t e = 0; e < a.mesh.edge_count; ++e) ASSERT_NEAR(a.weight[e], b.weight[e], 1e-9 * a.weight[e]);
+            for (uint32_t v = 0; v < 3 * a.mesh.vertex_count; ++v) ASSERT_EQ(a.position[v] * factor, b.position[v]);
+        }
+    }
+}
+
+TEST(Hierarchy, CoarsestLevelIsOfTheSizeAsked) {
+    BuildOptions options = small();
+    options.coarsest = 100;
+    Built built(test::torus(60, 30, 3, 1), options);
+    ASSERT_EQ(built.status, HMF_OK);
+    const uint32_t vertices = built.h.levels[built.h.level_count - 1].mesh.vertex_count;
+    EXPECT_GE(vertices, 100u);
+    EXPECT_LE(vertices, 135u);
+    EXPECT_GT(built.h.level_count, 3u);
+}
+
+TEST(Hierarchy, StridedPositions) {
+    const TriMesh mesh = plain_torus();
+    std::vector<double> strided;
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+        for (size_t c = 0; c < 3; ++c) strided.push_back(mesh.positions[3 * v + c]);
+        strided.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    Built packed(mesh);
+    hmf_hierarchy h(nullptr, nullptr, nullptr, 0);
+    Call call(h.memory, nullptr, nullptr, nullptr);
+    ASSERT_EQ(build_hierarchy(h, strided.data(), mesh.vertex_count(), 32, mesh.triangles.data(), mesh.triangle_count(), {}, call), HMF_OK);
+    EXPECT_EQ(std::memcmp(h.levels[0].position, packed.h.levels[0].position, mesh.positions.size() * sizeof(double)), 0);
+}
+
+TEST(Validation, Arguments) {
+    const TriMesh mesh = plain_torus();
+    const double* x = mesh.positions.data();
+    const uint32_t* t = mesh.triangles.data();
+    const size_t V = mesh.vertex_count(), F = mesh.triangle_count();
+    const auto status = [](const double* positions, size_t vertices, size_t stride, const uint32_t* triangles, size_t count) {
+        hmf_hierarchy h(nullptr, nullptr, nullptr, 0);
+        Call call(h.memory, nullptr, nullptr, nullptr);
+        return build_hierarchy(h, positions, vertices, stride, triangles, count, {}, call);
+    };
+    EXPECT_EQ(status(nullptr, V, 0, t, F), HMF_ERROR_NULL);
+    EXPECT_EQ(status(x, V, 0, nullptr, F), HMF_ERROR_NULL);
+    EXPECT_EQ(status(x, V, 16, t, F), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(status(x, V, 28, t, F), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(status(x, 0, 0, t, F), HMF_ERROR_MESH_COUNTS);
+    EXPECT_EQ(status(x, V, 0, t, 0), HMF_ERROR_MESH_COUNTS);
+    EXPECT_EQ(status(x, SIZE_MAX, 0, t, F), HMF_ERROR_MESH_COUNTS);
+    EXPECT_EQ(status(x, V, 0, t, SIZE_MAX / 3), HMF_ERROR_MESH_COUNTS);
+}
+
+TEST(Validation, Corners) {
+    TriMesh mesh = plain_torus();
+    mesh.triangles[3 * 5 + 1] = static_cast<uint32_t>(mesh.vertex_count());
+    expect_defect(mesh, HMF_ERROR_MESH_INDEX, HMF_ELEMENT_TRIANGLE, 5);
+    for (const double bad : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+        mesh = plain_torus();
+        mesh.positions[3 * 7 + 2] = bad;
+        expect_defect(mesh, HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, 7);
+    }
+    mesh = plain_torus();
+    mesh.triangles[3 * 9 + 2] = mesh.triangles[3 * 9];
+    expect_defect(mesh, HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, 9);
+    mesh = plain_torus();
+    for (size_t c = 0; c < 3; ++c) // coincident
+        mesh.positions[3 * mesh.triangles[1] + c] = mesh.positions[3 * mesh.triangles[0] + c];
+    expect_defect(mesh, HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, 0);
+    mesh = plain_torus();
+    for (size_t c = 0; c < 3; ++c) // collinear up to rounding
+        mesh.positions[3 * mesh.triangles[2] + c] = 0.3 * mesh.positions[3 * mesh.triangles[0] + c] + 0.7 * mesh.positions[3 * mesh.triangles[1] + c];
+    Built built(mesh);
+    EXPECT_TRUE(built.status == HMF_OK || built.status == HMF_ERROR_MESH_DEGENERATE);
+}
+
+TEST(Validation, Edges) {
+    TriMesh mesh = plain_torus();
+    mesh.triangles.resize(mesh.triangles.size() - 3);
+    Built open(mesh);
+    EXPECT_EQ(open.status, HMF_ERROR_MESH_BOUNDARY);
+
+    mesh = plain_torus();
+    std::swap(mesh.triangles[3 * 4], mesh.triangles[3 * 4 + 1]);
+    Built turned(mesh);
+    EXPECT_EQ(turned.status, HMF_ERROR_MESH_ORIENTATION);
+
+    mesh = plain_torus();
+    const uint32_t top = static_cast<uint32_t>(mesh.vertex_count());
+    mesh.positions.insert(mesh.positions.end(), {0, 0, 9});
+    mesh.triangles.insert(mesh.triangles.end(), {mesh.triangles[0], mesh.triangles[1], top});
+    expect_defect(mesh, HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, mesh.triangle_count() - 1);
+}
+
+TEST(Validation, Vertices) {
+    TriMesh mesh = plain_torus();
+    mesh.positions.insert(mesh.positions.end(), {0, 0, 9});
+    expect_defect(mesh, HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, mesh.vertex_count() - 1);
+
+    // Two tori that share vertex 0.
+    mesh = both(plain_torus(), plain_torus());
+    const uint32_t shared = static_cast<uint32_t>(plain_torus().vertex_count());
+    const uint32_t last = static_cast<uint32_t>(mesh.vertex_count() - 1);
+    for (size_t n = plain_torus().triangles.size(); n < mesh.triangles.size(); ++n) {
+        uint32_t& v = mesh.triangles[n];
+        v = v == shared ? 0 : v == last ? shared : v; // the last vertex fills the gap
+    }
+    for (size_t c = 0; c < 3; ++c) mesh.positions[3 * shared + c] = mesh.positions[3 * last + c];
+    mesh.positions.resize(3 * last);
+    expect_defect(mesh, HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, 0);
+}
+
+TEST(Validation, Surface) {
+    expect_defect(both(plain_torus(), plain_torus()), HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, plain_torus().triangle_count());
+    expect_defect(tetrahedron(), HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0);
+}
+
+TEST(Memory, EveryAllocationMayFail) {
+    struct Failing {
+        size_t left, live = 0;
+        static void* allocate(void* user, size_t size) {
+            Failing& f = *static_cast<Failing*>(user);
+            if (f.left == 0) return nullptr;
+            --f.left;
+            ++f.live;
+            return std::malloc(size);
+        }
+        static void release(void* user, void* block, size_t) {
+            --static_cast<Failing*>(user)->live;
+            std::free(block);
+        }
+    };
+    test::TorusOptions options;
+    options.random_diagonals = true;
+    const TriMesh mesh = test::torus(16, 12, 3, 1, options);
+    bool succeeded = false;
+    size_t n = 0;
+    for (; n < 1000 && !succeeded; ++n) {
+        Failing failing{n};
+        {
+            hmf_hierarchy h(Failing::allocate, Failing::release, &failing, 0);
+            hmf_error error{};
+            Call call(h.memory, &error, nullptr, nullptr);
+            const hmf_status status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                                                      mesh.triangle_count(), small(0.5, n % 2 ? HMF_COLLAPSE_QSLIM : HMF_COLLAPSE_MIDPOINT), call);
+            succeeded = status == HMF_OK;
+            if (!succeeded) EXPECT_EQ(status, HMF_ERROR_MEMORY);
+            if (!succeeded) EXPECT_EQ(error.status, HMF_ERROR_MEMORY);
+        }
+        EXPECT_EQ(failing.live, 0u);
+    }
+    EXPECT_TRUE(succeeded);
+    EXPECT_GT(n, 30u);
+}
+
+TEST(Memory, WorkIsReturned) {
+    Built built(test::torus(60, 40, 3, 1));
+    ASSERT_EQ(built.status, HMF_OK);
+    EXPECT_LE(built.h.memory.used(), 250u * built.h.input.edge_count);
+}
+
+TEST(Progress, RisesAndCancels) {
+    struct Progress {
+        std::vector<double> seen;
+        size_t cancel_at = SIZE_MAX;
+        static int32_t call(void* user, double fraction) {
+            Progress& p = *static_cast<Progress*>(user);
+            p.seen.push_back(fraction);
+            return p.seen.size() > p.cancel_at ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
+        }
+    };
+    const TriMesh mesh = test::torus(80, 60, 3, 1);
+    Progress all;
+    {
+        Built built(mesh, small(), Progress::call, &all);
+        ASSERT_EQ(built.status, HMF_OK);
+    }
+    ASSERT_GT(all.seen.size(), 10u);
+    for (size_t n = 1; n < all.seen.size(); ++n) EXPECT_LE(all.seen[n - 1], all.seen[n]);
+    EXPECT_GE(all.seen.front(), 0);
+    EXPECT_LE(all.seen.back(), 1);
+    for (size_t n = 0; n < all.seen.size(); ++n) {
+        Progress some;
+        some.cancel_at = n;
+        Built built(mesh, small(), Progress::call, &some);
+        EXPECT_EQ(built.status, HMF_CANCELLED);
+        EXPECT_EQ(built.error.status, HMF_CANCELLED);
+        EXPECT_EQ(some.seen.size(), n + 1);
+    }
+}
+
+TEST(Weights, Cotangent) {
+    const double o[3] = {0, 0, 0}, x[3] = {2, 0, 0}, y[3] = {0, 3, 0}, d[3] = {1, 1, 0}, back[3] = {-1, 0, 0};
+    EXPECT_EQ(cotangent(o, x, y), 0);
+    EXPECT_NEAR(cotangent(o, x, d), 1, 1e-15);
+    EXPECT_LT(cotangent(o, x, back), -1e10);
+    EXPECT_TRUE(std::isfinite(cotangent(o, o, o)));
+}
