@@ -31,6 +31,7 @@ constexpr double omega = 2.0 / 3;
 // A hub is not smoothed: its row would couple all aggregates around it with
 // each other, and the Galerkin product would cost the square of its degree.
 constexpr uint32_t largest_smoothed_degree = 48;
+constexpr uint32_t rows_between_ticks = 32768;
 
 double magnitude(float x) { return static_cast<double>(x < 0 ? -x : x); }
 
@@ -252,7 +253,7 @@ struct ProductRows {
     bool make_room(size_t more, Memory& memory) {
         if (used + more <= column.size()) return true;
         if (used + more > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
-        const size_t wanted = used + more > 2 * column.size() ? used + more : 2 * column.size();
+        const size_t wanted = used + more + column.size() / 3;
         Array<uint32_t> new_column;
         Array<double> new_entry;
         if (!new_column.allocate(memory, wanted) || !new_entry.allocate(memory, wanted)) return false;
@@ -267,7 +268,8 @@ struct ProductRows {
 };
 
 // A P on the scaled matrix, diagonal of A included.
-bool multiply_by_prolongation(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, ProductRows& product, Memory& memory) {
+bool multiply_by_prolongation(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, ProductRows& product, Memory& memory,
+                              Call* call) {
     Array<uint32_t> places;
     const uint32_t n = level.n;
     if (!places.allocate_filled(memory, count, undecided) || !product.begin(n, size_t{5} * n, memory)) return false;
@@ -277,6 +279,7 @@ bool multiply_by_prolongation(const SignedMatrix& matrix, const MultigridLevel& 
     const float* scale = level.scale.data();
     uint32_t* place = places.data();
     for (uint32_t i = 0; i < n; ++i) {
+        if (i % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t first = matrix.offset[i], end = matrix.offset[i + 1];
         size_t most = start[i + 1] - start[i];
         for (uint32_t k = first; k < end; ++k) most += start[matrix.column[k] + 1] - start[matrix.column[k]];
@@ -307,11 +310,11 @@ bool multiply_by_prolongation(const SignedMatrix& matrix, const MultigridLevel& 
 }
 
 // P^T (A P), a coarse row at a time.
-bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, CoarseMatrix& coarse, Memory& memory) {
+bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t count, CoarseMatrix& coarse, Memory& memory, Call* call) {
     Transposed transposed;
     ProductRows product, rows;
     Array<uint32_t> places;
-    if (!multiply_by_prolongation(matrix, level, count, product, memory) || !transposed.build(level, count, memory)
+    if (!multiply_by_prolongation(matrix, level, count, product, memory, call) || !transposed.build(level, count, memory)
         || !places.allocate_filled(memory, count, undecided) || !coarse.diagonal.allocate(memory, count)
         || !rows.begin(count, size_t{10} * count, memory))
         return false;
@@ -319,6 +322,7 @@ bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, uint32_t 
     const double* p_entry = product.entry.data();
     uint32_t* place = places.data();
     for (uint32_t c = 0; c < count; ++c) {
+        if (c % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t first = transposed.start[c], end = transposed.start[c + 1];
         size_t most = 0;
         for (uint32_t t = first; t < end; ++t) most += product.offset[transposed.row[t] + 1] - product.offset[transposed.row[t]];
@@ -399,10 +403,10 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
 }
 
 bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
-             Memory& memory) {
+             Memory& memory, Call* call) {
     for (uint32_t i = 0; i < level.n; ++i) near_kernel[i] = level.scale[i] > 0 ? near_kernel[i] / static_cast<double>(level.scale[i]) : 0;
     Aggregates a;
-    if (!aggregate(level, near_kernel, strength, a, memory)) return false;
+    if (!continues(call) || !aggregate(level, near_kernel, strength, a, memory) || !continues(call)) return false;
     Array<double> norm;
     if (!norm.allocate_filled(memory, a.count, 0)) return false;
     for (uint32_t i = 0; i < level.n; ++i)
@@ -412,7 +416,7 @@ bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
     a.of.release();
     a.sign.release();
     near_kernel = static_cast<Array<double>&&>(norm);
-    return galerkin(matrix, level, static_cast<uint32_t>(near_kernel.size()), coarse, memory);
+    return galerkin(matrix, level, static_cast<uint32_t>(near_kernel.size()), coarse, memory, call);
 }
 
 } // namespace hmf

@@ -5,6 +5,9 @@
 
 namespace hmf {
 
+// Asked between pieces of work; false: cancelled, or told to finish.
+inline bool continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
+
 // A matrix of the hierarchy while it is being built, in double precision: the
 // rows of a Laplacian nearly cancel, and what is left has to survive.
 struct CoarseMatrix {
@@ -25,8 +28,9 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
 //   near_kernel   n values, the smooth vector up to signs (constant 1 for a
 //                 Laplacian before scaling); replaced by that of the coarse level
 //   strength      entries with a smaller share of their row are weak
+// false: out of memory, or cancelled.
 // The prolongation still lacks the scaling of the coarse level.
 bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
-             Memory& memory);
+             Memory& memory, Call* call);
 
 } // namespace hmf

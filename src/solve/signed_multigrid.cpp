@@ -34,8 +34,6 @@ inline float row_product(const uint32_t* column, const float* entry, uint32_t be
     return sum;
 }
 
-bool continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
-
 } // namespace
 
 bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call) {
@@ -43,8 +41,6 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     level_count_ = 0;
     dense_n_ = 0;
     const size_t n = matrix.n;
-    if (!residual_.allocate(memory, n) || !direction_.allocate(memory, n) || !product_.allocate(memory, n)) return false;
-
     double largest = 0;
     for (uint32_t i = 0; i < matrix.n; ++i)
         if (matrix.diagonal[i] > largest) largest = matrix.diagonal[i];
@@ -69,9 +65,8 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         if (!continues(call) || !scale_matrix(current, level, memory)) return false;
         ++level_count_;
         if (l + 1 == max_levels) break;
-        if (!continues(call)) return false;
         CoarseMatrix coarse;
-        if (!coarsen(current, level, strength, near_kernel, coarse, memory)) return false;
+        if (!coarsen(current, level, strength, near_kernel, coarse, memory, call)) return false;
         if (l > 0) level.scale.release();
         storage = static_cast<CoarseMatrix&&>(coarse);
         current = storage.view();
@@ -79,11 +74,14 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         threshold = 1e-11;
         strength *= 0.5f;
     }
+    near_kernel.release();
+    storage = CoarseMatrix{};
     if (level_count_ > 1) {
         const size_t m = level_[1].n;
         if (!first_.allocate(memory, m) || !image_.allocate(memory, m)) return false;
     }
-    return true;
+    // Last, when what the setup needed for itself is gone.
+    return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
 double SignedMultigrid::operator_complexity() const {
