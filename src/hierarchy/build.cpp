@@ -86,7 +86,7 @@ public:
 
 private:
     hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
-    bool fill_work_mesh(const Sides& sides, const Numbering& numbers);
+    hmf_status fill_work_mesh(const Sides& sides, const Numbering& numbers);
     hmf_status coarsen();
     bool keep_positions(Level& level);
     hmf_status number();
@@ -130,20 +130,21 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
                           "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
     if (!call_.tick(0.17)) return HMF_CANCELLED;
     if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)
-        || !fill_work_mesh(sides, numbers) || !(h_.edge_internal = arena.take<uint32_t>(edge_count_))
+        || !(h_.edge_internal = arena.take<uint32_t>(edge_count_))
         || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count_)))
         return call_.out_of_memory();
     std::memcpy(h_.edge_internal, numbers.edge.data(), edge_count_ * sizeof(uint32_t));
     std::memcpy(h_.vertex_internal, numbers.vertex.data(), vertex_count_ * sizeof(uint32_t));
-    return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
+    return fill_work_mesh(sides, numbers);
 }
 
-bool Builder::fill_work_mesh(const Sides& sides, const Numbering& numbers) {
+hmf_status Builder::fill_work_mesh(const Sides& sides, const Numbering& numbers) {
     // The side that names an edge first is its half-edge 2e.
     const auto half_edge = [&](uint32_t side) {
         return 2 * numbers.edge[h_.triangle_edges[side]] + (sides.opposite[side] < side ? 1u : 0u);
     };
     for (uint32_t t = 0; t < face_count_; ++t) {
+        if (t % 65536 == 0 && !call_.tick(0.17 + 0.02 * t / face_count_)) return HMF_CANCELLED;
         const uint32_t h[3] = {half_edge(3 * t), half_edge(3 * t + 1), half_edge(3 * t + 2)};
         for (uint32_t s = 0; s < 3; ++s) {
             const uint32_t v = numbers.vertex[h_.triangle_vertices[3 * t + s]];
@@ -156,8 +157,9 @@ bool Builder::fill_work_mesh(const Sides& sides, const Numbering& numbers) {
     }
     for (uint32_t v = 0; v < vertex_count_; ++v)
         for (int c = 0; c < 3; ++c) work_.at(numbers.vertex[v])[c] = scale_ * position_at(positions_, stride_, v)[c];
+    if (!call_.tick(0.19)) return HMF_CANCELLED;
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
-    return true;
+    return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
 
 bool Builder::keep_positions(Level& level) {
@@ -271,8 +273,12 @@ hmf_status Builder::replay() {
     for (size_t k = last; k > 0; --k) {
         Level& level = h_.levels[k];
         if (!(level.weight = h_.arena.take<double>(level.mesh.edge_count))) return call_.out_of_memory();
-        level.raised_count = coarse_weights(level.mesh, level.position, level.weight);
-        if (!call_.tick(0.85)) return HMF_CANCELLED;
+        constexpr uint32_t step = 65536;
+        for (uint32_t e = 0; e < level.mesh.edge_count; e += step) {
+            if (!call_.tick(0.85 + 0.05 * e / edge_count_)) return HMF_CANCELLED;
+            const uint32_t end = level.mesh.edge_count - e < step ? level.mesh.edge_count : e + step;
+            level.raised_count += coarse_weights(level.mesh, level.position, e, end, level.weight);
+        }
     }
     return HMF_OK;
 }
@@ -312,15 +318,16 @@ hmf_status Builder::make_delaunay() {
     level.mesh = h_.input;
     if (!call_.tick(0.9)) return HMF_CANCELLED;
     if (!is_delaunay(h_.input, length)) {
-        Array<uint32_t> flips;
-        flips.start(h_.memory);
+        // Two runs: the first one counts, so that the log needs no room to grow.
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
         copy_prefix(h_.input, level.mesh);
-        const hmf_status status = intrinsic_delaunay(level.mesh, length, flips, call_, 0.92, 0.97);
+        hmf_status status = intrinsic_delaunay(level.mesh, length, nullptr, h_.intrinsic_flip_count, call_, 0.91, 0.94);
         if (status) return status;
-        if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(flips.size()))) return call_.out_of_memory();
-        if (!flips.empty()) std::memcpy(h_.intrinsic_flips, flips.data(), flips.size() * sizeof(uint32_t));
-        h_.intrinsic_flip_count = flips.size();
+        if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(h_.intrinsic_flip_count))) return call_.out_of_memory();
+        copy_prefix(h_.input, level.mesh);
+        if (!edge_lengths(h_.input, level.position, h_.memory, length)) return call_.out_of_memory();
+        status = intrinsic_delaunay(level.mesh, length, h_.intrinsic_flips, h_.intrinsic_flip_count, call_, 0.94, 0.97);
+        if (status) return status;
     }
     if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
     level.raised_count = intrinsic_weights(level.mesh, length, level.weight);
@@ -385,7 +392,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t replaying = kept_input + maps + log + flips + levels + 4 * (V + E + F) + mesh + 8 * E + 28 * V
                                + (coarse ? 24 * V : mesh + 4 * E + 12 * V);
     const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 24 * V + 12 * E
-                               + 3 * 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+                               + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = validating;
     const uint64_t stages[4] = {loading + work, coarsening + numbering, replaying, finishing};
     for (const uint64_t stage : stages)

@@ -100,10 +100,11 @@ bool is_delaunay(const Mesh& mesh, const Array<double>& length) {
     return true;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, Array<uint32_t>& flips, Call& call, double from, double to) {
+hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t& flip_count, Call& call, double from, double to) {
     Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
     if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
     uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
+    flip_count = 0;
     uint32_t top = NONE, steps = 0;
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
         uint32_t e = first;
@@ -111,7 +112,8 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, Array<uint32_t>
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
             if (budget > 0 && needs_flip(mesh, length, e)) {
                 --budget;
-                if (!flips.push(e)) return call.out_of_memory();
+                if (flips) flips[flip_count] = e;
+                ++flip_count;
                 length[e] = other_diagonal(quad(mesh, length, e));
                 flip(mesh, e);
                 const uint32_t h = 2 * e, t = twin(h);

@@ -83,6 +83,7 @@ hmf_status match_sides(size_t vertex_count, const uint32_t* corners, uint32_t si
         const uint32_t a = corners[side], b = end_of(corners, side);
         ++begin[a < b ? a : b];
     }
+    if (!call.tick(0.04)) return HMF_CANCELLED;
     uint32_t total = 0;
     for (size_t v = 0; v <= vertex_count; ++v) {
         total += begin[v];
@@ -93,7 +94,7 @@ hmf_status match_sides(size_t vertex_count, const uint32_t* corners, uint32_t si
         sorted[--begin[a < b ? a : b]] = side;
     }
     for (uint32_t low = 0; low < vertex_count; ++low) {
-        if (low % TICK == 0 && !call.tick(0.04 + 0.04 * low / static_cast<double>(vertex_count))) return HMF_CANCELLED;
+        if (low % TICK == 0 && !call.tick(0.05 + 0.03 * low / static_cast<double>(vertex_count))) return HMF_CANCELLED;
         for (uint32_t n = begin[low]; n < begin[low + 1]; ++n) {
             const uint32_t side = sorted[n], a = corners[side], b = end_of(corners, side), high = a < b ? b : a;
             opposite[side] = NONE;

@@ -47,9 +47,9 @@ double cotangent(const double* apex, const double* a, const double* b) {
     return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot;
 }
 
-uint64_t coarse_weights(const Mesh& mesh, const double* position, double* weight) {
+uint64_t coarse_weights(const Mesh& mesh, const double* position, uint32_t begin, uint32_t end, double* weight) {
     uint64_t raised = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+    for (uint32_t e = begin; e < end; ++e) {
         const uint32_t h = 2 * e, t = twin(h);
         const double* i = position + size_t{3} * mesh.origin[h];
         const double* j = position + size_t{3} * mesh.origin[t];

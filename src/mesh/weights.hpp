@@ -14,8 +14,8 @@ double cotangent(const double* apex, const double* a, const double* b);
 constexpr double COARSE_WEIGHT_FLOOR = 1e-3, COARSE_WEIGHT_CAP = 1e3;
 constexpr double INTRINSIC_WEIGHT_FLOOR = 1e-9, INTRINSIC_WEIGHT_CAP = 1e6;
 
-// Weights of a coarse level, raised to the floor and cut at the cap.  Returns
-// the number of negative ones before that.
-uint64_t coarse_weights(const Mesh& mesh, const double* position, double* weight);
+// Weights of the edges from begin to end - 1 of a coarse level, raised to the
+// floor and cut at the cap.  Returns the number of negative ones before that.
+uint64_t coarse_weights(const Mesh& mesh, const double* position, uint32_t begin, uint32_t end, double* weight);
 
 } // namespace hmf
