@@ -102,10 +102,11 @@ bool join_by_vote(const MultigridLevel& level, const Array<double>& kernel, uint
     return true;
 }
 
-bool aggregate(const MultigridLevel& level, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory) {
+bool aggregate(const MultigridLevel& level, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory, Call* call) {
     const uint32_t n = level.n;
     if (!a.of.allocate(memory, n) || !a.sign.allocate(memory, n)) return false;
     leave_out_dominant_rows(level, kernel, a);
+    if (!continues(call)) return false;
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != undecided) continue;
         bool has_strong = false, free = true;
@@ -118,7 +119,7 @@ bool aggregate(const MultigridLevel& level, const Array<double>& kernel, float s
         if (free && has_strong) take_in(level, kernel, i, strength, a);
     }
     Array<double> vote;
-    if (!vote.allocate_filled(memory, n, 0)) return false;
+    if (!continues(call) || !vote.allocate_filled(memory, n, 0)) return false;
     // First to the cores only, which keeps the aggregates round.
     for (uint32_t i = 0; i < n; ++i)
         if (a.of[i] == undecided) join_by_vote(level, kernel, i, strength, false, vote.data(), a);
@@ -147,7 +148,7 @@ public:
     Prolongation(MultigridLevel& level, const Array<double>& kernel, const Aggregates& a, const Array<double>& norm, float strength)
         : level_(level), kernel_(kernel), a_(a), norm_(norm), strength_(strength) {}
 
-    bool build(Memory& memory) {
+    bool build(Memory& memory, Call* call) {
         const uint32_t n = level_.n;
         Array<uint32_t> place;
         if (!place.allocate_filled(memory, a_.count, 0)) return false;
@@ -170,8 +171,10 @@ public:
         level_.prolongation_start[n] = total;
         if (!level_.prolongation_column.allocate(memory, total) || !level_.prolongation_entry.allocate(memory, total)) return false;
         for (uint32_t i = 0; i < a_.count; ++i) place[i] = undecided;
-        for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t i = 0; i < n; ++i) {
+            if (i % rows_between_ticks == 0 && !continues(call)) return false;
             if (a_.of[i] != left_out) fill_row(i, place);
+        }
         return true;
     }
 
@@ -406,13 +409,13 @@ bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
              Memory& memory, Call* call) {
     for (uint32_t i = 0; i < level.n; ++i) near_kernel[i] = level.scale[i] > 0 ? near_kernel[i] / static_cast<double>(level.scale[i]) : 0;
     Aggregates a;
-    if (!continues(call) || !aggregate(level, near_kernel, strength, a, memory) || !continues(call)) return false;
+    if (!continues(call) || !aggregate(level, near_kernel, strength, a, memory, call) || !continues(call)) return false;
     Array<double> norm;
     if (!norm.allocate_filled(memory, a.count, 0)) return false;
     for (uint32_t i = 0; i < level.n; ++i)
         if (a.of[i] != left_out) norm[a.of[i]] += near_kernel[i] * near_kernel[i];
     for (uint32_t c = 0; c < a.count; ++c) norm[c] = std::sqrt(norm[c]);
-    if (!Prolongation(level, near_kernel, a, norm, strength).build(memory)) return false;
+    if (!Prolongation(level, near_kernel, a, norm, strength).build(memory, call)) return false;
     a.of.release();
     a.sign.release();
     near_kernel = static_cast<Array<double>&&>(norm);
