@@ -29,7 +29,7 @@ public:
         patch_.start(memory);
         near_.start(memory);
         suspect_.start(memory);
-        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, mesh.vertex_count)
+        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, mesh.vertex_count) && expected_.allocate(memory, mesh.vertex_count)
             && distance_.allocate(memory, mesh.vertex_count) && patch_.reserve(mesh.vertex_count) && near_.reserve(mesh.vertex_count)
             && suspect_.reserve(mesh.vertex_count);
     }
@@ -63,7 +63,7 @@ public:
         multigrid.solve(matrix, model_.right.data(), model_.d.data(), tolerance, 200, w_.call);
         ++w_.statistics.linear_solves;
         if (w_.call.cancelled()) return HMF_CANCELLED;
-        model_.project(patch_, distance_);
+        model_.project(f_, w_.rings, patch_, distance_);
         const double before = energy(f_, weight_);
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
         double factor = 1;
@@ -156,7 +156,7 @@ private:
             for (size_t i = had; i < end; ++i) suspect_[i - had] = suspect_[i];
             while (suspect_.size() > end - had) suspect_.pop();
         }
-        return settle();
+        return settle() && zeros_are_in_place();
     }
 
     enum class Shape : uint8_t { sound, extremum, has_zero, broken };
@@ -192,11 +192,52 @@ private:
         return true;
     }
 
+    // Every zero is where it was, or at the vertex that stopped at its branch
+    // point.  Anything else means that a zero and an extremum have come and
+    // gone in between, and with them perhaps the class.
+    bool zeros_are_in_place() {
+        const Mesh& mesh = f_.mesh;
+        int32_t* expected = expected_.data();
+        std::memcpy(expected, model_.index.data(), mesh.vertex_count * sizeof(int32_t));
+        for (uint32_t h : model_.tripod) {
+            uint32_t at = h;
+            for (uint32_t turn = 0; turn < 3 && f_.corner2(at) != 0; ++turn) at = mesh.next[at];
+            if (f_.corner2(at) == 0) --expected[mesh.origin[at]];
+        }
+        const uint32_t before = f_.epoch;
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
+            const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
+            int32_t closed = 0;
+            const int64_t first = f_.value[edge_of(side[0].half_edge)];
+            int64_t here = first;
+            bool zero = false;
+            for (uint32_t t = 0; t < degree; ++t) {
+                const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
+                zero |= here == 0;
+                closed += here + ahead == f_.value[side[t].opposite];
+                here = ahead;
+            }
+            if (!zero) {
+                if (2 - closed != expected[v]) return false;
+                continue;
+            }
+            if (f_.stamp[v] > before) continue;
+            const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
+            if (f_.out_of_memory) return false;
+            int64_t sum = 0;
+            for (uint32_t u : f_.members) sum += expected[u];
+            if (2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) != sum) return false;
+        }
+        return true;
+    }
+
     LevelWork& w_;
     Foliation& f_;
     const double* weight_;
     TwistedModel model_;
     Array<int64_t> backup_, step_;
+    Array<int32_t> expected_;
     Array<uint32_t> patch_, near_, suspect_, distance_;
     bool backward_ = false;
 };

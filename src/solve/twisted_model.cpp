@@ -4,7 +4,8 @@ namespace hmf {
 
 bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
-    return sign.allocate(memory, 2 * m) && unknown.allocate(memory, n) && vertex.allocate(memory, n) && offset.allocate(memory, n + 1)
+    tripod.start(memory);
+    return tripod.reserve(mesh.face_count) && index.allocate(memory, n) && sign.allocate(memory, 2 * m) && unknown.allocate(memory, n) && vertex.allocate(memory, n) && offset.allocate(memory, n + 1)
         && column.allocate(memory, 2 * m) && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
         && lower.allocate(memory, n) && upper.allocate(memory, n) && d.allocate(memory, n);
 }
@@ -12,11 +13,11 @@ bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
 namespace {
 
 // Signs of a regular vertex without zero edges.
-bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int8_t* sign, bool& has_zero) {
+bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int8_t* sign, bool& has_zero, uint32_t& closed) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     has_zero = false;
-    uint32_t closed = 0;
+    closed = 0;
     int8_t s = 1;
     int64_t here = f.value[edge_of(side[0].half_edge)];
     const int64_t first = here;
@@ -73,11 +74,14 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
     for (uint32_t v = 0; v < n; ++v) {
         if (f.stamp[v] > before) continue;
         bool has_zero = false;
-        if (sign_regular_vertex(f, rings, v, sign.data(), has_zero)) {
+        uint32_t closed = 0;
+        index[v] = 0;
+        if (sign_regular_vertex(f, rings, v, sign.data(), has_zero, closed)) {
             unknown[v] = 0;
             continue;
         }
         if (!has_zero) {
+            index[v] = 2 - static_cast<int32_t>(closed);
             for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
             continue;
         }
@@ -85,13 +89,21 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
         const bool regular = cluster.complete && cluster.euler == 1 && cluster.closed_corners == 2;
         if (regular) sign_regular_cluster(f, sign.data());
         for (uint32_t u : f.members) {
+            index[u] = 0;
             if (regular) unknown[u] = 0;
             else
                 for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) sign[rings.side[t].half_edge] = 0;
         }
+        index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
     }
     for (uint32_t v = 0; v < n; ++v)
         if (unknown[v] != NONE) { unknown[v] = count; vertex[count++] = v; }
+
+    tripod.clear();
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        const uint32_t next = mesh.next[h], last = mesh.next[next];
+        if (h < next && h < last && f.corner2(h) > 0 && f.corner2(next) > 0 && f.corner2(last) > 0) tripod.push(h);
+    }
 
     uint32_t at = 0;
     for (uint32_t k = 0; k < count; ++k) {
@@ -146,21 +158,37 @@ double TwistedModel::relaxed(uint32_t k) const {
     return x;
 }
 
-uint64_t TwistedModel::project(Array<uint32_t>& patch, Array<uint32_t>& distance) {
-    patch.clear();
-    for (uint32_t k = 0; k < count; ++k) {
-        distance[k] = NONE;
-        double x = d[k];
-        if (lower[k] != INT64_MIN && x < static_cast<double>(lower[k])) x = static_cast<double>(lower[k]);
-        if (upper[k] != INT64_MAX && x > static_cast<double>(upper[k])) x = static_cast<double>(upper[k]);
-        if (x == d[k]) continue;
-        d[k] = x;
-        distance[k] = 0;
-        patch.push(k);
+// Brings d_k into its bounds; true if it was outside.
+bool TwistedModel::clip(uint32_t k) {
+    if (lower[k] != INT64_MIN && d[k] < static_cast<double>(lower[k])) d[k] = static_cast<double>(lower[k]);
+    else if (upper[k] != INT64_MAX && d[k] > static_cast<double>(upper[k])) d[k] = static_cast<double>(upper[k]);
+    else return false;
+    return true;
+}
+
+// Vertex k stops at its bound; its neighbours get theirs: F - s_k d_k - s d >= 0.
+void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
+    const uint32_t v = vertex[k];
+    const int64_t at = static_cast<int64_t>(d[k]);
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+        const uint32_t h = rings.side[t].half_edge, other = unknown[f.mesh.target(h)];
+        if (other == NONE || other == k) continue;
+        const int64_t room = f.at(h) - sign[h] * at;
+        if (room < 0) continue; // another branch point is in between
+        if (sign[twin(h)] > 0 && room < upper[other]) upper[other] = room;
+        if (sign[twin(h)] < 0 && -room > lower[other]) lower[other] = -room;
     }
+}
+
+uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
+    patch.clear();
+    for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
+    for (uint32_t k = 0; k < count; ++k)
+        if (clip(k)) { distance[k] = 0; patch.push(k); }
     const uint64_t active = patch.size();
     if (active == 0) return 0;
-    // The neighbourhood takes over what the bound keeps back.
+    for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
+    // The neighbourhood takes over what the bounds keep back.
     constexpr uint32_t rings_around = 8, sweeps = 24;
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
@@ -176,6 +204,10 @@ uint64_t TwistedModel::project(Array<uint32_t>& patch, Array<uint32_t>& distance
         for (size_t i = 0; i < patch.size(); ++i) {
             const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
             d[k] = relaxed(k);
+            if ((d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k])) && distance[k] != 0) {
+                distance[k] = 0; // rests from now on
+                rest(f, rings, k);
+            }
         }
     return active;
 }

@@ -14,7 +14,9 @@
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point
 //     s d_v <= F_vm       at every neighbour m that rests: stop there
 //
-// and no vertex becomes an extremum of the local potential.
+// and no vertex becomes an extremum of the local potential.  A vertex that
+// stops at a branch point rests there in its turn: its neighbours must not
+// pass it, either.
 #pragma once
 
 #include "../foliation/whitehead.hpp"
@@ -32,15 +34,21 @@ struct TwistedModel {
     Array<double> diagonal, right; // count
     Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
     Array<double> d;               // count, the solution
+    Array<int32_t> index;          // per vertex, before the step; a cluster's at one of its vertices
+    Array<uint32_t> tripod;        // a half-edge of each, before the step
 
     bool allocate(const Mesh& mesh, Memory& memory);
     // Signs, matrix, right side and bounds of the current foliation.
     void assemble(Foliation& f, const Rings& rings, const double* weight);
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
-    uint64_t project(Array<uint32_t>& patch, Array<uint32_t>& distance);
+    uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
     // New value of d_v from its neighbours, within the bounds.
     double relaxed(uint32_t unknown_index) const;
+
+private:
+    bool clip(uint32_t k);
+    void rest(const Foliation& f, const Rings& rings, uint32_t k);
 };
 
 } // namespace hmf
