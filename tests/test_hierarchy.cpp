@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -184,9 +185,35 @@ TEST(Hierarchy, SmallestMeshes) {
 }
 
 TEST(Hierarchy, ShearedTorusBecomesDelaunay) {
-    // Rows of triangles that lean over by several cells.
-    TriMesh mesh = test::torus(48, 24, 30, 1);
+    // The same connectivity, but each ring is turned by 20 of its 120 cells
+    // against the one before: several flips per edge.
+    const size_t n = 60, m = 120, shear = 20;
+    const TriMesh straight = test::torus(n, m, 3, 1);
+    TriMesh mesh = straight;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < m; ++j)
+            for (size_t c = 0; c < 3; ++c)
+                mesh.positions[3 * (i * m + j) + c] = straight.positions[3 * (i * m + (j + shear * i) % m) + c];
     expect_sound(mesh, small());
+    Built built(mesh, small());
+    EXPECT_GT(built.h.intrinsic_flip_count, built.h.input.edge_count);
+}
+
+TEST(Hierarchy, IntrinsicDelaunayBelongsToTheSurface) {
+    // Flips inside the flat faces of a plate do not change the surface, so the
+    // weights of its Delaunay triangulation must come out again.
+    for (const TriMesh& mesh : {test::subdivide(test::plate(2)), test::subdivide(test::thin_plate(2, 7))}) {
+        const TriMesh flipped = test::with_random_flips(mesh, 3000, 1 - 1e-12, 3);
+        EXPECT_NE(mesh.triangles, flipped.triangles);
+        Built a(mesh), b(flipped);
+        ASSERT_EQ(a.status, HMF_OK);
+        ASSERT_EQ(b.status, HMF_OK) << b.error.message;
+        std::vector<double> first(a.h.levels[0].weight, a.h.levels[0].weight + a.h.input.edge_count);
+        std::vector<double> second(b.h.levels[0].weight, b.h.levels[0].weight + b.h.input.edge_count);
+        std::sort(first.begin(), first.end());
+        std::sort(second.begin(), second.end());
+        for (size_t e = 0; e < first.size(); ++e) ASSERT_NEAR(first[e], second[e], 2e-8) << e;
+    }
 }
 
 TEST(Hierarchy, UnitsDoNotMatter) {
@@ -347,8 +374,10 @@ TEST(Memory, EveryAllocationMayFail) {
             const hmf_status status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
                                                       mesh.triangle_count(), small(0.5, n % 2 ? HMF_COLLAPSE_QSLIM : HMF_COLLAPSE_MIDPOINT), call);
             succeeded = status == HMF_OK;
-            if (!succeeded) EXPECT_EQ(status, HMF_ERROR_MEMORY);
-            if (!succeeded) EXPECT_EQ(error.status, HMF_ERROR_MEMORY);
+            if (!succeeded) {
+                EXPECT_EQ(status, HMF_ERROR_MEMORY);
+                EXPECT_EQ(error.status, HMF_ERROR_MEMORY);
+            }
         }
         EXPECT_EQ(failing.live, 0u);
     }
