@@ -1,4 +1,5 @@
-// Smoothed aggregation with signs.
+// Smoothed aggregation (Vanek, Mandel, Brezina 1996) with signs.  Not in [W],
+// which only moves one vertex at a time.
 //
 //   root r and its strong neighbours      left-overs join by vote
 //

@@ -1,4 +1,5 @@
-// The cycle of the signed multigrid and conjugate gradients around it.
+// The cycle of the signed multigrid (K-cycle: Notay, Vassilevski 2008) and
+// conjugate gradients around it.  Not in [W].
 //
 //   level 0   smooth, restrict                      prolong, smooth
 //   level 1        K-cycle: two steps of conjugate gradients, each with
