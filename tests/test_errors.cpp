@@ -568,7 +568,7 @@ TEST_F(OnTorus, GoodLoops) {
 }
 
 TEST_F(OnTorus, LoopDefects) {
-    expect_loops({{}}, HMF_ERROR_LOOP_NOT_CLOSED, 0);
+    expect_loops({{}, ring(2)}, HMF_ERROR_LOOP_NOT_CLOSED, 0);
     std::vector<uint32_t> loop = ring(4);
     loop[3] = 192;
     expect_loops({loop}, HMF_ERROR_LOOP_INDEX, 0);

@@ -45,10 +45,13 @@ void expect_report(const Hierarchy& hierarchy, const Solution& solution, size_t 
     EXPECT_NEAR(report.residual_mean, std::accumulate(residual.begin(), residual.end(), 0.0) / static_cast<double>(residual.size()), 1e-12);
 }
 
+// All loops have weight 1.
 void expect_result(const Hierarchy& hierarchy, const Solution& solution, size_t level = 0) {
     EXPECT_TRUE(solution.status == HMF_OK || solution.status == HMF_LIMIT_STALLED) << solution.status << ": " << solution.error.message;
     ASSERT_LT(solution.status, HMF_ERROR_NULL);
-    expect_foliation(hierarchy, read_level(hierarchy, level), solution.values);
+    const LevelMesh mesh = read_level(hierarchy, level);
+    expect_foliation(hierarchy, mesh, solution.values);
+    EXPECT_EQ(class_defect(mesh, solution.values, 1), "");
     expect_report(hierarchy, solution, level);
 }
 

@@ -363,6 +363,113 @@ double shortest_crossing(const LevelMesh& mesh, const Loops& loops, size_t c, co
     return best;
 }
 
+std::string class_defect(const LevelMesh& mesh, const std::vector<double>& values, double w) {
+    const std::vector<uint32_t> sides = edge_sides(mesh);
+    const size_t n = mesh.vertex_count;
+    const auto other_side = [&](uint32_t c) {
+        const uint32_t e = mesh.triangle_edges[c];
+        return sides[2 * e] == c ? sides[2 * e + 1] : sides[2 * e];
+    };
+    // An edge has two ends; end 2e is at edge_vertices[2e].  Loops (both ends at
+    // one vertex) are told apart by the side that leaves.
+    const auto end_of = [&](uint32_t c) { // the end of its edge that side c leaves from
+        const uint32_t e = mesh.triangle_edges[c];
+        return 2 * e + (sides[2 * e] != c);
+    };
+    const auto vertex_of = [&](uint32_t end) { return mesh.triangle_vertices[sides[end]]; };
+    // Sector of each end at its vertex, and the number of sectors; 0 where an edge is zero.
+    std::vector<int> sign(2 * mesh.edge_count, 0), sectors(n, 0);
+    std::vector<uint32_t> leaving(n, UINT32_MAX);
+    std::vector<bool> has_zero(n, false);
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        if (values[e] == 0) has_zero[mesh.edge_vertices[2 * e]] = has_zero[mesh.edge_vertices[2 * e + 1]] = true;
+    for (uint32_t c = 0; c < 3 * mesh.triangle_count; ++c) leaving[mesh.triangle_vertices[c]] = c;
+    for (uint32_t v = 0; v < n; ++v) {
+        if (has_zero[v]) continue;
+        // Start right after a closed corner.
+        uint32_t first = leaving[v], turn = 0;
+        while (corner2(mesh, values, first) != 0 && turn++ < 100000) first = other_side(previous_side(first));
+        if (turn >= 100000) return "a pole";
+        first = other_side(previous_side(first));
+        uint32_t c = first;
+        int sector = 0;
+        do {
+            sign[end_of(c)] = sector % 2 ? -1 : 1;
+            if (corner2(mesh, values, c) == 0) ++sector;
+            c = other_side(previous_side(c));
+        } while (c != first);
+        sectors[v] = sector;
+    }
+    const auto fold = [w](double h) { return h - w * std::floor(h / w); };
+    const auto zero = [&](double h) { return fold(h) == 0; };
+
+    std::vector<double> height(n, 0);
+    std::vector<int> orientation(n, 0); // 0: not reached
+    std::vector<std::vector<uint32_t>> ends(n);
+    for (uint32_t end = 0; end < 2 * mesh.edge_count; ++end) ends[vertex_of(end)].push_back(end);
+    const auto regular = [&](uint32_t v) { return sectors[v] == 2; };
+    const auto centre_height = [&](uint32_t c) { // of a tripod, from its corner c
+        const uint32_t v = mesh.triangle_vertices[c];
+        return height[v] + orientation[v] * sign[end_of(c)] * 0.5 * corner2(mesh, values, c);
+    };
+    const auto tripod = [&](uint32_t t) {
+        for (uint32_t c = 3 * t; c < 3 * t + 3; ++c)
+            if (corner2(mesh, values, c) <= 0 || values[mesh.triangle_edges[c]] == 0) return false;
+        return true;
+    };
+    // Begin at a singularity.
+    std::vector<uint32_t> queue;
+    for (uint32_t t = 0; t < mesh.triangle_count && queue.empty(); ++t)
+        for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3 && queue.empty(); ++c)
+            if (regular(mesh.triangle_vertices[c])) {
+                const uint32_t v = mesh.triangle_vertices[c];
+                orientation[v] = 1;
+                height[v] = fold(-sign[end_of(c)] * 0.5 * corner2(mesh, values, c));
+                queue.push_back(v);
+            }
+    for (uint32_t v = 0; v < n && queue.empty(); ++v)
+        for (size_t i = 0; sectors[v] > 2 && i < ends[v].size() && queue.empty(); ++i) {
+            const uint32_t back = ends[v][i] ^ 1u, u = vertex_of(back);
+            if (!regular(u)) continue;
+            orientation[u] = 1;
+            height[u] = fold(-sign[back] * values[back / 2]);
+            queue.push_back(u);
+        }
+    // Genus 1: no zero, no reflections; any height will do.
+    const bool orientable = queue.empty();
+    for (uint32_t v = 0; v < n && queue.empty(); ++v)
+        if (regular(v)) {
+            orientation[v] = 1;
+            queue.push_back(v);
+        }
+    size_t reached = 0;
+    while (reached < queue.size()) {
+        const uint32_t v = queue[reached++];
+        for (uint32_t end : ends[v]) {
+            const uint32_t back = end ^ 1u, u = vertex_of(back);
+            const double h = fold(height[v] + orientation[v] * sign[end] * values[end / 2]);
+            if (sectors[u] > 2 && !zero(h)) return "the singular vertex " + std::to_string(u) + " is off by " + std::to_string(h);
+            if (!regular(u)) continue;
+            const int o = -orientation[v] * sign[end] * sign[back];
+            if (orientation[u] == 0) {
+                orientation[u] = o;
+                height[u] = h;
+                queue.push_back(u);
+            } else if (orientable && o != orientation[u]) {
+                return "edge " + std::to_string(end / 2) + " turns the orientation";
+            } else if (!zero(o == orientation[u] ? h - height[u] : h + height[u])) {
+                return "edge " + std::to_string(end / 2) + " closes with a defect of " + std::to_string(fold(o == orientation[u] ? h - height[u] : h + height[u]));
+            }
+        }
+    }
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t)
+        for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3; ++c)
+            if (orientation[mesh.triangle_vertices[c]] != 0 && !zero(centre_height(c)))
+                return "the zero in triangle " + std::to_string(t) + " is off by " + std::to_string(fold(centre_height(c)));
+    if (2 * reached < n) return "only " + std::to_string(reached) + " vertices could be reached";
+    return "";
+}
+
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations) {
     hmf_solve_options options;
     hmf_solve_options_init(&options);

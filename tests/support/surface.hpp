@@ -99,6 +99,13 @@ std::vector<uint32_t> crossed_edges(const LevelMesh& mesh, const Loops& loops, s
 // Least length of a closed edge path that crosses triangle loop c exactly once.
 double shortest_crossing(const LevelMesh& mesh, const Loops& loops, size_t c, const std::vector<double>& values);
 
+// Necessary for the class of loops that all have weight w, exact: the dual tree
+// has only edges of length w, so that heights above a singularity are defined up
+// to sign and multiples of w.  Integrates the values over the regular vertices
+// and compares all the ways to each edge and each other singularity.  Empty, or
+// what does not fit.
+std::string class_defect(const LevelMesh& mesh, const std::vector<double>& values, double w);
+
 // --- Solving -----------------------------------------------------------------
 
 struct Solution {
