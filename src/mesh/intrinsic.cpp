@@ -100,7 +100,8 @@ bool is_delaunay(const Mesh& mesh, const Array<double>& length) {
     return true;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t& flip_count, Call& call, double from, double to) {
+hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
+                              double from, double to) {
     Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
     if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
     uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
@@ -112,7 +113,7 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
             if (budget > 0 && needs_flip(mesh, length, e)) {
                 --budget;
-                if (flips) flips[flip_count] = e;
+                if (flip_count < capacity) flips[flip_count] = e;
                 ++flip_count;
                 length[e] = other_diagonal(quad(mesh, length, e));
                 flip(mesh, e);

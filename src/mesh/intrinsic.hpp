@@ -16,9 +16,10 @@ bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Arra
 // Can every edge stay?
 bool is_delaunay(const Mesh& mesh, const Array<double>& length);
 
-// Flips until every edge is Delaunay, and counts.  Writes the edges to flips,
-// unless it is nullptr.  The same input gives the same sequence.
-hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t& flip_count, Call& call, double from, double to);
+// Flips until every edge is Delaunay, and counts.  Writes the first `capacity`
+// of the flipped edges.  The same input gives the same sequence.
+hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
+                              double from, double to);
 
 // Weights from lengths, raised to the floor and cut at the cap.  Returns the
 // number of weights that were negative beyond rounding.
