@@ -7,8 +7,7 @@
 
 namespace hmf {
 
-// Breadth-first numbers: neighbours are close to each other in memory, which
-// halves the time of everything that follows.
+// Breadth-first numbers: neighbours are close to each other in memory.
 struct Numbering {
     Array<uint32_t> vertex, edge, face; // old number -> new number
 };

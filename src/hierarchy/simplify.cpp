@@ -4,8 +4,8 @@
 // The queue is lazy.  A collapse changes the length of a dozen edges; none of
 // them is touched.  An edge that got longer is put back when it is taken; one
 // that got shorter comes later than it should, which only matters inside one
-// level, since each level starts with a new queue.  Against a heap this is
-// five times as fast, and the levels look the same.
+// level, since each level starts with a new queue.  A heap would keep the exact
+// order, at the price of a dozen updates for each collapse.
 //
 // A first round keeps the mesh in good shape (no vertex of high degree, no
 // triangle that turns over); if that does not reach the target, the next
