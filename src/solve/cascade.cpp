@@ -96,6 +96,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;
+        } else if (call.finishing()) {
+            status = HMF_CANCELLED; // whatever an earlier level reached
         }
         done += share;
         if (entry) *entry = statistics;

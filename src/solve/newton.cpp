@@ -59,13 +59,20 @@ public:
         for (uint32_t k = 0; k < n; ++k) model_.d[k] = 0;
         const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
         SignedMultigrid multigrid;
-        if (!multigrid.setup(matrix, w_.call.memory)) return w_.call.out_of_memory();
-        multigrid.solve(matrix, model_.right.data(), model_.d.data(), tolerance, 200, w_.call);
-        ++w_.statistics.linear_solves;
-        if (w_.call.cancelled()) return HMF_CANCELLED;
-        model_.project(f_, w_.rings, patch_, distance_);
+        if (!multigrid.setup(matrix, w_.call.memory, &w_.call))
+            return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
         const double before = energy(f_, weight_);
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
+        ++w_.statistics.linear_solves;
+        // On limbs that no loop goes round the values decay below the error of
+        // a loose solve: then it is continued.
+        for (double accuracy = tolerance;; accuracy *= 1e-4) {
+            multigrid.solve(matrix, model_.right.data(), model_.d.data(), accuracy, 200, w_.call);
+            if (w_.call.cancelled() || w_.call.finishing()) return HMF_CANCELLED;
+            model_.project(f_, w_.rings, patch_, distance_);
+            set_values(1);
+            if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
+        }
         double factor = 1;
         for (uint32_t attempt = 0; attempt < 6; ++attempt, factor *= 0.5) {
             if (apply(factor)) {
@@ -126,12 +133,24 @@ private:
         f_.value[e] = x < 0 ? -x : x;
     }
 
+    void set_values(double factor) {
+        const Mesh& mesh = f_.mesh;
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+            step_[v] = model_.unknown[v] == NONE ? 0 : rounded(model_.unknown[v], factor);
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
+    }
+
+    uint64_t count_extrema() const {
+        uint64_t count = 0;
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) count += shape(v) == Shape::extremum;
+        return count;
+    }
+
     // Applies factor * d; false if the result is not a foliation of the class.
     bool apply(double factor) {
         const Mesh& mesh = f_.mesh;
         const uint32_t n = mesh.vertex_count;
-        for (uint32_t v = 0; v < n; ++v) step_[v] = model_.unknown[v] == NONE ? 0 : rounded(model_.unknown[v], factor);
-        for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
+        set_values(factor);
         // Vertices that have become extrema go to the mean of their neighbours.
         suspect_.clear();
         for (uint32_t v = 0; v < n; ++v)
