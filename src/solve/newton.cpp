@@ -73,15 +73,29 @@ public:
             set_values(1);
             if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
         }
+        // Where the step went too far, the neighbourhood stays as it is; if
+        // that does not help, all take a shorter step.
         double factor = 1;
-        for (uint32_t attempt = 0; attempt < 6; ++attempt, factor *= 0.5) {
+        uint32_t radius = 2;
+        for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
+            too_far_ = NONE;
             if (apply(factor)) {
-                const double after = energy(f_, weight_);
-                if (after <= before * (1 + 1e-15)) { accepted = factor; break; }
+                if (energy_change() <= 1e-17 * before) {
+                    accepted = factor;
+                    return HMF_OK;
+                }
             }
             if (f_.out_of_memory) return w_.call.out_of_memory();
-            std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
+            if (!w_.call.tick(0, true)) break;
+            if (too_far_ != NONE && attempt < 16) {
+                std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
+                if (attempt % 4 == 3) ++radius;
+                model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
+            } else {
+                factor *= 0.5;
+            }
         }
+        std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
         return HMF_OK;
     }
 
@@ -140,6 +154,16 @@ private:
         for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
     }
 
+    // From the backup to the values, without the cancellation of two energies.
+    double energy_change() const {
+        double sum = 0;
+        for (uint32_t e = 0; e < f_.mesh.edge_count; ++e) {
+            const double change = static_cast<double>(f_.value[e] - backup_[e]);
+            sum += weight_[e] * change * static_cast<double>(f_.value[e] + backup_[e]);
+        }
+        return sum;
+    }
+
     uint64_t count_extrema() const {
         uint64_t count = 0;
         for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) count += shape(v) == Shape::extremum;
@@ -178,6 +202,11 @@ private:
         return settle() && zeros_are_in_place();
     }
 
+    bool fail_at(uint32_t v) {
+        too_far_ = v;
+        return false;
+    }
+
     enum class Shape : uint8_t { sound, extremum, has_zero, broken };
 
     Shape shape(uint32_t v) const {
@@ -203,10 +232,10 @@ private:
         const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
         for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
             const Shape s = shape(v);
-            if (s == Shape::broken) return false;
+            if (s == Shape::broken) return fail_at(v);
             if (s == Shape::sound || (s == Shape::has_zero && f_.stamp[v] > before)) continue;
             if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) continue;
-            if (!settle_extremum(f_, v)) return false;
+            if (!settle_extremum(f_, v)) return fail_at(v);
         }
         return true;
     }
@@ -238,7 +267,7 @@ private:
                 here = ahead;
             }
             if (!zero) {
-                if (2 - closed != expected[v]) return false;
+                if (2 - closed != expected[v]) return fail_at(v);
                 continue;
             }
             if (f_.stamp[v] > before) continue;
@@ -246,7 +275,7 @@ private:
             if (f_.out_of_memory) return false;
             int64_t sum = 0;
             for (uint32_t u : f_.members) sum += expected[u];
-            if (2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) != sum) return false;
+            if (2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) != sum) return fail_at(v);
         }
         return true;
     }
@@ -259,6 +288,7 @@ private:
     Array<int32_t> expected_;
     Array<uint32_t> patch_, near_, suspect_, distance_;
     bool backward_ = false;
+    uint32_t too_far_ = NONE; // vertex where the last step could not be taken
 };
 
 } // namespace
@@ -271,14 +301,17 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
     const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
     newton.sweeps(coarsest ? 20 : 2);
-    double best = 1e300;
+    double best = 1e300, lowest = 1e300;
     uint32_t without_progress = 0;
     for (uint32_t round = 0; round < most_rounds; ++round) {
         const double before = newton.residual();
         work.record(2, energy(work.state.foliation, work.level.weight), before);
         if (before <= goal) return HMF_OK;
-        if (before < 0.5 * best) { best = before; without_progress = 0; }
+        const double D = energy(work.state.foliation, work.level.weight);
+        if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;
         else if (++without_progress > 12) break;
+        if (before < best) best = before;
+        if (D < lowest) lowest = D;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         double linear = 0.03 * goal / before;

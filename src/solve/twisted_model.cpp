@@ -180,15 +180,8 @@ void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
     }
 }
 
-uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
-    patch.clear();
-    for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
-    for (uint32_t k = 0; k < count; ++k)
-        if (clip(k)) { distance[k] = 0; patch.push(k); }
-    const uint64_t active = patch.size();
-    if (active == 0) return 0;
-    for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
-    // The neighbourhood takes over what the bounds keep back.
+// Projected Gauss-Seidel in the neighbourhood of the patch, whose unknowns rest.
+void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
     constexpr uint32_t rings_around = 8, sweeps = 24;
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
@@ -209,7 +202,46 @@ uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uin
                 rest(f, rings, k);
             }
         }
+}
+
+uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
+    patch.clear();
+    for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
+    for (uint32_t k = 0; k < count; ++k)
+        if (clip(k)) { distance[k] = 0; patch.push(k); }
+    const uint64_t active = patch.size();
+    for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
+    if (active > 0) relax_around(f, rings, patch, distance);
     return active;
+}
+
+void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch,
+                          Array<uint32_t>& distance) {
+    patch.clear();
+    for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
+    // Rings of unknowns round v; distance counts up and is set back below.
+    const auto add = [&](uint32_t w, uint32_t ring) {
+        const uint32_t k = unknown[w];
+        if (k == NONE || distance[k] != NONE) return;
+        distance[k] = ring;
+        patch.push(k);
+    };
+    add(v, 0);
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) add(f.mesh.target(rings.side[t].half_edge), 1);
+    for (size_t i = 0; i < patch.size(); ++i) {
+        const uint32_t k = patch[i];
+        if (distance[k] >= radius) continue;
+        for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) add(vertex[column[j]], distance[k] + 1);
+    }
+    for (size_t i = 0; i < patch.size(); ++i) {
+        const uint32_t k = patch[i];
+        distance[k] = 0;
+        d[k] = 0;
+        lower[k] = upper[k] = 0;
+    }
+    const size_t frozen = patch.size();
+    for (size_t i = 0; i < frozen; ++i) rest(f, rings, patch[i]);
+    relax_around(f, rings, patch, distance);
 }
 
 } // namespace hmf

@@ -43,12 +43,16 @@ struct TwistedModel {
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
+    // Keeps the vertices within some rings of v where they are, and lets the
+    // others take that over.
+    void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch, Array<uint32_t>& distance);
     // New value of d_v from its neighbours, within the bounds.
     double relaxed(uint32_t unknown_index) const;
 
 private:
     bool clip(uint32_t k);
     void rest(const Foliation& f, const Rings& rings, uint32_t k);
+    void relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
 };
 
 } // namespace hmf
