@@ -243,6 +243,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     {
         Loops crossings;
         Array<int64_t> weights;
+        call.range(0, 0); // the levels share the whole range
         if (take_loops(*hierarchy, loops, given, call, crossings, weights, unit)) return call.status();
         if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory)) return call.out_of_memory();
         state.load(given, Side::input);

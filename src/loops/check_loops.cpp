@@ -117,7 +117,7 @@ Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last,
 // that crosses an earlier one.
 hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call) {
     for (size_t c = 0; c < loops.count(); ++c) {
-        if (c % 256 == 0 && !call.tick(0)) return cancelled(call);
+        if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
         const Answer answer = disjoint(mesh, loops, c, c + 1, curves, nullptr, call.memory);
         if (answer == Answer::out_of_memory) return call.out_of_memory();
         if (answer == Answer::no)
@@ -128,7 +128,7 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
     size_t good = 1, bad = loops.count();
     while (good + 1 < bad) {
         const size_t middle = good + (bad - good) / 2;
-        if (!call.tick(0)) return cancelled(call);
+        if (!call.tick(0, true)) return cancelled(call);
         const Answer answer = disjoint(mesh, loops, 0, middle, curves, nullptr, call.memory);
         if (answer == Answer::out_of_memory) return call.out_of_memory();
         if (answer == Answer::yes) good = middle;
@@ -147,7 +147,7 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count) || !component_of.allocate(memory, n) ||
         !border.allocate_filled(memory, cut.region_count, NONE) || !euler.allocate_filled(memory, cut.region_count, int64_t{0}))
         return call.out_of_memory();
-    if (!call.tick(0)) return cancelled(call);
+    if (!call.tick(0, true)) return cancelled(call);
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
     for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
     for (uint32_t r = 0; r < cut.region_count; ++r) ++euler[find_root(parent.data(), r)];
@@ -157,7 +157,7 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
         const uint32_t h = mesh.out[v], e = edge_of(h);
         ++euler[find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}])];
     }
-    if (!call.tick(0)) return cancelled(call);
+    if (!call.tick(0, true)) return cancelled(call);
     for (size_t k = 0; k < n; ++k) component_of[loop_of[k]] = static_cast<uint32_t>(k);
     for (int round = 0; round < 2; ++round) // disks first
         for (size_t c = 0; c < n; ++c) {
@@ -191,11 +191,11 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call) {
     Multicurve curves;
     Array<uint32_t> loop_of;
     if (!curves.allocate(mesh, call.memory)) return call.out_of_memory();
-    if (!call.tick(0)) return cancelled(call);
+    if (!call.tick(0, true)) return cancelled(call);
     const Answer answer = disjoint(mesh, loops, 0, count, curves, &loop_of, call.memory);
     if (answer == Answer::out_of_memory) return call.out_of_memory();
     if (answer == Answer::no) return name_crossing(mesh, loops, curves, call);
-    if (!call.tick(0)) return cancelled(call);
+    if (!call.tick(0, true)) return cancelled(call);
     return check_pieces(mesh, curves, loop_of, call);
 }
 

@@ -60,7 +60,7 @@ public:
         const double faces = mesh_.face_count, most = 8e6 + 20 * faces;
         const double budget = faces * (40 + 6.0 * genus) < most ? faces * (40 + 6.0 * genus) : most;
         for (uint32_t k = 0; k < genus; ++k) {
-            if (!call_.tick(static_cast<double>(k) / genus)) return cancelled();
+            if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
             if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !sign() || !prepare_search())
                 return call_.cancelled() ? cancelled() : call_.out_of_memory();
             found_ = false;
@@ -149,7 +149,7 @@ private:
         queue[end++] = 0;
         reached[0] = 1;
         while (begin < end) {
-            if (begin % 65536 == 0 && !call_.tick(0)) return false;
+            if (begin % 65536 == 0 && !call_.tick(0, true)) return false;
             const uint32_t r = queue[begin++];
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{r} + i];
@@ -164,7 +164,7 @@ private:
         for (uint32_t p = 0; p < points; ++p) parent[p] = p;
         uint64_t word = 0;
         for (uint32_t s = 0; s < segments; ++s) {
-            if (s % 65536 == 0 && !call_.tick(0)) return false;
+            if (s % 65536 == 0 && !call_.tick(0, true)) return false;
             if (kind[s]) continue;
             const uint32_t p = cut_.point[2 * size_t{s}], q = cut_.point[2 * size_t{s} + 1];
             if (unite(parent.data(), p, q)) {
@@ -184,7 +184,7 @@ private:
         for (uint32_t p = 0; p < points; ++p)
             if (degree[p] == 1) queue[end++] = p;
         while (begin < end) {
-            if (begin % 65536 == 0 && !call_.tick(0)) return false;
+            if (begin % 65536 == 0 && !call_.tick(0, true)) return false;
             const uint32_t p = queue[begin++];
             if (degree[p] != 1) continue;
             const uint32_t s = last[p];
@@ -254,7 +254,7 @@ private:
             if (settled(r)) continue;
             if (2 * entry.distance >= shortest) break;
             stamp_[r] = 2 * epoch_ + 1;
-            if (++work_ % 16384 == 0 && !call_.tick(0)) return best_;
+            if (++work_ % 16384 == 0 && !call_.tick(0, true)) return best_;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{r} + i];
                 if (link == NONE) break;
@@ -324,7 +324,7 @@ private:
                 if (first) root_count_ = i;
                 break;
             }
-            if (i % 16 == 0 && !call_.tick(0)) return false;
+            if (i % 16 == 0 && !call_.tick(0, true)) return false;
             const double bound = search(cut_.region_first[roots_[i].face]);
             if (call_.cancelled()) return false;
             if (bound > roots_[i].bound) roots_[i].bound = bound;

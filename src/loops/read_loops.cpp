@@ -127,7 +127,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                 return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu is no %s of the level, which has %llu.",
                                  static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(limit));
         for (uint64_t i = first; i < end; ++i) {
-            if (i % 8192 == 0 && !call.tick(0))
+            if (i % 8192 == 0 && !call.tick(0, true))
                 return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
             const uint32_t h = triangles ? shared_side(mesh, side[here], there) : shared_edge(mesh, here, there);
