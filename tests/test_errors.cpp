@@ -447,23 +447,19 @@ TEST(Call, ListOfSingularitiesHasACapacity) {
     EXPECT_EQ(again, 12345u);
 }
 
-TEST(Call, LoopsOfTheWrongLevelAreRefused) {
+TEST(Call, LoopsNeedALevelThatExists) {
     const Hierarchy hierarchy(torus(60, 24, 2, 1), 0.5, 200);
     ASSERT_TRUE(hierarchy);
-    ASSERT_GE(hierarchy.levels(), 3u);
-    const Loops loops = library_loops(hierarchy, 1);
+    Loops loops = library_loops(hierarchy, 1);
     std::vector<double> values(hierarchy.edges(0), -1);
     const std::vector<double> before = values;
     hmf_error error{};
-    hmf_loop_set set = loops.view();
-    for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
-        const hmf_solve_options options = solve_options(method, 1e-3, 10);
-        const hmf_status status = hmf_solve(hierarchy.get(), &set, &options, values.data(), values.size(), nullptr, &error);
-        EXPECT_TRUE(status == HMF_ERROR_UNSUPPORTED || status == HMF_ERROR_LEVEL) << status;
-        EXPECT_EQ(values, before);
-    }
-    set.level = 99;
+    loops.level = hierarchy.levels();
+    const hmf_loop_set set = loops.view();
     expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LEVEL, error);
+    error = hmf_error{};
+    expect_error(hmf_solve(hierarchy.get(), &set, nullptr, values.data(), values.size(), nullptr, &error), HMF_ERROR_LEVEL, error);
+    EXPECT_EQ(values, before);
 }
 
 // --- The mesh ----------------------------------------------------------------
@@ -568,7 +564,7 @@ TEST_F(OnTorus, GoodLoops) {
 }
 
 TEST_F(OnTorus, LoopDefects) {
-    expect_loops({{}, ring(2)}, HMF_ERROR_LOOP_NOT_CLOSED, 0);
+    expect_loops({{}, ring(2)}, HMF_ERROR_LOOP_COUNT, 0);
     std::vector<uint32_t> loop = ring(4);
     loop[3] = 192;
     expect_loops({loop}, HMF_ERROR_LOOP_INDEX, 0);
@@ -809,9 +805,13 @@ TEST(Progress, CancelsOrFinishesTheSolution) {
                 report.struct_size = sizeof report;
                 hmf_error error{};
                 const hmf_status status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
+                EXPECT_TRUE(progress.rising);
+                if (answer == HMF_PROGRESS_FINISH && status == HMF_OK) {
+                    EXPECT_EQ(values, whole.values); // asked too late: there was nothing left to improve
+                    continue;
+                }
                 ASSERT_EQ(status, HMF_CANCELLED);
                 EXPECT_EQ(error.status, HMF_CANCELLED);
-                EXPECT_TRUE(progress.rising);
                 ASSERT_EQ(meter.used, held);
                 if (answer == HMF_PROGRESS_FINISH) {
                     EXPECT_EQ(report.values_written, 1);

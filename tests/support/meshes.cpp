@@ -454,4 +454,36 @@ TriMesh with_random_flips(const TriMesh& mesh, size_t attempts, double min_cosin
     return result;
 }
 
+TriMesh with_delaunay_flips(const TriMesh& mesh, double floor, size_t rounds) {
+    TriMesh result = mesh;
+    EdgeMap map = edge_map(result);
+    const auto cotangent = [&](uint32_t apex, uint32_t a, uint32_t b) {
+        const Vec u = at(result, a) - at(result, apex), v = at(result, b) - at(result, apex);
+        return dot(u, v) / length(cross(u, v));
+    };
+    bool changed = true;
+    for (size_t round = 0; round < rounds && changed; ++round) {
+        changed = false;
+        for (uint32_t t = 0; t < result.triangle_count(); ++t)
+            for (size_t s = 0; s < 3; ++s) {
+                const uint32_t a = result.triangles[3 * t + s], b = result.triangles[3 * t + (s + 1) % 3], c = result.triangles[3 * t + (s + 2) % 3];
+                const uint32_t u = map[key(b, a)];
+                uint32_t d = a;
+                for (size_t x = 0; x < 3; ++x)
+                    if (result.triangles[3 * u + x] != a && result.triangles[3 * u + x] != b) d = result.triangles[3 * u + x];
+                if (0.5 * (cotangent(c, a, b) + cotangent(d, a, b)) >= floor || c == d || map.count(key(c, d))) continue;
+                map.erase(key(a, b));
+                map.erase(key(b, a));
+                const uint32_t first[3] = {c, d, b}, second[3] = {d, c, a};
+                std::copy(first, first + 3, &result.triangles[3 * t]);
+                std::copy(second, second + 3, &result.triangles[3 * u]);
+                for (uint32_t x : {t, u})
+                    for (uint32_t y = 0; y < 3; ++y) map[key(result.triangles[3 * x + y], result.triangles[3 * x + (y + 1) % 3])] = x;
+                changed = true;
+                break;
+            }
+    }
+    return result;
+}
+
 } // namespace test

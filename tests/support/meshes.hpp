@@ -91,4 +91,7 @@ TriMesh with_bad_triangles(const TriMesh& mesh, size_t count, double degrees, ui
 // min_cosine and form a convex quadrilateral.  1 - 1e-12: the surface stays the same.
 TriMesh with_random_flips(const TriMesh& mesh, size_t attempts, double min_cosine, uint64_t seed);
 
+// Flips edges until all cotangent weights are at least `floor`, or `rounds` end.
+TriMesh with_delaunay_flips(const TriMesh& mesh, double floor, size_t rounds);
+
 } // namespace test

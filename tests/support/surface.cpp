@@ -417,24 +417,20 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
             if (corner2(mesh, values, c) <= 0 || values[mesh.triangle_edges[c]] == 0) return false;
         return true;
     };
-    // Begin at a singularity.
+    // Begin round every singularity.
     std::vector<uint32_t> queue;
-    for (uint32_t t = 0; t < mesh.triangle_count && queue.empty(); ++t)
-        for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3 && queue.empty(); ++c)
-            if (regular(mesh.triangle_vertices[c])) {
-                const uint32_t v = mesh.triangle_vertices[c];
-                orientation[v] = 1;
-                height[v] = fold(-sign[end_of(c)] * 0.5 * corner2(mesh, values, c));
-                queue.push_back(v);
-            }
-    for (uint32_t v = 0; v < n && queue.empty(); ++v)
-        for (size_t i = 0; sectors[v] > 2 && i < ends[v].size() && queue.empty(); ++i) {
-            const uint32_t back = ends[v][i] ^ 1u, u = vertex_of(back);
-            if (!regular(u)) continue;
-            orientation[u] = 1;
-            height[u] = fold(-sign[back] * values[back / 2]);
-            queue.push_back(u);
-        }
+    const auto begin_at = [&](uint32_t v, double h) {
+        if (!regular(v) || orientation[v] != 0) return;
+        orientation[v] = 1;
+        height[v] = fold(h);
+        queue.push_back(v);
+    };
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t)
+        for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3; ++c)
+            begin_at(mesh.triangle_vertices[c], -sign[end_of(c)] * 0.5 * corner2(mesh, values, c));
+    for (uint32_t v = 0; v < n; ++v)
+        for (uint32_t end : ends[v])
+            if (sectors[v] > 2) begin_at(vertex_of(end ^ 1u), -sign[end ^ 1u] * values[end / 2]);
     // Genus 1: no zero, no reflections; any height will do.
     const bool orientable = queue.empty();
     for (uint32_t v = 0; v < n && queue.empty(); ++v)
