@@ -319,7 +319,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (linear < 1e-11) linear = 1e-11;
         double accepted = 0;
         if (const hmf_status status = newton.step(linear, accepted)) return status;
-        newton.relax_near_zeros(accepted == 1 ? 10 : 30);
+        newton.relax_near_zeros(40);
         newton.sweeps(accepted == 1 ? 1 : 10);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
