@@ -32,7 +32,7 @@ void expect_extension(const char* option, const std::string& path, std::initiali
 
 void check_outputs(const std::string& mesh, const SolveRequest& request) {
     std::vector<std::string> outputs = request.values;
-    for (const std::string& path : {request.report, request.history, request.textured_obj, request.image})
+    for (const std::string& path : {request.report, request.history, request.image})
         if (!path.empty()) outputs.push_back(path);
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
@@ -62,7 +62,6 @@ int demo(const std::string& folder) {
     request.values = {in_folder("values.csv"), in_folder("values.npy")};
     request.report = in_folder("report.json");
     request.history = in_folder("history.csv");
-    request.textured_obj = in_folder("textured.obj");
     request.image = in_folder("image.png");
     const int status = solve(mesh, seconds_since(start), request);
     std::printf("The picture is in %s\n", request.image.c_str());
@@ -89,7 +88,7 @@ int run(int argc, char** argv) {
     info_command->add_flag("--json", json, "print JSON");
 
     SolveRequest request;
-    std::string values;
+    std::string values, textured_obj;
     CLI::App* solve_command = app.add_subcommand("solve", "the harmonic foliation in the class of some loops");
     solve_command->add_option("MESH", mesh_path, ".obj .off .ply .stl (stl: equal points are joined)")->required();
     solve_command
@@ -117,7 +116,7 @@ int run(int argc, char** argv) {
     solve_command->add_option("--values", values, "F per edge: .csv (vertex,vertex,value) or .npy")->type_name("FILE");
     solve_command->add_option("--report", request.report, "numbers of the run, JSON")->type_name("FILE.json");
     solve_command->add_option("--history", request.history, "energy and residual over time")->type_name("FILE.csv");
-    solve_command->add_option("--obj", request.textured_obj, "mesh with (u,v) per corner as texture coordinates")->type_name("FILE.obj");
+    solve_command->add_option("--obj", textured_obj)->group(""); // hidden
     solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow")->type_name("FILE.png");
 
     try {
@@ -132,10 +131,10 @@ int run(int argc, char** argv) {
 
     if (request.loops == "handle" || request.loops == "pants")
         throw Failure(EXIT_USAGE, "--loops " + request.loops + " comes with a later version; use cut or a file of loops");
+    if (!textured_obj.empty()) throw Failure(EXIT_USAGE, "--obj comes with a later version; use --values and --image");
     expect_extension("--values", values, {".csv", ".npy"});
     expect_extension("--report", request.report, {".json"});
     expect_extension("--history", request.history, {".csv"});
-    expect_extension("--obj", request.textured_obj, {".obj"});
     expect_extension("--image", request.image, {".png"});
     if (!values.empty()) request.values = {values};
     if (!method.empty()) request.method = methods.at(method);

@@ -211,7 +211,7 @@ Potential local_potential(const Foliation& foliation) {
     return potential;
 }
 
-double mean_gradient(const Foliation& foliation, const Potential& potential) {
+double root_mean_square_gradient(const Foliation& foliation, const Potential& potential) {
     double sum = 0, area_sum = 0;
     for (uint32_t t = 0; t < foliation.triangle_count(); ++t) {
         const Flat flat = lay_out(foliation, t);
@@ -219,59 +219,9 @@ double mean_gradient(const Foliation& foliation, const Potential& potential) {
         area_sum += area;
         if (potential.piece[t] != Piece::linear) continue;
         const auto g = gradient(flat, potential.u[t]);
-        sum += area * std::sqrt(g[0] * g[0] + g[1] * g[1]);
+        sum += area * (g[0] * g[0] + g[1] * g[1]);
     }
-    return area_sum > 0 ? sum / area_sum : 0;
-}
-
-std::vector<double> texture_coordinates(const Foliation& foliation, const Potential& potential) {
-    const size_t count = foliation.triangle_count();
-    std::vector<double> uv(6 * count, 0);
-    std::vector<std::array<uint32_t, 2>> edge_triangles(foliation.values.size(), {NO_TRIANGLE, NO_TRIANGLE});
-    for (uint32_t t = 0; t < count; ++t) {
-        for (unsigned s = 0; s < 3; ++s) {
-            auto& pair = edge_triangles[foliation.triangle_edges[3 * t + s]];
-            (pair[0] == NO_TRIANGLE ? pair[0] : pair[1]) = t;
-        }
-        // The conjugate has the gradient turned by a quarter.  A tripod has no
-        // linear potential: it keeps its distances, without a conjugate.
-        const Flat flat = lay_out(foliation, t);
-        std::array<double, 2> g{0, 0};
-        if (potential.piece[t] == Piece::linear) g = gradient(flat, potential.u[t]);
-        for (unsigned c = 0; c < 3; ++c) uv[6 * t + 2 * c] = potential.u[t][c];
-        uv[6 * t + 3] = -g[1] * flat.x1;
-        uv[6 * t + 5] = -g[1] * flat.x2 + g[0] * flat.y2;
-    }
-    // v is continued across the edges where u keeps its sign and its constant;
-    // elsewhere a seam of the texture remains.
-    std::vector<uint8_t> seen(count, 0);
-    std::deque<uint32_t> queue;
-    for (uint32_t first = 0; first < count; ++first) {
-        if (seen[first]) continue;
-        seen[first] = 1;
-        queue.push_back(first);
-        while (!queue.empty()) {
-            const uint32_t t = queue.front();
-            queue.pop_front();
-            if (potential.piece[t] != Piece::linear) continue;
-            for (unsigned s = 0; s < 3; ++s) {
-                const auto& pair = edge_triangles[foliation.triangle_edges[3 * t + s]];
-                const uint32_t n = pair[0] == t ? pair[1] : pair[0];
-                if (n == NO_TRIANGLE || seen[n] || potential.piece[n] != Piece::linear) continue;
-                unsigned r = 0;
-                while (r < 2 && foliation.triangle_edges[3 * n + r] != foliation.triangle_edges[3 * t + s]) ++r;
-                const double here_start = potential.u[t][s], here_end = potential.u[t][(s + 1) % 3];
-                const double there_start = potential.u[n][(r + 1) % 3], there_end = potential.u[n][r];
-                if (here_start != there_start || here_end != there_end) continue;
-                const double here = uv[6 * t + 2 * s + 1] + uv[6 * t + 2 * ((s + 1) % 3) + 1];
-                const double there = uv[6 * n + 2 * r + 1] + uv[6 * n + 2 * ((r + 1) % 3) + 1];
-                for (unsigned c = 0; c < 3; ++c) uv[6 * n + 2 * c + 1] += (here - there) / 2;
-                seen[n] = 1;
-                queue.push_back(n);
-            }
-        }
-    }
-    return uv;
+    return area_sum > 0 ? std::sqrt(sum / area_sum) : 0;
 }
 
 } // namespace cli

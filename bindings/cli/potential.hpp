@@ -37,12 +37,8 @@ struct Potential {
 // u is 0 at the zeros.
 Potential local_potential(const Foliation& foliation);
 
-// Length of the gradient of u in every triangle, and its mean by area.
-double mean_gradient(const Foliation& foliation, const Potential& potential);
-
-// (u, v) per corner, 6 numbers per triangle: v is the conjugate of u in each
-// triangle, and agrees with the neighbours at the midpoints of the edges of a
-// spanning tree; where the foliation is harmonic, at nearly all midpoints.
-std::vector<double> texture_coordinates(const Foliation& foliation, const Potential& potential);
+// Root mean square of the gradient of u over the surface: unlike the mean it
+// does not fall much where limbs without leaves make up most of the area.
+double root_mean_square_gradient(const Foliation& foliation, const Potential& potential);
 
 } // namespace cli

@@ -22,7 +22,7 @@ namespace {
 
 constexpr unsigned WIDTH = 1400, HEIGHT = 1050, SAMPLES = 3;
 constexpr double CREASE_COSINE = 0.62; // about 52 degrees
-constexpr double STRIPES_ACROSS = 34;  // pairs of stripes along the size of the object, on average
+constexpr double STRIPES_ACROSS = 34;  // pairs of stripes along the size of the object, where the gradient is average
 
 struct Vec {
     double x = 0, y = 0, z = 0;
@@ -416,11 +416,15 @@ std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vecto
     return normal;
 }
 
-void draw_sphere(Canvas& canvas, Vec centre, double radius, Colour colour) {
-    constexpr int RINGS = 24, SECTORS = 48;
+// Only the part above the tangent plane: the rest of it would come out on the
+// other side of a thin sheet.
+void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour colour) {
+    const Vec across = unit(cross(outward, std::fabs(outward.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})), along = cross(outward, across);
+    constexpr int RINGS = 16, SECTORS = 48;
+    constexpr double POLAR = 1.75; // a little more than a half
     const auto corner = [&](int ring, int sector) {
-        const double polar = 3.141592653589793 * ring / RINGS, turn = 6.283185307179586 * sector / SECTORS;
-        const Vec n{std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn)};
+        const double polar = POLAR * ring / RINGS, turn = 6.283185307179586 * sector / SECTORS;
+        const Vec n = std::sin(polar) * std::cos(turn) * across + std::sin(polar) * std::sin(turn) * along + std::cos(polar) * outward;
         return Corner{centre + radius * n, n};
     };
     const auto paint = [&](const double*, const double*, const double*) { return colour; };
@@ -449,7 +453,7 @@ Image render(const Foliation& foliation, const Potential& potential) {
     std::vector<Vec> seen(points.size());
     for (size_t v = 0; v < points.size(); ++v) seen[v] = camera.to_camera(points[v]);
 
-    const double period = choose_period(foliation, potential, size * mean_gradient(foliation, potential) / STRIPES_ACROSS);
+    const double period = choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
 
     Canvas canvas(camera);
     for (size_t t = 0; t < foliation.triangle_count(); ++t) {
@@ -469,15 +473,23 @@ Image render(const Foliation& foliation, const Potential& potential) {
             return red * RED + (1 - red) * WHITE;
         });
     }
+    // One corner of each vertex, for its normal.
+    std::vector<size_t> corner_of(points.size(), 0);
+    for (size_t k = foliation.triangles.size(); k-- > 0;) corner_of[foliation.triangles[k]] = k;
+    const auto to_view = [&](Vec n) { return Vec{dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)}; };
     for (const hmf_singularity& s : foliation.singular) {
         if (s.index == 0) continue;
-        Vec place;
+        Vec place, outward;
         if (s.kind == HMF_SINGULAR_TRIANGLE) {
-            for (size_t c = 0; c < 3; ++c) place = place + (1.0 / 3) * seen[foliation.triangles[3 * size_t(s.element) + c]];
+            for (size_t k = 3 * size_t(s.element); k < 3 * size_t(s.element) + 3; ++k) {
+                place = place + (1.0 / 3) * seen[foliation.triangles[k]];
+                outward = outward + to_view(normals[k]);
+            }
         } else {
             place = seen[s.element];
+            outward = to_view(normals[corner_of[s.element]]);
         }
-        draw_sphere(canvas, place, 0.012 * size, s.index < 0 ? BLUE : YELLOW);
+        draw_button(canvas, place, unit(outward), 0.0105 * size, s.index < 0 ? BLUE : YELLOW);
     }
     return canvas.resolve(0.05 * size);
 }

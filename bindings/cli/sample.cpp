@@ -20,7 +20,7 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-constexpr double CELL = 0.0425, LOW_XY = -2.15, LOW_Z = -1.3;
+constexpr double CELL = 0.0425, LOW_XY = -2.163, LOW_Z = -1.3065;
 constexpr size_t COUNT_XY = 102, COUNT_Z = 62;
 
 double smooth_minimum(double a, double b, double width) {

@@ -60,7 +60,7 @@ public:
     }
     static int32_t callback(void* user, double fraction) {
         static_cast<Progress*>(user)->draw(fraction);
-        return interrupted ? 1 : 0;
+        return interrupted ? HMF_PROGRESS_FINISH : HMF_PROGRESS_CONTINUE;
     }
 
 private:
@@ -184,7 +184,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path : {request.report, request.history, request.textured_obj, request.image})
+    for (const std::string& path : {request.report, request.history, request.image})
         if (!path.empty()) check_writable(path);
 
     InterruptGuard guard;
@@ -197,10 +197,6 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     build_options.ratio = request.ratio;
     build_options.coarsest = request.coarsest;
     build_options.collapse = request.collapse;
-    // Loops live on the coarsest level: for those of the caller that must be
-    // the input mesh, and the single-level method wants no other.
-    const bool single_level = request.method == HMF_METHOD_SINGLE_LEVEL;
-    if (own_loops || single_level) build_options.coarsest = std::max<uint64_t>(mesh.vertex_count(), request.coarsest);
     build_options.allocate = Meter::allocate;
     build_options.release = Meter::release;
     build_options.allocator_user = &meter;
@@ -212,7 +208,9 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     summary.build_seconds = seconds_since(build_start);
 
     const size_t level_count = hmf_level_count(hierarchy.get());
-    const size_t loop_level = own_loops || single_level ? 0 : level_count - 1;
+    // Loops of the caller are drawn on the input mesh, and the single-level
+    // method knows no other; the library's own are cheapest where it is coarse.
+    const size_t loop_level = own_loops || request.method == HMF_METHOD_SINGLE_LEVEL ? 0 : level_count - 1;
     const Clock::time_point loops_start = Clock::now();
     if (!own_loops) loops = library_loops(hierarchy.get(), loop_level, name);
     summary.loops_seconds = seconds_since(loops_start);
@@ -260,6 +258,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
             fail_with(status, error, request.loops + ":" + std::to_string(loops.lines[error.index]));
         fail_with(status, error, name);
     }
+    if (!report.values_written) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
     summary.levels.resize(std::min<uint64_t>(report.level_count, summary.levels.size()));
     history.resize(std::min<uint64_t>(report.history_count, history.size()));
 
@@ -277,11 +276,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
-    if (!request.textured_obj.empty() || !request.image.empty()) {
-        const Potential potential = local_potential(foliation);
-        if (!request.textured_obj.empty()) write_textured_obj(request.textured_obj, foliation, texture_coordinates(foliation, potential));
-        if (!request.image.empty()) write_png(request.image, render(foliation, potential));
-    }
+    if (!request.image.empty()) write_png(request.image, render(foliation, local_potential(foliation)));
     if (!request.report.empty()) write_report(request.report, summary);
 
     std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n", name.c_str(),

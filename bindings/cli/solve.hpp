@@ -19,7 +19,7 @@ struct SolveRequest {
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, textured_obj, image;
+    std::string report, history, image;
 };
 
 // Both print to standard output, and return an exit status or throw Failure.

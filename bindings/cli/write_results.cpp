@@ -153,17 +153,4 @@ void write_mesh_obj(const std::string& path, const TriangleMesh& mesh) {
     output.close();
 }
 
-void write_textured_obj(const std::string& path, const Foliation& foliation, const std::vector<double>& uv) {
-    Output output(path);
-    for (size_t v = 0; v < foliation.positions.size(); v += 3)
-        std::fprintf(output.file(), "v %.17g %.17g %.17g\n", foliation.positions[v], foliation.positions[v + 1], foliation.positions[v + 2]);
-    for (size_t k = 0; k < uv.size(); k += 2) std::fprintf(output.file(), "vt %.12g %.12g\n", uv[k], uv[k + 1]);
-    for (size_t t = 0; t < foliation.triangle_count(); ++t) {
-        std::fprintf(output.file(), "f");
-        for (size_t c = 0; c < 3; ++c) std::fprintf(output.file(), " %u/%zu", foliation.triangles[3 * t + c] + 1, 3 * t + c + 1);
-        std::fprintf(output.file(), "\n");
-    }
-    output.close();
-}
-
 } // namespace cli

@@ -30,6 +30,5 @@ void write_report(const std::string& path, const Summary& summary);
 void write_history(const std::string& path, const std::vector<hmf_history_entry>& history);
 void write_png(const std::string& path, const Image& image);
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh);
-void write_textured_obj(const std::string& path, const Foliation& foliation, const std::vector<double>& uv);
 
 } // namespace cli
