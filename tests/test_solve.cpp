@@ -50,13 +50,13 @@ void expect_report(const Hierarchy& hierarchy, const Solution& solution, size_t 
     EXPECT_NEAR(report.residual_mean, std::accumulate(residual.begin(), residual.end(), 0.0) / static_cast<double>(residual.size()), 1e-12);
 }
 
-// All loops have weight 1.
-void expect_result(const Hierarchy& hierarchy, const Solution& solution, size_t level = 0) {
+// All loops have the same weight.
+void expect_result(const Hierarchy& hierarchy, const Solution& solution, size_t level = 0, double weight = 1) {
     EXPECT_TRUE(solution.status == HMF_OK || solution.status == HMF_LIMIT_STALLED) << solution.status << ": " << solution.error.message;
     ASSERT_LT(solution.status, HMF_ERROR_NULL);
     const LevelMesh mesh = read_level(hierarchy, level);
     expect_foliation(hierarchy, mesh, solution.values);
-    EXPECT_EQ(class_defect(mesh, solution.values, 1), "");
+    EXPECT_EQ(class_defect(mesh, solution.values, weight), "");
     expect_report(hierarchy, solution, level);
 }
 
@@ -75,7 +75,7 @@ TriMesh sheared_torus(uint64_t seed = 7) { // Delaunay, without symmetry
     TorusOptions options;
     options.jitter = 0.25;
     options.seed = seed;
-    return with_delaunay_flips(torus(around, across, 2, 1, options), 1e-3, 20);
+    return with_delaunay_flips(torus(around, across, 2, 1, options), 0, 100);
 }
 
 // Columns of vertices from the first to the second end of an edge of a torus.
@@ -173,6 +173,32 @@ std::vector<double> interpolated(const Hierarchy& hierarchy, size_t from, const 
 }
 
 } // namespace
+
+// --- The checks themselves ---------------------------------------------------
+
+TEST(Oracles, CanFail) {
+    const Hierarchy hierarchy(pretzel(2, 2), 0.5, coarse_size);
+    ASSERT_TRUE(hierarchy);
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    const Loops coarse = pretzel_loops(hierarchy, hierarchy.coarsest()), fine = pretzel_loops(hierarchy, 0);
+    const Solution solution = solve(hierarchy, &coarse, whitehead(1e-6));
+    ASSERT_EQ(closedness_defect(mesh, solution.values), "");
+    ASSERT_EQ(class_defect(mesh, solution.values, 1), "");
+    std::vector<double> other = solution.values; // another class, just as closed
+    for (double& x : other) x *= 0.75;
+    EXPECT_EQ(closedness_defect(mesh, other), "");
+    EXPECT_NE(class_defect(mesh, other, 1), "");
+    EXPECT_LT(shortest_crossing(mesh, fine, 0, other), 1);
+    other = solution.values; // a hair too long for its triangle
+    const uint32_t* sides = &mesh.triangle_edges[0];
+    other[sides[0]] = other[sides[1]] + other[sides[2]] + std::ldexp(1.0, -46);
+    EXPECT_NE(closedness_defect(mesh, other), "");
+    Loops unequal = coarse;
+    unequal.weights = {1, 1.25};
+    const Solution two = solve(hierarchy, &unequal, whitehead(1e-6));
+    EXPECT_NE(class_defect(mesh, two.values, 1), "");
+    EXPECT_EQ(class_defect(mesh, two.values, 0.25), ""); // both weights are multiples
+}
 
 // --- Initial foliation -------------------------------------------------------
 
@@ -505,7 +531,7 @@ TEST(GenusOne, EqualsTheHarmonicForm) {
         Loops loops = meridian(hierarchy, hierarchy.coarsest());
         loops.weights = {2.5};
         const Solution solution = solve(hierarchy, &loops, whitehead(1e-14));
-        expect_result(hierarchy, solution);
+        expect_result(hierarchy, solution, 0, 2.5);
         const std::vector<double> form = harmonic_form(mesh, n, m);
         double worst = 0, best_energy = 0, largest = 0;
         for (size_t e = 0; e < mesh.edge_count; ++e) {
