@@ -22,7 +22,7 @@ namespace {
 
 constexpr unsigned WIDTH = 1400, HEIGHT = 1050, SAMPLES = 3;
 constexpr double CREASE_COSINE = 0.62; // about 52 degrees
-constexpr double STRIPES_ACROSS = 34;  // pairs of stripes along the size of the object, where the gradient is average
+constexpr double STRIPES_ACROSS = 44;  // pairs of stripes along the size of the object, where the gradient is average
 
 struct Vec {
     double x = 0, y = 0, z = 0;

@@ -20,7 +20,7 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-constexpr double CELL = 0.0425, LOW_XY = -2.163, LOW_Z = -1.3065;
+constexpr double CELL = 0.0425, LOW_XY = -2.15, LOW_Z = -1.3;
 constexpr size_t COUNT_XY = 102, COUNT_Z = 62;
 
 double smooth_minimum(double a, double b, double width) {
@@ -31,10 +31,12 @@ double smooth_minimum(double a, double b, double width) {
 double sample_function(const Point& p) {
     const double x = p[0], y = p[1], z = p[2] - 0.11 * (x * x * x - 3 * x * y * y) / (1 + 0.2 * (x * x + y * y));
     static constexpr double SIN[3] = {0, 0.86602540378443865, -0.86602540378443865}, COS[3] = {1, -0.5, -0.5};
+    // Unequal rings keep the zeros apart; equal ones would draw four of them into one point.
+    static constexpr double RADIUS[3] = {0.80, 0.68, 0.74};
     double value = 1e9;
     for (size_t i = 0; i < 3; ++i) {
-        const double dx = x - 0.98 * COS[i], dy = y - 0.98 * SIN[i];
-        const double ring = std::sqrt(dx * dx + dy * dy) - 0.80;
+        const double dx = x - (RADIUS[i] + 0.18) * COS[i], dy = y - (RADIUS[i] + 0.18) * SIN[i];
+        const double ring = std::sqrt(dx * dx + dy * dy) - RADIUS[i];
         const double tube = std::sqrt(ring * ring + z * z) - 0.30;
         value = i == 0 ? tube : smooth_minimum(value, tube, 0.30);
     }
@@ -68,18 +70,48 @@ double distance_square(const Point& a, const Point& b) {
     return sum;
 }
 
+// Whether each cell is passed by at most one sheet.  Two would share its
+// vertex: they do where a face has its signs crosswise, or a cell has one sign
+// at two opposite corners only.
+bool single_sheets(const std::vector<double>& value, const size_t (&n)[3], const size_t (&stride)[3]) {
+    for (size_t k = 0; k + 1 < n[2]; ++k)
+        for (size_t j = 0; j + 1 < n[1]; ++j)
+            for (size_t i = 0; i + 1 < n[0]; ++i) {
+                const size_t cell = i + j * stride[1] + k * stride[2];
+                for (size_t a = 0; a < 3; ++a) {
+                    const size_t b = stride[(a + 1) % 3], c = stride[(a + 2) % 3];
+                    const bool here = value[cell] < 0, there = value[cell + b + c] < 0;
+                    if (here == there && (value[cell + b] < 0) != here && (value[cell + c] < 0) != here) return false;
+                }
+                unsigned inside = 0;
+                for (unsigned corner = 0; corner < 8; ++corner)
+                    inside |= unsigned(value[cell + (corner & 1u) + (corner >> 1 & 1u) * stride[1] + (corner >> 2) * stride[2]] < 0) << corner;
+                for (unsigned corner = 0; corner < 4; ++corner) {
+                    const unsigned opposite = 1u << corner | 1u << (7 - corner);
+                    if (inside == opposite || inside == (0xffu ^ opposite)) return false;
+                }
+            }
+    return true;
+}
+
 } // namespace
 
 TriangleMesh make_sample() {
     const size_t n[3] = {COUNT_XY, COUNT_XY, COUNT_Z};
     const size_t stride[3] = {1, n[0], n[0] * n[1]};
     std::vector<double> value(n[0] * n[1] * n[2]);
+    double shift = 0;
     const auto grid_point = [&](size_t i, size_t j, size_t k) {
-        return Point{LOW_XY + CELL * double(i), LOW_XY + CELL * double(j), LOW_Z + CELL * double(k)};
+        return Point{LOW_XY - shift + CELL * double(i), LOW_XY - shift + CELL * double(j), LOW_Z - shift / 2 + CELL * double(k)};
     };
-    for (size_t k = 0; k < n[2]; ++k)
-        for (size_t j = 0; j < n[1]; ++j)
-            for (size_t i = 0; i < n[0]; ++i) value[i + j * stride[1] + k * stride[2]] = sample_function(grid_point(i, j, k));
+    // Moves the grid until no plane of it touches the surface at a saddle.
+    for (int attempt = 0; attempt < 20; ++attempt) {
+        shift = 0.003 * attempt;
+        for (size_t k = 0; k < n[2]; ++k)
+            for (size_t j = 0; j < n[1]; ++j)
+                for (size_t i = 0; i < n[0]; ++i) value[i + j * stride[1] + k * stride[2]] = sample_function(grid_point(i, j, k));
+        if (single_sheets(value, n, stride)) break;
+    }
 
     // A vertex in each cell with both signs, at the mean of its cut edges.
     constexpr uint32_t NO_VERTEX = 0xffffffffu;
