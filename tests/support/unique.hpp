@@ -10,7 +10,7 @@ struct UniqueOptions {
     std::vector<double> ratios{0.3, 0.5, 0.7};
     std::vector<uint64_t> coarsest{500, 2000};
     bool paper = true; // Whitehead moves as well
-    bool both_relaxed = true; // relax on every hierarchy, else on the first only
+    bool relaxed = true; // from the initial foliation there and back, on the first hierarchy
 };
 
 // Solves with the library's loops of level 0 of one hierarchy, given to all.

@@ -1,0 +1,306 @@
+// The C interface under arbitrary input: small arrays of vertices, triangles,
+// loops and options.  Whatever they are, there is no crash, the status is one
+// that the header lists, nothing is written on failure, a result is a
+// foliation, the memory limit holds and all memory comes back.
+//
+// Half of the inputs begin with a chain of grid tori, so that the later stages
+// are reached; a few bytes may then spoil it.
+#include <hmf/hmf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <initializer_list>
+#include <vector>
+
+namespace {
+
+#define FUZZ_ASSERT(condition)                                                              \
+    do {                                                                                    \
+        if (!(condition)) {                                                                 \
+            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
+            std::abort();                                                                   \
+        }                                                                                   \
+    } while (0)
+
+class Bytes {
+public:
+    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
+    uint8_t byte() { return at_ < size_ ? data_[at_++] : uint8_t{0}; }
+    uint32_t below(uint32_t n) { return byte() % n; }
+    bool rarely() { return byte() % 16 == 15; }
+
+private:
+    const uint8_t* data_;
+    size_t size_, at_ = 0;
+};
+
+struct Meter {
+    uint64_t used = 0, peak = 0, calls = 0, fail = 0;
+
+    static void* take(void* user, size_t size) {
+        Meter& meter = *static_cast<Meter*>(user);
+        if (++meter.calls == meter.fail) return nullptr;
+        meter.used += size;
+        meter.peak = std::max(meter.peak, meter.used);
+        void* block = std::malloc(size ? size : 1);
+        if (block) std::memset(block, 0xa5, size);
+        return block;
+    }
+    static void give(void* user, void* block, size_t size) {
+        Meter& meter = *static_cast<Meter*>(user);
+        FUZZ_ASSERT(block && meter.used >= size);
+        meter.used -= size;
+        std::free(block);
+    }
+};
+
+struct Stop {
+    uint32_t at = 0, calls = 0;
+    int32_t answer = 0;
+    static int32_t call(void* user, double fraction) {
+        Stop& stop = *static_cast<Stop*>(user);
+        FUZZ_ASSERT(fraction >= 0 && fraction <= 1);
+        return ++stop.calls == stop.at ? stop.answer : HMF_PROGRESS_CONTINUE;
+    }
+};
+
+// A status that the call may return; a failure tells its story.
+void expect_status(hmf_status status, const hmf_error& error, std::initializer_list<int> classes) {
+    bool known = status == HMF_OK;
+    for (const int c : classes) known |= status / 100 == c && status != 0;
+    FUZZ_ASSERT(known);
+    if (status == HMF_OK) {
+        FUZZ_ASSERT(error.status == HMF_OK);
+    } else {
+        FUZZ_ASSERT(error.status == status);
+        FUZZ_ASSERT(std::memchr(error.message, 0, sizeof error.message) && std::strlen(error.message) > 10);
+    }
+}
+
+double coordinate(Bytes& bytes) {
+    const uint8_t b = bytes.byte();
+    if (b == 255) return static_cast<double>(NAN);
+    if (b == 254) return static_cast<double>(INFINITY);
+    if (b == 253) return 1e300;
+    if (b == 252) return 1e-300;
+    return (b - 126) / 32.0;
+}
+
+struct Surface {
+    std::vector<double> positions;
+    std::vector<uint32_t> triangles;
+};
+
+Surface anything(Bytes& bytes) {
+    Surface s;
+    const uint32_t vertices = bytes.below(16), triangles = bytes.below(40);
+    for (uint32_t i = 0; i < 3 * vertices; ++i) s.positions.push_back(coordinate(bytes));
+    for (uint32_t i = 0; i < 3 * triangles; ++i) s.triangles.push_back(bytes.below(vertices + 1));
+    return s;
+}
+
+// Tori in a row; each is glued to the one before along a triangle.
+Surface chain_of_tori(Bytes& bytes) {
+    Surface s;
+    const uint32_t tori = 1 + bytes.below(3);
+    for (uint32_t t = 0; t < tori; ++t) {
+        const uint32_t n = 4 + bytes.below(6), m = 4 + bytes.below(4);
+        std::vector<uint32_t> id(n * m, UINT32_MAX);
+        if (t > 0) {
+            // The last triangle goes; its corners are 0, m and m + 1 of this torus, the other way round.
+            const size_t last = s.triangles.size() - 3;
+            id[0] = s.triangles[last], id[m] = s.triangles[last + 2], id[m + 1] = s.triangles[last + 1];
+            s.triangles.resize(last);
+        }
+        for (uint32_t i = 0; i < n * m; ++i) {
+            if (id[i] != UINT32_MAX) continue;
+            id[i] = static_cast<uint32_t>(s.positions.size() / 3);
+            const double u = 6.283185307179586 * (i / m) / n, v = 6.283185307179586 * (i % m) / m;
+            const double r = 2 + std::cos(v);
+            const double p[3] = {6.0 * t + r * std::cos(u), r * std::sin(u), std::sin(v)};
+            for (const double x : p) s.positions.push_back(x);
+        }
+        for (uint32_t x = 0; x < n; ++x)
+            for (uint32_t y = 0; y < m; ++y) {
+                const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
+                if (t == 0 || x + y > 0) s.triangles.insert(s.triangles.end(), {a, b, c});
+                s.triangles.insert(s.triangles.end(), {a, c, d});
+            }
+    }
+    // Stretches and dents; then, rarely, damage.
+    const uint32_t vertices = static_cast<uint32_t>(s.positions.size() / 3);
+    for (uint32_t i = bytes.below(24); i > 0; --i) s.positions[(bytes.byte() * 7u + bytes.byte()) % (3 * vertices)] += (bytes.byte() - 128) / 256.0;
+    if (bytes.rarely())
+        for (uint32_t i = 1 + bytes.below(4); i > 0; --i) s.triangles[(bytes.byte() * 7u + bytes.byte()) % s.triangles.size()] = bytes.below(vertices + 2);
+    if (bytes.rarely()) s.triangles.resize(s.triangles.size() - 3);
+    if (bytes.rarely()) s.positions[bytes.byte() % s.positions.size()] = coordinate(bytes);
+    return s;
+}
+
+struct LoopArrays {
+    hmf_loop_set set{};
+    std::vector<uint64_t> offsets;
+    std::vector<uint32_t> elements;
+    std::vector<double> weights;
+
+    void view(size_t count) {
+        set.struct_size = sizeof set;
+        set.count = count;
+        set.offsets = offsets.data();
+        set.elements = elements.data();
+        set.weights = weights.empty() ? nullptr : weights.data();
+    }
+};
+
+void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
+    const uint32_t levels = static_cast<uint32_t>(hmf_level_count(h));
+    loops.set.level = bytes.rarely() ? levels + bytes.byte() : bytes.below(levels);
+    loops.set.element_kind = bytes.rarely() ? bytes.byte() : 1 + static_cast<int32_t>(bytes.below(2));
+    size_t count = 0, total = 0;
+    hmf_error error{};
+    if (bytes.byte() % 2 && loops.set.level < levels) {
+        // The library's own, perhaps spoiled.
+        loops.set.element_kind = HMF_LOOP_TRIANGLES;
+        hmf_status status = hmf_loops(h, loops.set.level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &total, &error);
+        expect_status(status, error, {2});
+        if (status != HMF_OK) count = total = 0;
+        loops.offsets.assign(count + 1, 0);
+        loops.elements.assign(total, 0);
+        if (count > 0) {
+            error = hmf_error{};
+            status = hmf_loops(h, loops.set.level, HMF_LOOPS_CUT, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error);
+            expect_status(status, error, {2});
+            if (status != HMF_OK) std::fill(loops.offsets.begin(), loops.offsets.end(), 0);
+        }
+        if (bytes.byte() % 4 == 3 && total > 0) loops.elements[bytes.byte() % total] = bytes.byte();
+    } else {
+        count = bytes.below(4);
+        loops.offsets.push_back(0);
+        for (size_t c = 0; c < count; ++c) loops.offsets.push_back(loops.offsets.back() + bytes.below(12));
+        if (bytes.rarely()) std::reverse(loops.offsets.begin(), loops.offsets.end());
+        for (uint64_t i = 0; i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
+    }
+    if (bytes.byte() % 2)
+        for (size_t c = 0; c < count; ++c) loops.weights.push_back(bytes.rarely() ? coordinate(bytes) : 0.25 * (1 + bytes.below(40)));
+    loops.view(count);
+}
+
+// Exact triangle inequalities, no pole, 4 - 4 g.
+void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    std::vector<uint32_t> side(3 * info.triangle_count);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, side.data(), side.size(), nullptr) == HMF_OK);
+    for (size_t t = 0; t < info.triangle_count; ++t)
+        for (size_t s = 0; s < 3; ++s)
+            FUZZ_ASSERT(values[side[3 * t + s]] >= 0 && values[side[3 * t + s]] <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
+    std::vector<hmf_singularity> list(info.vertex_count + info.triangle_count);
+    size_t count = 0;
+    hmf_error error{};
+    const hmf_status status = hmf_singularities(h, level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, list.data(), list.size(), &count, &error);
+    FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
+    if (status != HMF_OK) return;
+    int64_t sum = 0;
+    for (size_t i = 0; i < count; ++i) {
+        FUZZ_ASSERT(list[i].index < 0);
+        sum += list[i].index;
+    }
+    FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    Bytes bytes(data, size);
+    Meter meter;
+    hmf_build_options build;
+    hmf_build_options_init(&build);
+    build.allocate = Meter::take;
+    build.release = Meter::give;
+    build.allocator_user = &meter;
+    build.coarsest = 20 + bytes.byte();
+    if (bytes.rarely()) {
+        // Of an older header; not one that ends between the hooks and their user.
+        uint32_t end = bytes.below(sizeof build + 1);
+        if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, progress)) end = offsetof(hmf_build_options, allocate);
+        build.struct_size = end;
+    }
+    if (bytes.rarely()) build.ratio = coordinate(bytes);
+    if (bytes.rarely()) build.collapse = static_cast<int32_t>(bytes.below(6)) - 1;
+    bool memory_is_short = false;
+    if (bytes.rarely()) {
+        build.memory_limit = 1 + bytes.byte() * uint64_t{2048};
+        memory_is_short = true;
+    }
+    if (bytes.rarely()) {
+        meter.fail = 1 + bytes.byte();
+        memory_is_short = true;
+    }
+    const Surface surface = bytes.byte() % 2 ? anything(bytes) : chain_of_tori(bytes);
+    const size_t vertices = surface.positions.size() / 3, triangles = surface.triangles.size() / 3;
+    hmf_hierarchy* h = nullptr;
+    hmf_error error{};
+    hmf_status status = hmf_build(surface.positions.data(), vertices, 0, surface.triangles.data(), triangles, &build, &h, &error);
+    expect_status(status, error, {1, 2, 3});
+    FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
+    FUZZ_ASSERT(memory_is_short || status / 100 != 2);
+    if (h) {
+        const uint64_t held = meter.used;
+        FUZZ_ASSERT(hmf_genus(h) >= 1 && hmf_level_count(h) >= 1);
+        LoopArrays loops;
+        any_loops(bytes, h, loops);
+        if (loops.set.level < hmf_level_count(h)) {
+            hmf_level_info info{};
+            FUZZ_ASSERT(hmf_level_counts(h, loops.set.level, &info, nullptr) == HMF_OK);
+            std::vector<double> values(info.edge_count, -1);
+            error = hmf_error{};
+            status = hmf_initialize(h, &loops.set, values.data(), values.size(), &error);
+            expect_status(status, error, {1, 2, 4});
+            if (status == HMF_OK) {
+                expect_foliation(h, loops.set.level, values, memory_is_short);
+            } else {
+                FUZZ_ASSERT(std::count(values.begin(), values.end(), -1.0) == static_cast<long>(values.size()));
+            }
+        }
+        Stop stop;
+        hmf_solve_options solve;
+        hmf_solve_options_init(&solve);
+        solve.method = static_cast<int32_t>(bytes.below(4));
+        solve.iteration_limit = 1 + bytes.below(30);
+        if (bytes.rarely()) solve.tolerance = coordinate(bytes);
+        if (bytes.rarely()) solve.stop_level = bytes.below(4);
+        if (bytes.rarely()) {
+            stop.at = 1 + bytes.byte();
+            stop.answer = 1 + static_cast<int32_t>(bytes.below(2));
+        }
+        solve.progress = Stop::call;
+        solve.progress_user = &stop;
+        hmf_level_info info{};
+        const size_t level = static_cast<size_t>(std::min<uint64_t>(solve.stop_level, hmf_level_count(h) - 1));
+        FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+        std::vector<double> values(info.edge_count, -1);
+        hmf_report report{};
+        report.struct_size = sizeof report;
+        error = hmf_error{};
+        status = hmf_solve(h, bytes.byte() % 4 ? nullptr : &loops.set, &solve, values.data(), values.size(), &report, &error);
+        expect_status(status, error, {0, 1, 2, 4});
+        FUZZ_ASSERT(memory_is_short || status / 100 != 2);
+        FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);
+        if (status < HMF_CANCELLED || (status == HMF_CANCELLED && report.values_written)) {
+            FUZZ_ASSERT(report.poles == 0 && report.bad_flips_left == 0);
+            expect_foliation(h, level, values, memory_is_short);
+        } else {
+            FUZZ_ASSERT(std::count(values.begin(), values.end(), -1.0) == static_cast<long>(values.size()));
+        }
+        FUZZ_ASSERT(meter.used == held);
+        hmf_destroy(h);
+    }
+    FUZZ_ASSERT(meter.used == 0);
+    FUZZ_ASSERT(build.memory_limit == 0 || meter.peak <= build.memory_limit);
+    return 0;
+}
