@@ -1,0 +1,539 @@
+// The whole job through the public interface: build, loops, solve.
+//
+//     bench_pipeline [options] [MESH.obj ...]
+//
+//     -r N              repetitions (5)
+//     --subdivide N     midpoint subdivisions of every mesh (0)
+//     --tolerance T     of newton (1e-8)
+//     --preview N       vertices of the level of the preview (10000)
+//     --whitehead S     time limit of the method whitehead, 0 = leave out (60)
+//     --single-level S  time limit of the method single_level, 0 = leave out (0)
+//     --whitehead-tolerance T  of whitehead and single_level (1e-6)
+//     --no-cholesky     leave CHOLMOD out
+//     --cpu             processor time of the thread instead of wall time (the
+//                       stages inside hmf_solve are always wall time)
+//
+// Without a mesh: tori.  The repetitions are the outer loop and the meshes the
+// inner one, so that a busy minute of the machine falls on all of them.  Every
+// cell is the median [smallest, largest] over the repetitions; a ratio is
+// taken inside one repetition, never between medians.  A cell that could not
+// be measured to its end says so; it never turns into a number.
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#if HMF_HAVE_CHOLMOD
+#include <cholmod.h>
+#endif
+
+#include "../include/hmf/hmf.h"
+
+namespace {
+
+double wall() {
+    using namespace std::chrono;
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+// All work is on one thread, so its processor time is the wall time of an idle
+// machine; on a shared one the wall time mostly measures the neighbours.
+bool processor_clock = false;
+double now() {
+    if (!processor_clock) return wall();
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// --- Meshes ------------------------------------------------------------------
+
+struct Soup {
+    std::string name;
+    std::vector<double> position;   // 3 each
+    std::vector<uint32_t> triangle; // 3 each
+    size_t vertices() const { return position.size() / 3; }
+    size_t triangles() const { return triangle.size() / 3; }
+    double edges() const { return 1.5 * static_cast<double>(triangles()); }
+};
+
+bool read_obj(const char* path, Soup& soup) {
+    std::FILE* file = std::fopen(path, "r");
+    if (!file) return false;
+    const char* slash = std::strrchr(path, '/');
+    soup.name = slash ? slash + 1 : path;
+    if (soup.name.size() > 4) soup.name.resize(soup.name.size() - 4);
+    char line[512];
+    while (std::fgets(line, sizeof line, file)) {
+        if (line[0] == 'v' && line[1] == ' ') {
+            char* at = line + 1;
+            for (int i = 0; i < 3; ++i) soup.position.push_back(std::strtod(at, &at));
+        } else if (line[0] == 'f' && line[1] == ' ') {
+            char* at = line + 1;
+            for (int i = 0; i < 3; ++i) {
+                soup.triangle.push_back(static_cast<uint32_t>(std::strtoul(at, &at, 10) - 1));
+                while (*at && *at != ' ') ++at;
+            }
+        }
+    }
+    std::fclose(file);
+    return !soup.triangle.empty();
+}
+
+Soup torus(uint32_t around, uint32_t across) {
+    Soup soup;
+    soup.name = "torus " + std::to_string(around * across);
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j < across; ++j) {
+            const double u = 6.283185307179586 * (i + 0.3 * (j % 2)) / around, v = 6.283185307179586 * j / across;
+            const double r = 3 + std::cos(v);
+            soup.position.insert(soup.position.end(), {r * std::cos(u), r * std::sin(u), std::sin(v)});
+            const uint32_t i1 = (i + 1) % around, j1 = (j + 1) % across;
+            const uint32_t a = i * across + j, b = i1 * across + j, c = i1 * across + j1, d = i * across + j1;
+            soup.triangle.insert(soup.triangle.end(), {a, b, c, a, c, d});
+        }
+    return soup;
+}
+
+// Each triangle into four at the midpoints of its sides.
+void subdivide(Soup& soup) {
+    std::unordered_map<uint64_t, uint32_t> midpoint;
+    midpoint.reserve(soup.triangle.size());
+    std::vector<uint32_t> fine;
+    fine.reserve(4 * soup.triangle.size());
+    for (size_t f = 0; f < soup.triangles(); ++f) {
+        uint32_t v[3], m[3];
+        for (size_t s = 0; s < 3; ++s) v[s] = soup.triangle[3 * f + s];
+        for (size_t s = 0; s < 3; ++s) {
+            const uint32_t i = std::min(v[s], v[(s + 1) % 3]), j = std::max(v[s], v[(s + 1) % 3]);
+            const auto found = midpoint.try_emplace(static_cast<uint64_t>(i) << 32 | j, static_cast<uint32_t>(soup.vertices()));
+            m[s] = found.first->second;
+            if (found.second)
+                for (size_t k = 0; k < 3; ++k) soup.position.push_back(0.5 * (soup.position[3 * size_t{i} + k] + soup.position[3 * size_t{j} + k]));
+        }
+        fine.insert(fine.end(), {v[0], m[0], m[2], v[1], m[1], m[0], v[2], m[2], m[1], m[0], m[1], m[2]});
+    }
+    soup.triangle.swap(fine);
+    soup.name += " /4";
+}
+
+// --- Measuring ---------------------------------------------------------------
+
+// Bytes in use and their peak, by the allocator hooks.
+struct Counter {
+    size_t used = 0, peak = 0;
+};
+void* counted_allocate(void* user, size_t size) {
+    Counter& c = *static_cast<Counter*>(user);
+    void* block = std::malloc(size);
+    if (block) c.peak = std::max(c.peak, c.used += size);
+    return block;
+}
+void counted_release(void* user, void* block, size_t size) {
+    static_cast<Counter*>(user)->used -= size;
+    std::free(block);
+}
+
+// Bytes per second of a copy far larger than the caches, reads and writes counted.
+double copy_bandwidth() {
+    static std::vector<char> from(size_t{128} << 20, 1), to(size_t{128} << 20, 2);
+    double best = 1e30;
+    for (int r = 0; r < 3; ++r) {
+        const double begin = now();
+        std::memcpy(to.data(), from.data(), from.size());
+        best = std::min(best, now() - begin);
+        from[static_cast<size_t>(r)] = to[from.size() / 2]; // keeps the copy alive
+    }
+    return 2 * static_cast<double>(from.size()) / best;
+}
+
+// The samples of one cell, one per repetition; a negative one is a failure.
+struct Cell {
+    std::vector<double> sample;
+    bool sign = false;    // may be negative without being a failure
+    bool bounded = false; // a time limit cut a sample short: the truth is larger
+    void add(double x) { sample.push_back(x); }
+    std::string text(const char* format) const {
+        if (sample.empty()) return "-";
+        std::vector<double> x = sample;
+        std::sort(x.begin(), x.end());
+        if (!sign && !(x[0] >= 0)) return "failed";
+        const size_t h = x.size() / 2;
+        const double middle = x.size() % 2 ? x[h] : 0.5 * (x[h - 1] + x[h]);
+        char a[64], b[64], c[64];
+        std::snprintf(a, sizeof a, format, middle);
+        std::snprintf(b, sizeof b, format, x.front());
+        std::snprintf(c, sizeof c, format, x.back());
+        return std::string(bounded ? ">= " : "") + a + " [" + b + ", " + c + "]";
+    }
+};
+
+struct LevelCost {
+    double vertices = 0, edges = 0;
+    Cell optimise, interpolate, optimise_bound, interpolate_bound;
+    uint64_t sweeps = 0, linear_solves = 0;
+};
+
+struct Result {
+    Cell build, edges_per_second, bytes_per_edge, build_peak, loops, solve, second, job, job_per_edge;
+    Cell cholesky, job_against_cholesky, solve_against_cholesky;
+    Cell preview, preview_vertices;
+    Cell whitehead, newton_gain, single, hierarchy_gain, energy_excess, single_excess;
+    Cell build_bound, rest, solve_peak, bandwidth;
+    std::vector<LevelCost> level;
+    uint64_t poles = 0, zeros = 0;
+    double residual = 0;
+    int unconverged = 0, repetitions = 0, same_bits = 1;
+    std::string trouble;
+};
+
+struct Options {
+    int repetitions = 5, subdivisions = 0;
+    double tolerance = 1e-8, whitehead_tolerance = 1e-6, whitehead = 60, single = 0, preview = 10000;
+    bool cholesky = true;
+};
+
+#if HMF_HAVE_CHOLMOD
+// Seconds to analyse, factorise and solve the cotangent Laplacian of the
+// caller's mesh with one vertex pinned; negative: failed.  Filling the matrix
+// is not counted.
+double run_cholesky(const std::vector<uint32_t>& ends, const std::vector<double>& weight, size_t vertices) {
+    cholmod_common common;
+    cholmod_start(&common);
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_METIS;
+    common.print = 0;
+    const size_t n = vertices - 1; // the last vertex is pinned
+    cholmod_triplet* t = cholmod_allocate_triplet(n, n, n + weight.size(), -1, CHOLMOD_REAL, &common);
+    int* row = static_cast<int*>(t->i);
+    int* column = static_cast<int*>(t->j);
+    double* value = static_cast<double*>(t->x);
+    std::vector<double> diagonal(vertices, 0.0);
+    size_t at = 0;
+    for (size_t e = 0; e < weight.size(); ++e) {
+        const uint32_t i = std::min(ends[2 * e], ends[2 * e + 1]), j = std::max(ends[2 * e], ends[2 * e + 1]);
+        diagonal[i] += weight[e];
+        diagonal[j] += weight[e];
+        if (j >= n) continue;
+        row[at] = static_cast<int>(j);
+        column[at] = static_cast<int>(i);
+        value[at++] = -weight[e];
+    }
+    for (size_t i = 0; i < n; ++i) {
+        row[at] = column[at] = static_cast<int>(i);
+        value[at++] = diagonal[i];
+    }
+    t->nnz = at;
+    cholmod_sparse* a = cholmod_triplet_to_sparse(t, at, &common);
+    cholmod_free_triplet(&t, &common);
+    cholmod_dense* b = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &common);
+    for (size_t i = 0; i < n; ++i) static_cast<double*>(b->x)[i] = i % 2 ? 1.0 : -1.0;
+    const double begin = now();
+    cholmod_factor* factor = cholmod_analyze(a, &common);
+    cholmod_factorize(a, factor, &common);
+    cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, b, &common);
+    const double seconds = now() - begin;
+    const bool good = common.status == CHOLMOD_OK && x;
+    cholmod_free_dense(&x, &common);
+    cholmod_free_dense(&b, &common);
+    cholmod_free_factor(&factor, &common);
+    cholmod_free_sparse(&a, &common);
+    cholmod_finish(&common);
+    return good ? seconds : -1;
+}
+#endif
+
+struct Solved {
+    hmf_status status = 0;
+    double seconds = -1, wall_seconds = -1;
+    hmf_report report;
+    std::vector<hmf_level_report> level;
+    bool usable() const { return status == HMF_OK || (status >= HMF_LIMIT_ITERATIONS && status <= HMF_LIMIT_STALLED); }
+};
+
+Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t method, double tolerance, double limit, size_t stop_level,
+                 std::vector<double>& values, std::string& trouble) {
+    Solved s;
+    hmf_level_info info;
+    hmf_level_counts(h, stop_level, &info, nullptr);
+    values.assign(static_cast<size_t>(info.edge_count), 0.0);
+    hmf_solve_options o;
+    hmf_solve_options_init(&o);
+    o.method = method;
+    o.tolerance = tolerance;
+    o.time_limit = limit;
+    o.stop_level = stop_level;
+    s.level.resize(hmf_level_count(h));
+    std::memset(&s.report, 0, sizeof s.report);
+    s.report.struct_size = sizeof s.report;
+    s.report.levels = s.level.data();
+    s.report.level_capacity = s.level.size();
+    hmf_error error;
+    error.message[0] = 0;
+    const double begin = now(), wall_begin = wall();
+    s.status = hmf_solve(h, loops, &o, values.data(), values.size(), &s.report, &error);
+    s.seconds = now() - begin;
+    s.wall_seconds = wall() - wall_begin;
+    s.level.resize(static_cast<size_t>(std::min(s.report.level_count, s.report.level_capacity)));
+    if (!s.usable()) trouble = error.message;
+    return s;
+}
+
+// One repetition on one mesh.
+void run(const Soup& soup, const Options& options, Result& out) {
+    ++out.repetitions;
+    Counter counter;
+    hmf_build_options bo;
+    hmf_build_options_init(&bo);
+    bo.allocate = counted_allocate;
+    bo.release = counted_release;
+    bo.allocator_user = &counter;
+    hmf_hierarchy* h = nullptr;
+    hmf_error error;
+    const double bandwidth = copy_bandwidth();
+    out.bandwidth.add(bandwidth * 1e-9);
+
+    const double t0 = now();
+    if (hmf_build(soup.position.data(), soup.vertices(), 0, soup.triangle.data(), soup.triangles(), &bo, &h, &error) != HMF_OK) {
+        out.trouble = error.message;
+        return;
+    }
+    const double t1 = now();
+    const size_t coarsest = hmf_level_count(h) - 1, genus = hmf_genus(h);
+    hmf_level_info fine, coarse;
+    hmf_level_counts(h, 0, &fine, nullptr);
+    hmf_level_counts(h, coarsest, &coarse, nullptr);
+    // Each loop is simple: room for all, and no call that only counts.
+    std::vector<uint64_t> offsets(genus + 1);
+    std::vector<uint32_t> elements(genus * static_cast<size_t>(coarse.triangle_count));
+    size_t loop_count = 0, element_count = 0;
+    const size_t build_peak = counter.peak;
+    const double t2 = now();
+    if (hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(), &loop_count, &element_count, &error) != HMF_OK) {
+        out.trouble = error.message;
+        hmf_destroy(h);
+        return;
+    }
+    const double t3 = now();
+    hmf_loop_set loops;
+    std::memset(&loops, 0, sizeof loops);
+    loops.struct_size = sizeof loops;
+    loops.element_kind = HMF_LOOP_TRIANGLES;
+    loops.level = coarsest;
+    loops.count = loop_count;
+    loops.offsets = offsets.data();
+    loops.elements = elements.data();
+
+    std::vector<double> values, again;
+    const Solved first = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, values, out.trouble);
+    if (!first.usable()) {
+        hmf_destroy(h);
+        return;
+    }
+    if (first.status != HMF_OK) ++out.unconverged;
+    out.residual = std::max(out.residual, first.report.residual_max);
+    out.poles = std::max(out.poles, first.report.poles);
+    out.zeros = first.report.zeros;
+    const double edges = static_cast<double>(fine.edge_count), build = t1 - t0;
+    const double job = build + (t3 - t2) + first.seconds;
+    const double held = static_cast<double>(hmf_hierarchy_memory(h));
+    out.build.add(build);
+    out.edges_per_second.add(edges / build * 1e-6);
+    out.bytes_per_edge.add(held / edges);
+    out.build_peak.add(static_cast<double>(build_peak) / edges);
+    out.solve_peak.add(static_cast<double>(first.report.peak_memory_bytes) / edges);
+    out.loops.add(t3 - t2);
+    out.solve.add(first.seconds);
+    out.job.add(job);
+    out.job_per_edge.add(job / edges * 1e9);
+    // What the build has to read and write at least once.
+    out.build_bound.add((8.0 * static_cast<double>(soup.position.size()) + 4.0 * static_cast<double>(soup.triangle.size()) + held) / bandwidth);
+
+    out.level.resize(std::max(out.level.size(), first.level.size()));
+    double accounted = 0;
+    for (size_t l = 0; l < first.level.size(); ++l) {
+        const hmf_level_report& from = first.level[l];
+        LevelCost& to = out.level[l];
+        const double e = static_cast<double>(from.edges), c = l + 1 < first.level.size() ? static_cast<double>(first.level[l + 1].edges) : 0;
+        to.vertices = static_cast<double>(from.vertices);
+        to.edges = e;
+        to.sweeps = from.iterations;
+        to.linear_solves = from.linear_solves;
+        to.optimise.add(from.optimize_seconds);
+        to.interpolate.add(from.interpolate_seconds);
+        // Optimise: weight, two ends, value read and written.  Interpolate:
+        // coarse values read, fine ones written, the sides of the triangles
+        // read (12 bytes for 2/3 triangle an edge).
+        to.optimise_bound.add(32 * e / bandwidth);
+        to.interpolate_bound.add((8 * c + 8 * e + 8 * e) / bandwidth);
+        accounted += from.optimize_seconds + from.interpolate_seconds;
+    }
+    out.rest.add(std::max(0.0, first.wall_seconds - accounted));
+
+    const Solved second = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, again, out.trouble);
+    out.second.add(second.usable() ? second.seconds : -1);
+    if (again.size() != values.size() || std::memcmp(again.data(), values.data(), values.size() * sizeof(double)) != 0) out.same_bits = 0;
+
+    size_t level = 0;
+    double distance = 1e300, size = 0;
+    for (size_t l = 0; l <= coarsest; ++l) {
+        hmf_level_info info;
+        hmf_level_counts(h, l, &info, nullptr);
+        const double d = std::abs(std::log(static_cast<double>(info.vertex_count) / options.preview));
+        if (d < distance) { distance = d; level = l; size = static_cast<double>(info.vertex_count); }
+    }
+    const Solved preview = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, level, again, out.trouble);
+    out.preview.add(preview.usable() ? 1e3 * preview.seconds : -1);
+    out.preview_vertices.add(size);
+
+#if HMF_HAVE_CHOLMOD
+    if (options.cholesky) {
+        std::vector<uint32_t> ends(2 * static_cast<size_t>(fine.edge_count));
+        std::vector<double> weight(static_cast<size_t>(fine.edge_count));
+        if (hmf_level_edge_vertices(h, 0, ends.data(), ends.size(), nullptr) == HMF_OK && hmf_level_weights(h, 0, weight.data(), weight.size(), nullptr) == HMF_OK) {
+            const double seconds = run_cholesky(ends, weight, soup.vertices());
+            out.cholesky.add(seconds);
+            out.job_against_cholesky.add(seconds > 0 ? job / seconds : -1);
+            out.solve_against_cholesky.add(seconds > 0 ? first.seconds / seconds : -1);
+        }
+    }
+#endif
+    const double energy = first.report.energy;
+    if (options.whitehead > 0) {
+        const Solved w = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, options.whitehead_tolerance, options.whitehead, 0, again, out.trouble);
+        out.whitehead.add(w.usable() ? w.seconds : -1);
+        out.newton_gain.add(w.usable() ? w.seconds / first.seconds : -1);
+        if (w.status == HMF_LIMIT_TIME) out.whitehead.bounded = out.newton_gain.bounded = true;
+        out.energy_excess.sign = out.single_excess.sign = true;
+        if (w.usable()) out.energy_excess.add(w.report.energy / energy - 1);
+        if (options.single > 0) {
+            const Solved s = run_solve(h, &loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single, 0, again, out.trouble);
+            out.single.add(s.usable() ? s.seconds : -1);
+            // Against an unfinished whitehead a quotient would bound nothing.
+            if (w.status == HMF_OK) out.hierarchy_gain.add(s.usable() ? s.seconds / w.seconds : -1);
+            if (s.status == HMF_LIMIT_TIME) out.single.bounded = out.hierarchy_gain.bounded = true;
+            if (s.usable()) out.single_excess.add(s.report.energy / energy - 1);
+        }
+    }
+    hmf_destroy(h);
+    if (counter.used != 0) out.trouble = "memory was not returned";
+}
+
+// --- Report ------------------------------------------------------------------
+
+void print(const std::vector<Soup>& soups, const std::vector<Result>& results, const Options& options) {
+    std::printf("hmf %u, %d repetitions, one thread, %s time: median [smallest, largest]\n\n", hmf_version(), options.repetitions,
+                processor_clock ? "processor" : "wall");
+    std::printf("| mesh | edges | build M edges/s | bytes/edge held | peak of build B/edge | peak of solve B/edge | build s | loops s | newton s | second solve s | job s | residual |\n");
+    std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < soups.size(); ++i) {
+        const Result& r = results[i];
+        std::printf("| %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s | %s | %.1e%s |\n", soups[i].name.c_str(), soups[i].edges(),
+                    r.edges_per_second.text("%.2f").c_str(), r.bytes_per_edge.text("%.0f").c_str(), r.build_peak.text("%.0f").c_str(),
+                    r.solve_peak.text("%.0f").c_str(), r.build.text("%.3f").c_str(), r.loops.text("%.4f").c_str(), r.solve.text("%.3f").c_str(),
+                    r.second.text("%.3f").c_str(), r.job.text("%.3f").c_str(), r.residual, r.unconverged ? " NOT CONVERGED" : "");
+    }
+    std::printf("\n| mesh | Cholesky s | job / Cholesky | newton / Cholesky | preview ms | preview vertices | whitehead s | whitehead / newton | whitehead energy excess | single_level s | single_level / whitehead | single_level energy excess |\n");
+    std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < soups.size(); ++i) {
+        const Result& r = results[i];
+        std::printf("| %s | %s | %s | %s | %s | %.0f | %s | %s | %s | %s | %s | %s |\n", soups[i].name.c_str(), r.cholesky.text("%.3f").c_str(),
+                    r.job_against_cholesky.text("%.2f").c_str(), r.solve_against_cholesky.text("%.2f").c_str(), r.preview.text("%.0f").c_str(),
+                    r.preview_vertices.sample.empty() ? 0.0 : r.preview_vertices.sample[0], r.whitehead.text("%.2f").c_str(),
+                    r.newton_gain.text("%.1f").c_str(), r.energy_excess.text("%.1e").c_str(), r.single.text("%.2f").c_str(),
+                    r.hierarchy_gain.text("%.1f").c_str(), r.single_excess.text("%.1e").c_str());
+    }
+    size_t small = 0;
+    for (size_t i = 0; i < soups.size(); ++i)
+        if (soups[i].edges() < soups[small].edges()) small = i;
+    std::printf("\n| growth | edges | job ns/edge | against %s |\n|---|---|---|---|\n", soups[small].name.c_str());
+    for (size_t i = 0; i < soups.size(); ++i) {
+        Cell growth;
+        const std::vector<double>&a = results[i].job_per_edge.sample, &b = results[small].job_per_edge.sample;
+        if (a.size() == b.size())
+            for (size_t k = 0; k < a.size(); ++k) growth.add(a[k] / b[k]);
+        std::printf("| %s | %.0f | %s | %s |\n", soups[i].name.c_str(), soups[i].edges(), results[i].job_per_edge.text("%.0f").c_str(), growth.text("%.2f").c_str());
+    }
+    for (size_t i = 0; i < soups.size(); ++i) {
+        const Result& r = results[i];
+        std::printf("\n%s: where the time goes (copy %s GB/s)\n\n", soups[i].name.c_str(), r.bandwidth.text("%.1f").c_str());
+        std::printf("| stage | vertices | seconds | bound by memory s | linear solves | sweeps |\n|---|---|---|---|---|---|\n");
+        std::printf("| build | %zu | %s | %s | | |\n", soups[i].vertices(), r.build.text("%.4f").c_str(), r.build_bound.text("%.4f").c_str());
+        std::printf("| loops, coarsest | | %s | | | |\n", r.loops.text("%.4f").c_str());
+        for (size_t l = r.level.size(); l-- > 0;) {
+            const LevelCost& c = r.level[l];
+            if (l + 1 < r.level.size())
+                std::printf("| interpolate to %zu | %.0f | %s | %s | | |\n", l, c.vertices, c.interpolate.text("%.4f").c_str(), c.interpolate_bound.text("%.4f").c_str());
+            std::printf("| optimise %zu%s | %.0f | %s | %s | %llu | %llu |\n", l, l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices,
+                        c.optimise.text("%.4f").c_str(), c.optimise_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
+                        static_cast<unsigned long long>(c.sweeps));
+        }
+        std::printf("| rest of solve | | %s | | | |\n", r.rest.text("%.4f").c_str());
+        std::printf("\nzeros %llu, poles %llu; second solve %s\n", static_cast<unsigned long long>(r.zeros), static_cast<unsigned long long>(r.poles),
+                    r.same_bits ? "has the same bits" : "DIFFERS");
+        if (r.unconverged) std::printf("newton did not reach the tolerance in %d of %d repetitions\n", r.unconverged, r.repetitions);
+        if (!r.trouble.empty()) std::printf("TROUBLE: %s\n", r.trouble.c_str());
+    }
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    std::printf("\npeak memory of the whole program, with meshes and CHOLMOD: %.2f GiB\n", static_cast<double>(usage.ru_maxrss) / 1048576);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    // BLAS and OpenMP read their number of threads before main.
+    if (!std::getenv("HMF_BENCH_ONE_THREAD")) {
+        setenv("HMF_BENCH_ONE_THREAD", "1", 1);
+        setenv("OMP_NUM_THREADS", "1", 1);
+        setenv("OPENBLAS_NUM_THREADS", "1", 1);
+        execv("/proc/self/exe", argv);
+    }
+    Options options;
+    std::vector<Soup> soups;
+    for (int i = 1; i < argc; ++i) {
+        const auto is = [&](const char* name) { return !std::strcmp(argv[i], name) && i + 1 < argc; };
+        if (is("-r")) options.repetitions = std::max(1, std::atoi(argv[++i]));
+        else if (is("--subdivide")) options.subdivisions = std::max(0, std::atoi(argv[++i]));
+        else if (is("--tolerance")) options.tolerance = std::atof(argv[++i]);
+        else if (is("--preview")) options.preview = std::max(1.0, std::atof(argv[++i]));
+        else if (is("--whitehead")) options.whitehead = std::atof(argv[++i]);
+        else if (is("--whitehead-tolerance")) options.whitehead_tolerance = std::atof(argv[++i]);
+        else if (!std::strcmp(argv[i], "--cpu")) processor_clock = true;
+        else if (is("--single-level")) options.single = std::atof(argv[++i]);
+        else if (!std::strcmp(argv[i], "--no-cholesky")) options.cholesky = false;
+        else if (argv[i][0] == '-') {
+            std::fprintf(stderr, "unknown option %s, or its value is missing\n", argv[i]);
+            return 2;
+        } else {
+            soups.emplace_back();
+            if (!read_obj(argv[i], soups.back())) {
+                std::fprintf(stderr, "cannot read %s\n", argv[i]);
+                return 3;
+            }
+        }
+    }
+    if (soups.empty())
+        for (uint32_t k : {100u, 240u}) soups.push_back(torus(3 * k, k));
+    for (Soup& soup : soups)
+        for (int k = 0; k < options.subdivisions; ++k) subdivide(soup);
+    std::vector<Result> results(soups.size());
+    for (int r = 0; r < options.repetitions; ++r)
+        for (size_t i = 0; i < soups.size(); ++i) {
+            run(soups[i], options, results[i]);
+            std::fprintf(stderr, "repetition %d, %s\n", r + 1, soups[i].name.c_str());
+        }
+    print(soups, results, options);
+    for (const Result& r : results)
+        if (!r.trouble.empty()) return 1;
+    return 0;
+}
