@@ -55,20 +55,15 @@ public:
         model_.assemble(f_, w_.rings, weight_);
         if (f_.out_of_memory) return w_.call.out_of_memory();
         const uint32_t n = model_.count;
-        if (n == 0) return HMF_OK;
-        for (uint32_t k = 0; k < n; ++k) model_.d[k] = 0;
         const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
-        SignedMultigrid multigrid;
-        if (!multigrid.setup(matrix, w_.call.memory, &w_.call))
-            return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
         const double before = energy(f_, weight_);
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
         ++w_.statistics.linear_solves;
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
         for (double accuracy = tolerance;; accuracy *= 1e-4) {
-            multigrid.solve(matrix, model_.right.data(), model_.d.data(), accuracy, 200, w_.call);
-            if (w_.call.cancelled() || w_.call.finishing()) return HMF_CANCELLED;
+            if (!solve_linear(matrix, accuracy))
+                return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
             model_.project(f_, w_.rings, patch_, distance_);
             set_values(1);
             if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
@@ -105,7 +100,7 @@ public:
         near_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-            bool singular = model_.unknown[v] == NONE;
+            bool singular = model_.rests[v];
             for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && !singular; ++t) {
                 const uint32_t h = w_.rings.side[t].half_edge;
                 singular = f_.at(h) > 0 && f_.corner2(h) > 0 && f_.corner2(mesh.next[h]) > 0 && f_.corner2(mesh.prev(h)) > 0;
@@ -132,6 +127,21 @@ public:
     }
 
 private:
+    // Continues from model_.d.  The matrix of a level changes by signs near the
+    // zeros only: one setup serves for all its steps unless iterations tell otherwise.
+    bool solve_linear(const SignedMatrix& matrix, double accuracy) {
+        constexpr uint32_t with_old_setup = 30, with_new_setup = 200;
+        if (multigrid_ready_) {
+            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call);
+            if (w_.call.cancelled() || w_.call.finishing()) return false;
+            if (result.converged) return true;
+        }
+        multigrid_ready_ = multigrid_.setup(matrix, w_.call.memory, &w_.call);
+        if (!multigrid_ready_) return false;
+        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_new_setup, w_.call);
+        return !w_.call.cancelled() && !w_.call.finishing();
+    }
+
     int64_t rounded(uint32_t k, double factor) const {
         const double x = model_.d[k] * factor;
         if (!(x > -9e15 && x < 9e15)) return 0;
@@ -150,7 +160,7 @@ private:
     void set_values(double factor) {
         const Mesh& mesh = f_.mesh;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-            step_[v] = model_.unknown[v] == NONE ? 0 : rounded(model_.unknown[v], factor);
+            step_[v] = model_.rests[v] ? 0 : rounded(v, factor);
         for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
     }
 
@@ -182,10 +192,10 @@ private:
         for (uint32_t round = 0; round < 8 && !suspect_.empty() && factor == 1; ++round) {
             const size_t had = suspect_.size();
             for (size_t i = 0; i < had; ++i) {
-                const uint32_t v = suspect_[i], k = model_.unknown[v];
-                if (k == NONE) continue;
-                model_.d[k] = model_.relaxed(k);
-                step_[v] = rounded(k, 1);
+                const uint32_t v = suspect_[i];
+                if (model_.rests[v]) continue;
+                model_.d[v] = model_.relaxed(v);
+                step_[v] = rounded(v, 1);
                 for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) set_value(mesh, edge_of(w_.rings.side[t].half_edge));
             }
             size_t end = had;
@@ -284,6 +294,8 @@ private:
     Foliation& f_;
     const double* weight_;
     TwistedModel model_;
+    SignedMultigrid multigrid_;
+    bool multigrid_ready_ = false;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
     Array<uint32_t> patch_, near_, suspect_, distance_;
@@ -304,10 +316,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     double best = 1e300, lowest = 1e300;
     uint32_t without_progress = 0;
     for (uint32_t round = 0; round < most_rounds; ++round) {
-        const double before = newton.residual();
-        work.record(2, energy(work.state.foliation, work.level.weight), before);
-        if (before <= goal) return HMF_OK;
+        // The first step of a level needs no reason but on the last level.
+        const double before = round == 0 && !finest ? 1 : newton.residual();
         const double D = energy(work.state.foliation, work.level.weight);
+        work.record(2, D, before);
+        if (before <= goal) return HMF_OK;
         if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;
         else if (++without_progress > 12) break;
         if (before < best) best = before;
@@ -320,7 +333,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         double accepted = 0;
         if (const hmf_status status = newton.step(linear, accepted)) return status;
         newton.relax_near_zeros(40);
-        newton.sweeps(accepted == 1 ? 1 : 10);
+        // Levels in between only provide a start.
+        if (accepted == 1 && !finest && !coarsest) return HMF_OK;
+        newton.sweeps(accepted < 1 ? 10 : round > 1 ? 2 : 0);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     return finest ? HMF_LIMIT_STALLED : HMF_OK;

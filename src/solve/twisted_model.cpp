@@ -5,7 +5,8 @@ namespace hmf {
 bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
-    return tripod.reserve(mesh.face_count) && index.allocate(memory, n) && sign.allocate(memory, 2 * m) && unknown.allocate(memory, n) && vertex.allocate(memory, n) && offset.allocate(memory, n + 1)
+    return tripod.reserve(64) && index.allocate(memory, n) && sign.allocate(memory, 2 * m) && product.allocate_filled(memory, m, 0)
+        && gauge.allocate(memory, n) && queue.allocate(memory, n) && rests.allocate(memory, n) && offset.allocate(memory, n + 1)
         && column.allocate(memory, 2 * m) && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
         && lower.allocate(memory, n) && upper.allocate(memory, n) && d.allocate(memory, n);
 }
@@ -65,22 +66,51 @@ void sign_regular_cluster(const Foliation& f, int8_t* sign) {
 
 } // namespace
 
+// Which of its two directions a vertex calls + is free.  The choice that gives
+// most entries the sign that they had in the model before is found breadth
+// first: between the zeros the bundle of signs has not changed.
+void TwistedModel::align_signs(const Mesh& mesh, const Rings& rings) {
+    const uint32_t n = mesh.vertex_count;
+    for (uint32_t v = 0; v < n; ++v) gauge[v] = 0;
+    for (uint32_t seed = 0; seed < n; ++seed) {
+        if (gauge[seed] != 0 || rests[seed]) continue;
+        gauge[seed] = 1;
+        uint32_t size = 0;
+        queue[size++] = seed;
+        for (uint32_t i = 0; i < size; ++i) {
+            const uint32_t v = queue[i];
+            for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+                const uint32_t h = rings.side[t].half_edge, w = mesh.target(h);
+                if (gauge[w] != 0 || rests[w] || product[edge_of(h)] == 0) continue;
+                gauge[w] = static_cast<int8_t>(gauge[v] * product[edge_of(h)] * sign[h] * sign[twin(h)]);
+                queue[size++] = w;
+            }
+        }
+    }
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+        if (gauge[mesh.origin[h]] < 0) sign[h] = static_cast<int8_t>(-sign[h]);
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const int8_t now = static_cast<int8_t>(sign[2 * e] * sign[2 * e + 1]);
+        if (now != 0) product[e] = now;
+    }
+}
+
 void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weight) {
     const Mesh& mesh = f.mesh;
     const uint32_t n = mesh.vertex_count;
     const uint32_t before = f.epoch;
-    count = 0;
-    for (uint32_t v = 0; v < n; ++v) unknown[v] = NONE;
+    count = n;
     for (uint32_t v = 0; v < n; ++v) {
         if (f.stamp[v] > before) continue;
         bool has_zero = false;
         uint32_t closed = 0;
         index[v] = 0;
         if (sign_regular_vertex(f, rings, v, sign.data(), has_zero, closed)) {
-            unknown[v] = 0;
+            rests[v] = 0;
             continue;
         }
         if (!has_zero) {
+            rests[v] = 1;
             index[v] = 2 - static_cast<int32_t>(closed);
             for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
             continue;
@@ -90,25 +120,18 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
         if (regular) sign_regular_cluster(f, sign.data());
         for (uint32_t u : f.members) {
             index[u] = 0;
-            if (regular) unknown[u] = 0;
-            else
+            rests[u] = !regular;
+            if (!regular)
                 for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) sign[rings.side[t].half_edge] = 0;
         }
         index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
     }
-    for (uint32_t v = 0; v < n; ++v)
-        if (unknown[v] != NONE) { unknown[v] = count; vertex[count++] = v; }
+    align_signs(mesh, rings);
 
     tripod.clear();
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        const uint32_t next = mesh.next[h], last = mesh.next[next];
-        if (h < next && h < last && f.corner2(h) > 0 && f.corner2(next) > 0 && f.corner2(last) > 0) tripod.push(h);
-    }
-
     uint32_t at = 0;
-    for (uint32_t k = 0; k < count; ++k) {
-        const uint32_t v = vertex[k];
-        offset[k] = at;
+    for (uint32_t v = 0; v < n; ++v) {
+        offset[v] = at;
         double sum = 0, b = 0;
         int64_t low = INT64_MIN, high = INT64_MAX;
         const uint32_t begin = rings.offset[v], end = rings.offset[v + 1];
@@ -122,11 +145,12 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
             b += alpha * s * static_cast<double>(F);
             int64_t bound = INT64_MAX;
             if (w == v) {
-                sum += alpha * (s + back) * s;
+                sum += rests[v] ? alpha : alpha * (s + back) * s;
             } else {
                 sum += alpha;
-                if (unknown[w] != NONE) {
-                    column[at] = unknown[w];
+                if (rests[v]) {
+                } else if (!rests[w]) {
+                    column[at] = w;
                     entry[at++] = alpha * s * back;
                 } else {
                     bound = F;
@@ -135,16 +159,21 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
             // A tripod on this side of h?
             const uint32_t ahead = rings.side[t + 1 < end ? t + 1 : begin].half_edge;
             const int64_t G = f.value[edge_of(ahead)], opposite = f.value[side.opposite];
-            if (F + G > opposite && F + opposite > G && G + opposite > F && (F + G - opposite) / 2 < bound) bound = (F + G - opposite) / 2;
+            if (F + G > opposite && F + opposite > G && G + opposite > F) {
+                if ((F + G - opposite) / 2 < bound) bound = (F + G - opposite) / 2;
+                if (h < mesh.next[h] && h < mesh.prev(h)) tripod.push(h);
+            }
             if (bound != INT64_MAX) {
                 if (s > 0 && bound < high) high = bound;
                 if (s < 0 && -bound > low) low = -bound;
             }
         }
-        diagonal[k] = sum;
-        right[k] = b;
-        lower[k] = low;
-        upper[k] = high;
+        // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
+        diagonal[v] = sum;
+        right[v] = rests[v] ? 0 : b;
+        lower[v] = rests[v] ? 0 : low;
+        upper[v] = rests[v] ? 0 : high;
+        d[v] = 0;
     }
     offset[count] = at;
 }
@@ -168,11 +197,10 @@ bool TwistedModel::clip(uint32_t k) {
 
 // Vertex k stops at its bound; its neighbours get theirs: F - s_k d_k - s d >= 0.
 void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
-    const uint32_t v = vertex[k];
     const int64_t at = static_cast<int64_t>(d[k]);
-    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-        const uint32_t h = rings.side[t].half_edge, other = unknown[f.mesh.target(h)];
-        if (other == NONE || other == k) continue;
+    for (uint32_t t = rings.offset[k]; t < rings.offset[k + 1]; ++t) {
+        const uint32_t h = rings.side[t].half_edge, other = f.mesh.target(h);
+        if (rests[other] || other == k) continue;
         const int64_t room = f.at(h) - sign[h] * at;
         if (room < 0) continue; // another branch point is in between
         if (sign[twin(h)] > 0 && room < upper[other]) upper[other] = room;
@@ -220,9 +248,8 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, ui
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
     // Rings of unknowns round v; distance counts up and is set back below.
-    const auto add = [&](uint32_t w, uint32_t ring) {
-        const uint32_t k = unknown[w];
-        if (k == NONE || distance[k] != NONE) return;
+    const auto add = [&](uint32_t k, uint32_t ring) {
+        if (rests[k] || distance[k] != NONE) return;
         distance[k] = ring;
         patch.push(k);
     };
@@ -231,7 +258,7 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, ui
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
         if (distance[k] >= radius) continue;
-        for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) add(vertex[column[j]], distance[k] + 1);
+        for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) add(column[j], distance[k] + 1);
     }
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];

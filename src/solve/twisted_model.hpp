@@ -24,10 +24,12 @@
 namespace hmf {
 
 struct TwistedModel {
-    uint32_t count = 0;        // unknowns
+    uint32_t count = 0;        // unknowns: one per vertex; those that rest have an empty row
     Array<int8_t> sign;        // per half-edge; 0 where the origin rests
-    Array<uint32_t> unknown;   // per vertex: its number, or NONE
-    Array<uint32_t> vertex;    // per unknown
+    Array<uint8_t> rests;      // per vertex
+    Array<int8_t> product;     // per edge: of its two signs in the last model
+    Array<int8_t> gauge;       // per vertex, and the queue: scratch of align_signs
+    Array<uint32_t> queue;
     Array<uint32_t> offset;    // count + 1, rows of the matrix
     Array<uint32_t> column;    // off-diagonal entries
     Array<double> entry;
@@ -50,6 +52,7 @@ struct TwistedModel {
     double relaxed(uint32_t unknown_index) const;
 
 private:
+    void align_signs(const Mesh& mesh, const Rings& rings);
     bool clip(uint32_t k);
     void rest(const Foliation& f, const Rings& rings, uint32_t k);
     void relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
