@@ -127,7 +127,7 @@ uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const h
 }
 
 uint64_t hmf_hierarchy_memory(const hmf_hierarchy* hierarchy) {
-    return hierarchy ? hierarchy->memory.used() + sizeof *hierarchy : 0;
+    return hierarchy ? hierarchy->memory.used() : 0;
 }
 
 size_t hmf_level_count(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->level_count : 0; }

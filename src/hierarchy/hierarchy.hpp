@@ -39,7 +39,8 @@ struct Level {
 
 struct hmf_hierarchy {
     hmf_hierarchy(hmf_allocate_fn a, hmf_release_fn r, void* user, uint64_t limit)
-        : memory(a, r, user, limit), arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
+        // Its own bytes count from the start.
+        : memory(a, r, user, limit, sizeof(hmf_hierarchy)), arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
 
     hmf::Memory memory;
     hmf::Arena arena;

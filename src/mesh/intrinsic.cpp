@@ -66,8 +66,14 @@ double other_diagonal(const Quad& q) {
 
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
+// An edge from a vertex to itself would tie the vertex to what it encloses (the
+// tip of a spike): such a flip is left out, its weight is raised instead.
+bool makes_loop(const Mesh& mesh, uint32_t edge) {
+    return mesh.origin[mesh.prev(2 * edge)] == mesh.origin[mesh.prev(2 * edge + 1)];
+}
+
 bool needs_flip(const Mesh& mesh, const Array<double>& length, uint32_t edge) {
-    return !one_triangle(mesh, edge) && cotangent_sum(quad(mesh, length, edge)) < TOLERANCE;
+    return !one_triangle(mesh, edge) && !makes_loop(mesh, edge) && cotangent_sum(quad(mesh, length, edge)) < TOLERANCE;
 }
 
 } // namespace

@@ -68,21 +68,25 @@ public:
             set_values(1);
             if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
         }
-        // Where the step went too far, the neighbourhood stays as it is; if
-        // that does not help, all take a shorter step.
+        // Where the step went too far, the neighbourhood stays as it is.  If the
+        // energy rises, the bounds hold back too much: the others are solved
+        // for once more.  If nothing helps, all take a shorter step.
         double factor = 1;
-        uint32_t radius = 2;
+        uint32_t radius = 2, solves = 0;
         for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
             too_far_ = NONE;
-            if (apply(factor)) {
-                if (energy_change() <= 1e-17 * before) {
-                    accepted = factor;
-                    return HMF_OK;
-                }
+            const bool sound = apply(factor);
+            if (sound && energy_change() <= 1e-17 * before) {
+                accepted = factor;
+                return HMF_OK;
             }
             if (f_.out_of_memory) return w_.call.out_of_memory();
             if (!w_.call.tick(0, true)) break;
-            if (too_far_ != NONE && attempt < 16) {
+            if (sound && solves < 2) {
+                ++solves;
+                if (!solve_between_bounds(tolerance))
+                    return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
+            } else if (too_far_ != NONE && attempt < 16) {
                 std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
                 if (attempt % 4 == 3) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
@@ -140,6 +144,21 @@ private:
         if (!multigrid_ready_) return false;
         multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_new_setup, w_.call);
         return !w_.call.cancelled() && !w_.call.finishing();
+    }
+
+    // The unknowns at a bound keep their value, the others are solved for.
+    bool solve_between_bounds(double accuracy) {
+        if (fixed_entry_.empty()
+            && (!fixed_entry_.allocate(w_.call.memory, size_t{2} * f_.mesh.edge_count)
+                || !fixed_right_.allocate(w_.call.memory, f_.mesh.vertex_count)))
+            return false;
+        model_.fix_active(fixed_entry_, fixed_right_);
+        const SignedMatrix fixed{model_.count, model_.offset.data(), model_.column.data(), fixed_entry_.data(), model_.diagonal.data()};
+        multigrid_.solve(fixed, fixed_right_.data(), model_.d.data(), accuracy, 100, w_.call);
+        ++w_.statistics.linear_solves;
+        if (w_.call.cancelled() || w_.call.finishing()) return false;
+        model_.project(f_, w_.rings, patch_, distance_);
+        return true;
     }
 
     int64_t rounded(uint32_t k, double factor) const {
@@ -298,6 +317,7 @@ private:
     bool multigrid_ready_ = false;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
+    Array<double> fixed_entry_, fixed_right_; // made when first needed
     Array<uint32_t> patch_, near_, suspect_, distance_;
     bool backward_ = false;
     uint32_t too_far_ = NONE; // vertex where the last step could not be taken

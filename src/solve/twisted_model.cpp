@@ -225,11 +225,25 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
         for (size_t i = 0; i < patch.size(); ++i) {
             const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
             d[k] = relaxed(k);
-            if ((d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k])) && distance[k] != 0) {
+            if (at_bound(k) && distance[k] != 0) {
                 distance[k] = 0; // rests from now on
                 rest(f, rings, k);
             }
         }
+}
+
+void TwistedModel::fix_active(Array<double>& fixed_entry, Array<double>& fixed_right) const {
+    for (uint32_t k = 0; k < count; ++k) {
+        const bool fixed = at_bound(k);
+        double b = fixed ? diagonal[k] * d[k] : right[k];
+        for (uint32_t i = offset[k]; i < offset[k + 1]; ++i) {
+            const uint32_t other = column[i];
+            const bool drop = fixed || at_bound(other);
+            if (drop && !fixed) b -= entry[i] * d[other];
+            fixed_entry[i] = drop ? 0 : entry[i];
+        }
+        fixed_right[k] = b;
+    }
 }
 
 uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {

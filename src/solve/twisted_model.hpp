@@ -45,6 +45,8 @@ struct TwistedModel {
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
+    // Matrix and right side in which the unknowns at a bound have their value.
+    void fix_active(Array<double>& fixed_entry, Array<double>& fixed_right) const;
     // Keeps the vertices within some rings of v where they are, and lets the
     // others take that over.
     void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch, Array<uint32_t>& distance);
@@ -53,6 +55,7 @@ struct TwistedModel {
 
 private:
     void align_signs(const Mesh& mesh, const Rings& rings);
+    bool at_bound(uint32_t k) const { return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]); }
     bool clip(uint32_t k);
     void rest(const Foliation& f, const Rings& rings, uint32_t k);
     void relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
