@@ -404,10 +404,10 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
  *   report     NULL = not wanted
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
- * and without poles; HMF_CANCELLED, with values in the same way if the asked
- * level had been reached or the callback said HMF_PROGRESS_FINISH (then
- * report->values_written is 1), else with nothing written; or an error of
- * classes 100, 200, 400.
+ * and without poles; HMF_CANCELLED, with values in the same way if the callback
+ * said HMF_PROGRESS_FINISH, or if the asked level had been reached and the
+ * values were at hand (then report->values_written is 1), else with nothing
+ * written; or an error of classes 100, 200, 400.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, double *values, size_t capacity,

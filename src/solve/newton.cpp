@@ -48,9 +48,10 @@ public:
         }
     }
 
-    // HMF_OK, or memory, or HMF_CANCELLED.  accepted: the share of the step
-    // that was taken, 0 if none would do.
-    hmf_status step(double tolerance, double& accepted) {
+    // HMF_OK, or memory, or HMF_CANCELLED.  close: near the minimum, where more
+    // effort for a whole step pays.  accepted: the share of the step that was
+    // taken, 0 if none would do.
+    hmf_status step(double tolerance, bool close, double& accepted) {
         accepted = 0;
         model_.assemble(f_, w_.rings, weight_);
         if (f_.out_of_memory) return w_.call.out_of_memory();
@@ -82,7 +83,7 @@ public:
             }
             if (f_.out_of_memory) return w_.call.out_of_memory();
             if (!w_.call.tick(0, true)) break;
-            if (sound && solves < 2) {
+            if (sound && close && solves < 2) {
                 ++solves;
                 if (!solve_between_bounds(tolerance))
                     return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
@@ -351,7 +352,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (linear > 1e-2 || !finest || round == 0) linear = 1e-2;
         if (linear < 1e-11) linear = 1e-11;
         double accepted = 0;
-        if (const hmf_status status = newton.step(linear, accepted)) return status;
+        if (const hmf_status status = newton.step(linear, before < 1e-2, accepted)) return status;
         newton.relax_near_zeros(40);
         // Levels in between only provide a start.
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
