@@ -34,4 +34,3 @@ fi
 cmake -B build -DCMAKE_BUILD_TYPE=Release
 cmake --build build -j "$(nproc)"
 build/hmf demo "$folder"
-echo "The picture is $folder/image.png"

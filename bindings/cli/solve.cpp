@@ -377,7 +377,7 @@ int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
     std::printf("  mean edge      %.6g\n", mean_edge);
     std::printf("  area           %.6g\n", area);
     std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1], high[2]);
-    std::printf("  memory to solve, at most %.1f MB\n", double(memory) / 1e6);
+    std::printf("  memory to build, at most %.1f MB\n", double(memory) / 1e6);
     return EXIT_SOLVED;
 }
 
