@@ -724,6 +724,47 @@ TEST(Resources, MemoryLimitIsKept) {
     EXPECT_EQ(build(mesh, error, &options), HMF_OK) << "the estimate is an upper bound; " << error.message;
 }
 
+// The handle itself counts as well.
+TEST(Resources, MemoryLimitHoldsToTheByte) {
+    for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_NEWTON}) {
+        const TriMesh mesh = torus(30, 16, 2, 1);
+        Meter free;
+        ASSERT_EQ(whole_story(mesh, free.options(), method), HMF_OK);
+        for (const uint64_t spare : {0, 1, 100, 1000}) {
+            Meter meter;
+            hmf_build_options options = meter.options();
+            options.memory_limit = free.peak - spare;
+            EXPECT_EQ(whole_story(mesh, options, method), spare ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << spare;
+            EXPECT_LE(meter.peak, options.memory_limit);
+            EXPECT_EQ(meter.used, 0u);
+        }
+    }
+}
+
+// Large enough for several levels of the linear solver.
+TEST(Resources, AllocationsMayFailInNewton) {
+    Meter meter;
+    const Hierarchy hierarchy(pretzel(2, 3), meter.options());
+    ASSERT_TRUE(hierarchy);
+    const uint64_t held = meter.used, first = meter.calls;
+    const hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 0);
+    const Solution whole = solve(hierarchy, nullptr, options);
+    ASSERT_LT(whole.status, HMF_ERROR_NULL);
+    const uint64_t calls = meter.calls - first;
+    ASSERT_GT(calls, 100u);
+    for (uint64_t n = 1; n <= calls; n += 1 + calls / 60) {
+        meter.fail = meter.calls + n;
+        std::vector<double> values(whole.values.size(), -1);
+        hmf_error error{};
+        hmf_report report{};
+        report.struct_size = sizeof report;
+        const hmf_status status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
+        expect_error(status, HMF_ERROR_MEMORY, error);
+        EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
+        ASSERT_EQ(meter.used, held) << "allocation " << n << " of " << calls;
+    }
+}
+
 // A hundred rounds on one hierarchy: memory returns to where it was.
 TEST(Resources, MemoryIsFlat) {
     Meter meter;

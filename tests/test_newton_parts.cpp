@@ -1,0 +1,137 @@
+// What the direct method is made of, on a torus with a known height.
+// The signs of the twisted model can be combed there: the matrix is the ordinary
+// Laplacian up to the orientation of each unknown.  An extremum goes back to
+// its nearest neighbour.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "../src/foliation/whitehead.hpp"
+#include "../src/solve/twisted_model.hpp"
+#include "support/make_mesh.hpp"
+
+using namespace hmf;
+
+namespace {
+
+constexpr uint32_t around = 12;
+
+// Closed values on torus(around, along.size()): the differences of a height that
+// rises by 100 from column to column and by `along` within one.  All vertices
+// are regular; equal heights of neighbours give clusters.
+struct Combed {
+    test::MadeMesh made;
+    Memory memory{nullptr, nullptr, nullptr, 0};
+    Foliation f;
+    std::vector<int64_t> height, value;
+    std::vector<uint32_t> stamp;
+
+    explicit Combed(const std::vector<int64_t>& along) : made(test::torus(around, static_cast<uint32_t>(along.size()))) {
+        f.mesh = made.mesh();
+        for (uint32_t v = 0; v < f.mesh.vertex_count; ++v) height.push_back(100 * (v / static_cast<uint32_t>(along.size())) + along[v % along.size()]);
+        stamp.assign(f.mesh.vertex_count, 0);
+        f.stamp = stamp.data();
+        f.members.start(memory);
+        value = values();
+        f.value = value.data();
+    }
+    int64_t rise(uint32_t h) const { // from the start of h to its end
+        constexpr int64_t period = 100 * around;
+        const int64_t d = height[f.mesh.target(h)] - height[f.mesh.origin[h]];
+        return d > period / 2 ? d - period : d < -period / 2 ? d + period : d;
+    }
+    std::vector<int64_t> values() const {
+        std::vector<int64_t> all(f.mesh.edge_count);
+        for (uint32_t e = 0; e < f.mesh.edge_count; ++e) all[e] = std::llabs(rise(2 * e));
+        return all;
+    }
+    SingularityCount count() { return count_singularities(f, nullptr, nullptr, nullptr, nullptr); }
+};
+
+void expect_combed(const std::vector<int64_t>& along) {
+    Combed combed(along);
+    Foliation& f = combed.f;
+    Memory& memory = combed.memory;
+    std::vector<double> weight(f.mesh.edge_count);
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight[e] = 1 + 0.25 * (e % 7);
+    Rings rings;
+    ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory));
+    TwistedModel model;
+    ASSERT_TRUE(model.allocate(f.mesh, memory));
+    model.assemble(f, rings, weight.data());
+    ASSERT_EQ(model.count, f.mesh.vertex_count);
+    for (uint32_t v = 0; v < model.count; ++v) ASSERT_EQ(model.rests[v], 0) << "vertex " << v << " is regular";
+
+    // A vertex whose pull points up has the orientation +1; the others follow.
+    std::vector<int> orientation(model.count, 0);
+    std::vector<double> sum(model.count, 0), pull(model.count, 0);
+    for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
+        const uint32_t k = f.mesh.origin[h];
+        sum[k] += weight[edge_of(h)];
+        pull[k] += weight[edge_of(h)] * static_cast<double>(combed.rise(h));
+    }
+    std::vector<uint32_t> queue{0};
+    orientation[0] = 1;
+    for (size_t i = 0; i < queue.size(); ++i) {
+        const uint32_t k = queue[i];
+        for (uint32_t j = model.offset[k]; j < model.offset[k + 1]; ++j) {
+            const uint32_t other = model.column[j];
+            const int o = model.entry[j] < 0 ? orientation[k] : -orientation[k];
+            if (orientation[other] == 0) {
+                orientation[other] = o;
+                queue.push_back(other);
+            }
+            ASSERT_EQ(orientation[other], o) << "the signs do not fit round " << k << " and " << other;
+        }
+    }
+    ASSERT_EQ(queue.size(), model.count);
+    // The right side has the same orientation, up to one sign for all.
+    int global = 0;
+    for (uint32_t k = 0; k < model.count; ++k) {
+        EXPECT_EQ(model.diagonal[k], sum[k]);
+        ASSERT_NEAR(std::abs(model.right[k]), std::abs(pull[k]), 1e-9 * (1 + std::abs(pull[k])));
+        if (std::abs(pull[k]) < 1e-6) continue;
+        const int s = (model.right[k] * pull[k] > 0 ? 1 : -1) * orientation[k];
+        if (global == 0) global = s;
+        EXPECT_EQ(s, global) << k;
+    }
+    EXPECT_NE(global, 0);
+}
+
+} // namespace
+
+TEST(TwistedModel, RegularVertices) { expect_combed({0, 7, 3, 11, 5, 13, 2, 9}); }
+TEST(TwistedModel, ClustersOfTwo) { expect_combed({0, 0, 7, 7, 13, 13, 5, 5}); }
+TEST(TwistedModel, LongClusters) { expect_combed({0, 0, 0, 0, 0, 13, 4, 4}); }
+
+// One vertex is above or below all its neighbours; it is pulled back to the nearest.
+TEST(SettleExtremum, ReturnsToTheNearestNeighbour) {
+    for (const std::vector<int64_t>& along : {std::vector<int64_t>{0, 7, 3, 11, 5, 13, 2, 9}, std::vector<int64_t>{0, 0, 7, 7, 13, 13, 5, 5}})
+        for (const int side : {1, -1})
+            for (uint32_t v = 30; v < 50; ++v) {
+                Combed combed(along);
+                Foliation& f = combed.f;
+                int64_t nearest = -side * 100000;
+                const uint32_t first = f.mesh.out[v];
+                uint32_t h = first;
+                do {
+                    const int64_t there = combed.height[f.mesh.target(h)];
+                    nearest = side > 0 ? std::max(nearest, there) : std::min(nearest, there);
+                    h = f.mesh.rotate_ccw(h);
+                } while (h != first);
+                ASSERT_EQ(combed.count().poles, 0u);
+                combed.height[v] = nearest + side * 40;
+                combed.value = combed.values();
+                f.value = combed.value.data();
+                ASSERT_EQ(combed.count().poles, 2u); // of order two
+                ASSERT_TRUE(settle_extremum(f, v));
+                EXPECT_EQ(combed.count().poles, 0u);
+                EXPECT_EQ(combed.count().broken_triangles, 0u);
+                combed.height[v] = nearest;
+                EXPECT_EQ(combed.value, combed.values());
+            }
+}
