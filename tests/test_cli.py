@@ -327,6 +327,7 @@ class Solve(Case):
         tool.send_signal(signal.SIGINT)
         _, errors = tool.communicate(timeout=60)
         self.assertEqual(tool.returncode, 4, errors.decode())
+        self.assertIn("interrupted", errors.decode())
         self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
 
 

@@ -284,7 +284,8 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
                 static_cast<unsigned long long>(report.zeros), static_cast<unsigned long long>(report.poles), summary.total_seconds);
     if (status != HMF_OK) {
         std::fflush(stdout);
-        std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(), hmf_status_string(status));
+        std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(),
+                     status == HMF_CANCELLED ? "interrupted" : hmf_status_string(status));
         return EXIT_LIMIT;
     }
     return EXIT_SOLVED;
