@@ -22,7 +22,7 @@ bool copy_options(const Options* from, Options& to) {
     return true;
 }
 
-constexpr int weight_bits = 46; // the largest weight is below 2^46 units
+constexpr int weight_bits = 48; // the largest weight is below 2^48 units, so values up to 32 weights are exact doubles
 
 // Unit for weights whose largest is `largest`.
 double unit_of_weights(double largest);

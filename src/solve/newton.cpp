@@ -333,7 +333,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
     const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
     const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
-    newton.sweeps(coarsest ? 20 : 2);
+    newton.sweeps(coarsest ? 20 : 1);
     double best = 1e300, lowest = 1e300;
     uint32_t without_progress = 0;
     for (uint32_t round = 0; round < most_rounds; ++round) {
