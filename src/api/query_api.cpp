@@ -66,7 +66,7 @@ hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const dou
     const double* weight = hierarchy->levels[level].weight;
     if (!rings.build(state.foliation.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
         return call.out_of_memory();
-    residuals(state.foliation, rings, weight, star, residual.data());
+    residuals(state.foliation, rings, weight, star, residual.data(), call);
     if (state.foliation.out_of_memory) return call.out_of_memory();
     for (uint32_t v = 0; v < n; ++v) out[v] = residual[level == 0 ? hierarchy->vertex_internal[v] : v];
     return HMF_OK;

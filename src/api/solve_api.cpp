@@ -115,7 +115,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         Star star;
         if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree))
             return call.out_of_memory();
-        const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr);
+        const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
         report->residual_max = residual.max;
         report->residual_mean = residual.mean;
     }

@@ -236,7 +236,7 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
     }
 }
 
-ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual) {
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call) {
     const uint32_t n = f.mesh.vertex_count;
     double total = 0; // every edge pulls at both ends
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += 2 * weight[e] * static_cast<double>(f.value[e]);
@@ -246,6 +246,7 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
     const uint32_t sweep_budget = star.budget;
     star.budget = NONE; // every direction is decided here
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % 65536 == 0 && !call.tick(0, true)) break;
         read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         const double scale = star.pull > floor ? star.pull : floor;

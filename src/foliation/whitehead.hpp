@@ -51,9 +51,10 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
 // One vertex, repeatedly, as in a sweep; true if it moved.
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result);
 
-// Relative coclosedness residual of each vertex ([W] Eq. 4); residual may be NULL.
+// Relative coclosedness residual of each vertex ([W] Eq. 4); residual may be
+// NULL.  Stops early, with what it has, if the call is cancelled.
 struct ResidualResult { double max = 0, mean = 0; uint32_t worst = NONE; };
-ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual);
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call);
 
 // Dirichlet energy in squared units ([W] Eq. 5).
 double energy(const Foliation& f, const double* weight);

@@ -35,7 +35,7 @@ public:
     }
 
     double residual() {
-        const ResidualResult r = residuals(f_, w_.rings, weight_, w_.star, nullptr);
+        const ResidualResult r = residuals(f_, w_.rings, weight_, w_.star, nullptr, w_.call);
         return r.max;
     }
 
@@ -53,51 +53,14 @@ public:
     // taken, 0 if none would do.
     hmf_status step(double tolerance, bool close, double& accepted) {
         accepted = 0;
-        model_.assemble(f_, w_.rings, weight_);
-        if (f_.out_of_memory) return w_.call.out_of_memory();
-        const uint32_t n = model_.count;
-        const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
-        const double before = energy(f_, weight_);
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
-        ++w_.statistics.linear_solves;
-        // On limbs that no loop goes round the values decay below the error of
-        // a loose solve: then it is continued.
-        for (double accuracy = tolerance;; accuracy *= 1e-4) {
-            if (!solve_linear(matrix, accuracy))
-                return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
-            model_.project(f_, w_.rings, patch_, distance_);
-            set_values(1);
-            if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
-        }
-        // Where the step went too far, the neighbourhood stays as it is.  If the
-        // energy rises, the bounds hold back too much: the others are solved
-        // for once more.  If nothing helps, all take a shorter step.
-        double factor = 1;
-        uint32_t radius = 2, solves = 0;
-        for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
-            too_far_ = NONE;
-            const bool sound = apply(factor);
-            if (sound && energy_change() <= 1e-17 * before) {
-                accepted = factor;
-                return HMF_OK;
-            }
-            if (f_.out_of_memory) return w_.call.out_of_memory();
-            if (!w_.call.tick(0, true)) break;
-            if (sound && close && solves < 2) {
-                ++solves;
-                if (!solve_between_bounds(tolerance))
-                    return w_.call.cancelled() || w_.call.finishing() ? HMF_CANCELLED : w_.call.out_of_memory();
-            } else if (too_far_ != NONE && attempt < 16) {
-                std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
-                if (attempt % 4 == 3) ++radius;
-                model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
-            } else {
-                factor *= 0.5;
-            }
-        }
-        std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t));
-        return HMF_OK;
+        const hmf_status status = try_step(tolerance, close, accepted);
+        if (accepted == 0) restore();
+        return status;
     }
+
+    // Between two passes over the mesh; false: cancelled or asked to finish.
+    bool go_on() { return w_.call.tick(0, true) && !w_.call.finishing(); }
 
     // Moves at the vertices within a few rings of the zeros.
     void relax_near_zeros(uint32_t rounds) {
@@ -132,6 +95,56 @@ public:
     }
 
 private:
+    void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
+
+    hmf_status stopped() { return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory() : HMF_CANCELLED; }
+
+    // Leaves the values changed where it is not accepted.
+    hmf_status try_step(double tolerance, bool close, double& accepted) {
+        model_.assemble(f_, w_.rings, weight_);
+        if (f_.out_of_memory || !go_on()) return stopped();
+        const uint32_t n = model_.count;
+        const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
+        const double before = energy(f_, weight_);
+        ++w_.statistics.linear_solves;
+        // On limbs that no loop goes round the values decay below the error of
+        // a loose solve: then it is continued.
+        for (double accuracy = tolerance;; accuracy *= 1e-4) {
+            if (!solve_linear(matrix, accuracy)) return stopped();
+            restore();
+            model_.project(f_, w_.rings, patch_, distance_);
+            if (!go_on()) return stopped();
+            set_values(1);
+            if (!go_on()) return stopped();
+            if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
+        }
+        // Where the step went too far, the neighbourhood stays as it is.  If the
+        // energy rises, the bounds hold back too much: the others are solved
+        // for once more.  If nothing helps, all take a shorter step.
+        double factor = 1;
+        uint32_t radius = 2, solves = 0;
+        for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
+            too_far_ = NONE;
+            const bool sound = apply(factor);
+            if (f_.out_of_memory || !go_on()) return stopped();
+            if (sound && energy_change() <= 1e-17 * before) {
+                accepted = factor;
+                return HMF_OK;
+            }
+            restore();
+            if (sound && close && solves < 2) {
+                ++solves;
+                if (!solve_between_bounds(tolerance)) return stopped();
+            } else if (too_far_ != NONE && attempt < 16) {
+                if (attempt % 4 == 3) ++radius;
+                model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
+            } else {
+                factor *= 0.5;
+            }
+        }
+        return HMF_OK;
+    }
+
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     bool solve_linear(const SignedMatrix& matrix, double accuracy) {
@@ -205,6 +218,7 @@ private:
         const Mesh& mesh = f_.mesh;
         const uint32_t n = mesh.vertex_count;
         set_values(factor);
+        if (!go_on()) return false;
         // Vertices that have become extrema go to the mean of their neighbours.
         suspect_.clear();
         for (uint32_t v = 0; v < n; ++v)
@@ -261,6 +275,7 @@ private:
     bool settle() {
         const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
         for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+            if (v % 65536 == 0 && !go_on()) return false;
             const Shape s = shape(v);
             if (s == Shape::broken) return fail_at(v);
             if (s == Shape::sound || (s == Shape::has_zero && f_.stamp[v] > before)) continue;
@@ -284,6 +299,7 @@ private:
         }
         const uint32_t before = f_.epoch;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            if (v % 65536 == 0 && !go_on()) return false;
             const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
             const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
             int32_t closed = 0;
@@ -339,6 +355,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     for (uint32_t round = 0; round < most_rounds; ++round) {
         // The first step of a level needs no reason but on the last level.
         const double before = round == 0 && !finest ? 1 : newton.residual();
+        if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED; // the residual may be unfinished
         const double D = energy(work.state.foliation, work.level.weight);
         work.record(2, D, before);
         if (before <= goal) return HMF_OK;
@@ -347,7 +364,6 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (before < best) best = before;
         if (D < lowest) lowest = D;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
-        if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         double linear = 0.03 * goal / before;
         if (linear > 1e-2 || !finest || round == 0) linear = 1e-2;
         if (linear < 1e-11) linear = 1e-11;
