@@ -101,7 +101,7 @@ private:
 
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(double tolerance, bool close, double& accepted) {
-        model_.assemble(f_, w_.rings, weight_);
+        model_.assemble(f_, w_.rings, weight_, &w_.call);
         if (f_.out_of_memory || !go_on()) return stopped();
         const uint32_t n = model_.count;
         const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};

@@ -95,12 +95,14 @@ void TwistedModel::align_signs(const Mesh& mesh, const Rings& rings) {
     }
 }
 
-void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weight) {
+void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weight, Call* call) {
+    constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
     const Mesh& mesh = f.mesh;
     const uint32_t n = mesh.vertex_count;
     const uint32_t before = f.epoch;
     count = n;
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % stride == 0 && call && !call->tick(0, true)) return;
         if (f.stamp[v] > before) continue;
         bool has_zero = false;
         uint32_t closed = 0;
@@ -127,10 +129,12 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
         index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
     }
     align_signs(mesh, rings);
+    if (call && !call->tick(0, true)) return;
 
     tripod.clear();
     uint32_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % stride == 0 && call && !call->tick(0, true)) return;
         offset[v] = at;
         double sum = 0, b = 0;
         int64_t low = INT64_MIN, high = INT64_MAX;

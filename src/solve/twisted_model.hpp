@@ -40,8 +40,9 @@ struct TwistedModel {
     Array<uint32_t> tripod;        // a half-edge of each, before the step
 
     bool allocate(const Mesh& mesh, Memory& memory);
-    // Signs, matrix, right side and bounds of the current foliation.
-    void assemble(Foliation& f, const Rings& rings, const double* weight);
+    // Signs, matrix, right side and bounds of the current foliation.  Stops
+    // half-way if the call is cancelled.
+    void assemble(Foliation& f, const Rings& rings, const double* weight, Call* call = nullptr);
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
