@@ -61,7 +61,7 @@ TEST_P(Corpus, IsSolved) {
         ASSERT_TRUE(hierarchy);
         const LevelMesh level = read_level(hierarchy, 0);
         // One edge of one mesh (cheese): its flip would join a vertex to itself.
-        EXPECT_LE(level.non_delaunay_count, 1u);
+        EXPECT_LE(level.non_delaunay_count, GetParam() == "cheese_18k" ? size_t{1} : size_t{0});
         for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_NEWTON}) {
             if (method == HMF_METHOD_NEWTON && ratio != 0.5) continue;
             SCOPED_TRACE(testing::Message() << "method " << method);
