@@ -7,7 +7,9 @@
 //      solved by conjugate gradients with signed multigrid
 //   3. the solution, brought into its bounds, is rounded and applied to all
 //      vertices at once; extrema that rounding or a loose solve left are
-//      settled; kept if the energy falls, else halved
+//      settled; kept if every zero is where it was or at the branch point of
+//      its triangle (so the class is kept) and the energy falls; else the
+//      place where it fails is held fast, or the whole step is halved
 //   4. moves near the singularities, where the model is not smooth
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
