@@ -11,7 +11,7 @@
 set -u
 cd "$(dirname "$0")"
 
-default_variants="header symbols plain install release debug asan-ubsan fuzz valgrind corpus"
+default_variants="header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
 variants="$default_variants corpus-large"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
@@ -23,6 +23,7 @@ header        hmf.h in C89, C99, C11, C17 and C++17, included twice
 symbols       exported symbols, dependencies, no global state
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
+bindings      tests of the packages for other languages; the same bits from each
 release       all tests, optimised
 debug         all tests but UniqueLong, assertions on
 asan-ubsan    all tests but UniqueLong, address and undefined behaviour sanitizers
@@ -50,6 +51,7 @@ ensure_packages() {
     need valgrind command -v valgrind
     need pkg-config command -v pkg-config
     need python3 command -v python3
+    need python3-venv python3 -c 'import venv, ensurepip'
     need libgtest-dev test -e $include/gtest/gtest.h
     need libeigen3-dev test -e $include/eigen3/Eigen/Core
     need libcli11-dev test -e $include/CLI/CLI.hpp
@@ -157,6 +159,7 @@ run_ctest() { # preset, options of ctest ...
 variant_header() { run_check header tests/check_header.sh; }
 variant_plain() { run_check plain tests/check_plain.sh build/plain; }
 variant_install() { run_check install tests/check_install.sh build/install; }
+variant_bindings() { run_check bindings tests/check_bindings.sh build/bindings; }
 variant_release() { run_ctest release; }
 # UniqueLong takes a minute in the release build, several without optimisation.
 variant_debug() { run_ctest debug -E '^UniqueLong'; }
