@@ -1,0 +1,18 @@
+//! Raw bindings to [hmf](https://docs.rs/hmf), harmonic measured foliations on
+//! closed triangle meshes. Most programs want the safe crate `hmf`.
+//!
+//! This crate compiles the library from its C++ sources, with the C++ compiler
+//! that the `cc` crate finds. The items are those of the C header `hmf.h`, under
+//! the same names; the header is their manual:
+//!
+#![doc = concat!("```c\n", include_str!(env!("HMF_HEADER")), "```")]
+//!
+#![no_std]
+#![allow(non_camel_case_types)]
+
+// Written by bindgen; tests/bindings_match_header.rs tells when it is out of date.
+#[allow(missing_docs)]
+mod bindings {
+    include!("bindings.rs");
+}
+pub use bindings::*;

@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+#![warn(rust_2018_idioms)]
+
+mod error;
+mod foliation;
+mod hierarchy;
+mod loops;
+mod memory;
+mod progress;
+mod solve;
+
+pub use error::{Element, Error, Result, Status};
+pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
+pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
+pub use loops::{LoopElements, Loops, LoopsKind};
+pub use progress::Progress;
+pub use solve::{HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
+
+/// Version of the library that is linked: major, minor, patch.
+pub fn version() -> (u32, u32, u32) {
+    // SAFETY: the function has no preconditions.
+    let version = unsafe { hmf_sys::hmf_version() };
+    (version / 10000, version / 100 % 100, version % 100)
+}

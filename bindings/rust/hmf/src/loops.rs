@@ -1,0 +1,184 @@
+//! Sets of closed curves on a level.
+
+use crate::error::{call, Error, Result, Status};
+use crate::hierarchy::Hierarchy;
+use hmf_sys as sys;
+
+/// What the elements of loops are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LoopElements {
+    /// Triangles: consecutive ones share an edge, the last and the first as well.
+    Triangles,
+    /// Vertices: consecutive ones share an edge, the last and the first as well.
+    Vertices,
+}
+
+/// Which loops to make.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LoopsKind {
+    /// As many as the genus; together they cut the surface into one planar piece.
+    #[default]
+    Cut,
+}
+
+impl LoopsKind {
+    fn code(self) -> i32 {
+        match self {
+            LoopsKind::Cut => sys::HMF_LOOPS_CUT,
+        }
+    }
+}
+
+/// Disjoint closed curves on a level of a hierarchy, with weights.
+///
+/// ```
+/// // Two loops of vertices on the input mesh, weights 1 and 2.
+/// let loops = hmf::Loops::vertices(0).with(&[0, 1, 2, 3], 1.0).with(&[10, 11, 12], 2.0);
+/// assert_eq!(loops.len(), 2);
+/// assert_eq!(loops.get(1), Some(&[10, 11, 12][..]));
+/// assert_eq!(loops.weights(), [1.0, 2.0]);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loops {
+    level: usize,
+    element_kind: LoopElements,
+    offsets: Vec<u64>, // one more than loops; the first is 0, and they never decrease
+    elements: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl Loops {
+    /// No loops yet; their elements will be triangles of `level`.
+    pub fn triangles(level: usize) -> Loops {
+        Loops::empty(level, LoopElements::Triangles)
+    }
+
+    /// No loops yet; their elements will be vertices of `level`.
+    pub fn vertices(level: usize) -> Loops {
+        Loops::empty(level, LoopElements::Vertices)
+    }
+
+    fn empty(level: usize, element_kind: LoopElements) -> Loops {
+        Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new() }
+    }
+
+    pub(crate) fn make(hierarchy: &Hierarchy, level: usize, kind: LoopsKind) -> Result<Loops> {
+        let (mut loop_count, mut element_count) = (0, 0);
+        let (mut offsets, mut elements) = (Vec::new(), Vec::new());
+        // SAFETY: NULL arrays only count.
+        call(|error| unsafe {
+            sys::hmf_loops(
+                hierarchy.as_ptr(),
+                level,
+                kind.code(),
+                std::ptr::null_mut(),
+                0,
+                std::ptr::null_mut(),
+                0,
+                &mut loop_count,
+                &mut element_count,
+                error,
+            )
+        })?;
+        offsets.resize(loop_count + 1, 0);
+        elements.resize(element_count, 0);
+        // SAFETY: the capacities are the lengths of the arrays.
+        call(|error| unsafe {
+            sys::hmf_loops(
+                hierarchy.as_ptr(),
+                level,
+                kind.code(),
+                offsets.as_mut_ptr(),
+                offsets.len(),
+                elements.as_mut_ptr(),
+                elements.len(),
+                &mut loop_count,
+                &mut element_count,
+                error,
+            )
+        })?;
+        Ok(Loops { level, element_kind: LoopElements::Triangles, offsets, elements, weights: vec![1.0; loop_count] })
+    }
+
+    /// Adds a loop with its weight.
+    pub fn push(&mut self, elements: &[u32], weight: f64) {
+        self.elements.extend_from_slice(elements);
+        self.offsets.push(self.elements.len() as u64);
+        self.weights.push(weight);
+    }
+
+    /// The same loops and one more, with its weight.
+    #[must_use]
+    pub fn with(mut self, elements: &[u32], weight: f64) -> Loops {
+        self.push(elements, weight);
+        self
+    }
+
+    /// The same loops with other weights, all positive, within a factor of 2^20.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_CAPACITY`] if there is not one weight for each loop. The
+    /// weights themselves are checked when the loops are used.
+    pub fn with_weights(mut self, weights: &[f64]) -> Result<Loops> {
+        if weights.len() != self.len() {
+            let message = format!("There are {} weights for {} loops. Give one for each.", weights.len(), self.len());
+            return Err(Error::new(Status::ERROR_CAPACITY, message));
+        }
+        self.weights.copy_from_slice(weights);
+        Ok(self)
+    }
+
+    /// Level of the elements.
+    pub fn level(&self) -> usize {
+        self.level
+    }
+
+    /// What the elements are.
+    pub fn element_kind(&self) -> LoopElements {
+        self.element_kind
+    }
+
+    /// Number of loops.
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Whether there is no loop.
+    pub fn is_empty(&self) -> bool {
+        self.weights.is_empty()
+    }
+
+    /// Elements of a loop.
+    pub fn get(&self, index: usize) -> Option<&[u32]> {
+        let end = *self.offsets.get(index.checked_add(1)?)?;
+        Some(&self.elements[self.offsets[index] as usize..end as usize])
+    }
+
+    /// The elements of each loop.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.offsets.windows(2).map(|ends| &self.elements[ends[0] as usize..ends[1] as usize])
+    }
+
+    /// The weight of each loop.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// For calls during which `self` is borrowed.
+    pub(crate) fn as_raw(&self) -> sys::hmf_loop_set {
+        sys::hmf_loop_set {
+            struct_size: std::mem::size_of::<sys::hmf_loop_set>() as u32,
+            element_kind: match self.element_kind {
+                LoopElements::Triangles => sys::HMF_LOOP_TRIANGLES,
+                LoopElements::Vertices => sys::HMF_LOOP_VERTICES,
+            },
+            level: self.level as u64,
+            count: self.len() as u64,
+            offsets: self.offsets.as_ptr(),
+            elements: self.elements.as_ptr(),
+            weights: self.weights.as_ptr(),
+        }
+    }
+}
