@@ -72,12 +72,6 @@ pub struct hmf_error {
     pub index: u64,
     pub message: [::core::ffi::c_char; 240usize],
 }
-extern "C" {
-    pub fn hmf_version() -> u32;
-}
-extern "C" {
-    pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
-}
 pub type hmf_allocate_fn = ::core::option::Option<
     unsafe extern "C" fn(
         user: *mut ::core::ffi::c_void,
@@ -113,34 +107,6 @@ pub struct hmf_build_options {
 pub struct hmf_hierarchy {
     _unused: [u8; 0],
 }
-extern "C" {
-    pub fn hmf_build_options_init(options: *mut hmf_build_options);
-}
-extern "C" {
-    pub fn hmf_build(
-        positions: *const f64,
-        vertex_count: usize,
-        position_stride: usize,
-        triangles: *const u32,
-        triangle_count: usize,
-        options: *const hmf_build_options,
-        out: *mut *mut hmf_hierarchy,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_destroy(hierarchy: *mut hmf_hierarchy);
-}
-extern "C" {
-    pub fn hmf_memory_estimate(
-        vertex_count: usize,
-        triangle_count: usize,
-        options: *const hmf_build_options,
-    ) -> u64;
-}
-extern "C" {
-    pub fn hmf_hierarchy_memory(hierarchy: *const hmf_hierarchy) -> u64;
-}
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_level_info {
@@ -148,65 +114,6 @@ pub struct hmf_level_info {
     pub edge_count: u64,
     pub triangle_count: u64,
     pub non_delaunay_count: u64,
-}
-extern "C" {
-    pub fn hmf_level_count(hierarchy: *const hmf_hierarchy) -> usize;
-}
-extern "C" {
-    pub fn hmf_genus(hierarchy: *const hmf_hierarchy) -> usize;
-}
-extern "C" {
-    pub fn hmf_level_counts(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        out: *mut hmf_level_info,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_level_edge_vertices(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        edge_vertices: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_level_triangle_edges(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        triangle_edges: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_level_triangle_vertices(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        triangle_vertices: *mut u32,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_level_weights(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        weights: *mut f64,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_level_positions(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        positions: *mut f64,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -218,29 +125,6 @@ pub struct hmf_loop_set {
     pub offsets: *const u64,
     pub elements: *const u32,
     pub weights: *const f64,
-}
-extern "C" {
-    pub fn hmf_loops(
-        hierarchy: *const hmf_hierarchy,
-        level: usize,
-        kind: i32,
-        offsets: *mut u64,
-        offset_capacity: usize,
-        elements: *mut u32,
-        element_capacity: usize,
-        loop_count: *mut usize,
-        element_count: *mut usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
-}
-extern "C" {
-    pub fn hmf_initialize(
-        hierarchy: *const hmf_hierarchy,
-        loops: *const hmf_loop_set,
-        values: *mut f64,
-        capacity: usize,
-        error: *mut hmf_error,
-    ) -> hmf_status;
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -298,10 +182,98 @@ pub struct hmf_report {
     pub history_capacity: u64,
     pub history_count: u64,
 }
-extern "C" {
-    pub fn hmf_solve_options_init(options: *mut hmf_solve_options);
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_singularity {
+    pub kind: i32,
+    pub index: i32,
+    pub element: u32,
+    pub size: u32,
 }
 extern "C" {
+    pub fn hmf_version() -> u32;
+    pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
+    pub fn hmf_build_options_init(options: *mut hmf_build_options);
+    pub fn hmf_build(
+        positions: *const f64,
+        vertex_count: usize,
+        position_stride: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+        out: *mut *mut hmf_hierarchy,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_destroy(hierarchy: *mut hmf_hierarchy);
+    pub fn hmf_memory_estimate(
+        vertex_count: usize,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+    ) -> u64;
+    pub fn hmf_hierarchy_memory(hierarchy: *const hmf_hierarchy) -> u64;
+    pub fn hmf_level_count(hierarchy: *const hmf_hierarchy) -> usize;
+    pub fn hmf_genus(hierarchy: *const hmf_hierarchy) -> usize;
+    pub fn hmf_level_counts(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        out: *mut hmf_level_info,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_level_edge_vertices(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        edge_vertices: *mut u32,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_level_triangle_edges(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        triangle_edges: *mut u32,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_level_triangle_vertices(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        triangle_vertices: *mut u32,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_level_weights(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        weights: *mut f64,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_level_positions(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        positions: *mut f64,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_loops(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        kind: i32,
+        offsets: *mut u64,
+        offset_capacity: usize,
+        elements: *mut u32,
+        element_capacity: usize,
+        loop_count: *mut usize,
+        element_count: *mut usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_initialize(
+        hierarchy: *const hmf_hierarchy,
+        loops: *const hmf_loop_set,
+        values: *mut f64,
+        capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_solve_options_init(options: *mut hmf_solve_options);
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
         loops: *const hmf_loop_set,
@@ -311,8 +283,6 @@ extern "C" {
         report: *mut hmf_report,
         error: *mut hmf_error,
     ) -> hmf_status;
-}
-extern "C" {
     pub fn hmf_relax(
         hierarchy: *const hmf_hierarchy,
         level: usize,
@@ -322,8 +292,6 @@ extern "C" {
         report: *mut hmf_report,
         error: *mut hmf_error,
     ) -> hmf_status;
-}
-extern "C" {
     pub fn hmf_interpolate(
         hierarchy: *const hmf_hierarchy,
         from_level: usize,
@@ -334,8 +302,6 @@ extern "C" {
         out_capacity: usize,
         error: *mut hmf_error,
     ) -> hmf_status;
-}
-extern "C" {
     pub fn hmf_energy(
         hierarchy: *const hmf_hierarchy,
         level: usize,
@@ -344,8 +310,6 @@ extern "C" {
         energy: *mut f64,
         error: *mut hmf_error,
     ) -> hmf_status;
-}
-extern "C" {
     pub fn hmf_residuals(
         hierarchy: *const hmf_hierarchy,
         level: usize,
@@ -355,16 +319,6 @@ extern "C" {
         capacity: usize,
         error: *mut hmf_error,
     ) -> hmf_status;
-}
-#[repr(C)]
-#[derive(Debug, Copy, Clone)]
-pub struct hmf_singularity {
-    pub kind: i32,
-    pub index: i32,
-    pub element: u32,
-    pub size: u32,
-}
-extern "C" {
     pub fn hmf_singularities(
         hierarchy: *const hmf_hierarchy,
         level: usize,

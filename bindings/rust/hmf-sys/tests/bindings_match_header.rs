@@ -21,7 +21,7 @@ fn generate() -> String {
         // Offsets depend on the target; `sizes_agree` checks the sizes on every one.
         .merge_extern_blocks(true)
         .layout_tests(false)
-        .rust_target(bindgen::RustTarget::stable(77, 0).unwrap())
+        .rust_target(bindgen::RustTarget::stable(78, 0).unwrap())
         .formatter(bindgen::Formatter::Prettyplease)
         .disable_header_comment()
         .raw_line(NOTE)

@@ -162,7 +162,7 @@ pub enum Element {
 /// // A single triangle is not closed.
 /// let error = Hierarchy::build(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], &[[0, 1, 2]]).unwrap_err();
 /// assert_eq!(error.status(), Status::ERROR_MESH_BOUNDARY);
-/// assert_eq!(error.element(), Some(Element::Edge));
+/// assert_eq!(error.element(), Some(Element::Triangle));
 /// println!("{error}");
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -230,7 +230,7 @@ impl Hierarchy {
     /// ```
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
     /// # fn main() -> hmf::Result<()> {
-    /// # let (positions, triangles) = plate(2, 2);
+    /// # let (positions, triangles) = plate(2, 1, 2, 1);
     /// let hierarchy = hmf::Hierarchy::builder()
     ///     .coarsest(500)
     ///     .progress(|fraction| println!("{:3.0} %", 100.0 * fraction))

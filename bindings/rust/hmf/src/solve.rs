@@ -30,7 +30,7 @@ pub enum Method {
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
 /// # fn main() -> hmf::Result<()> {
-/// # let (positions, triangles) = plate(2, 2);
+/// # let (positions, triangles) = plate(2, 1, 2, 1);
 /// # let hierarchy = hmf::Hierarchy::build(&positions, &triangles)?;
 /// use std::time::Duration;
 ///
@@ -284,9 +284,9 @@ pub struct Report {
     pub residual_max: f64,
     /// Mean residual.
     pub residual_mean: f64,
-    /// Poles of the result, counted as in [`Foliation::singularities`].
+    /// Poles of the result, as in [`Foliation::singularities`].
     pub poles: u64,
-    /// Zeros of the result.
+    /// Zeros of the result, each as often as its order.
     pub zeros: u64,
     /// Sum of all indices, 4 - 4 genus.
     pub index_sum: i64,

@@ -1,0 +1,234 @@
+//! The whole way from a mesh to a foliation, and what can be asked of it.
+
+use hmf::{Collapse, Foliation, Hierarchy, HistoryKind, Loops, LoopsKind, Method, Solution, Status};
+use std::collections::HashMap;
+
+include!("support/mesh.rs");
+
+fn genus_2() -> Hierarchy {
+    let (positions, triangles) = plate(2, 1, 6, 5);
+    Hierarchy::builder().coarsest(200).build(&positions, &triangles).unwrap()
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+#[test]
+fn threads_may_share() {
+    fn shared<T: Send + Sync>() {}
+    shared::<Hierarchy>();
+    shared::<Foliation>();
+    shared::<Solution>();
+    shared::<Loops>();
+    shared::<hmf::Error>();
+
+    let hierarchy = genus_2();
+    let expected = hierarchy.solver().solve().unwrap().foliation.into_values();
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(|| assert_eq!(hierarchy.solver().solve().unwrap().foliation.values(), expected));
+        }
+    });
+}
+
+#[test]
+fn version_is_that_of_the_crate() {
+    let (major, minor, patch) = hmf::version();
+    assert_eq!(format!("{major}.{minor}.{patch}"), env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn levels_are_meshes() {
+    let (positions, triangles) = plate(2, 1, 6, 5);
+    let hierarchy = Hierarchy::builder().coarsest(200).build(&positions, &triangles).unwrap();
+    assert_eq!(hierarchy.genus(), 2);
+    assert!(hierarchy.level_count() > 2);
+    assert!(hierarchy.memory() > 0);
+    assert_eq!(hierarchy.positions(0).unwrap(), positions);
+    for level in 0..hierarchy.level_count() {
+        let info = hierarchy.level(level).unwrap();
+        let edges = hierarchy.edge_vertices(level).unwrap();
+        let sides = hierarchy.triangle_edges(level).unwrap();
+        let corners = hierarchy.triangle_vertices(level).unwrap();
+        assert_eq!(info.vertex_count as i64 - info.edge_count as i64 + info.triangle_count as i64, 2 - 2 * 2);
+        assert_eq!(hierarchy.positions(level).unwrap().len(), info.vertex_count);
+        assert_eq!(hierarchy.weights(level).unwrap().len(), info.edge_count);
+        assert_eq!((edges.len(), sides.len()), (info.edge_count, info.triangle_count));
+        for (side, corner) in sides.iter().zip(&corners) {
+            for s in 0..3 {
+                let mut ends = [corner[s], corner[(s + 1) % 3]];
+                let mut edge = edges[side[s] as usize];
+                ends.sort_unstable();
+                edge.sort_unstable();
+                assert_eq!(ends, edge);
+            }
+        }
+    }
+    assert_eq!(hierarchy.triangle_vertices(0).unwrap(), triangles);
+}
+
+#[test]
+fn options_of_the_build_count() {
+    let (positions, triangles) = plate(2, 1, 6, 5);
+    let levels = |ratio, collapse| {
+        let mut builder = Hierarchy::builder().coarsest(100).ratio(ratio).collapse(collapse);
+        builder.build(&positions, &triangles).unwrap().level_count()
+    };
+    assert!(levels(0.8, Collapse::Endpoint) > levels(0.3, Collapse::Qslim));
+
+    let estimate = Hierarchy::builder().memory_estimate(positions.len(), triangles.len()).unwrap();
+    Hierarchy::builder().memory_limit(estimate).build(&positions, &triangles).unwrap();
+    let error = Hierarchy::builder().memory_limit(estimate / 20).build(&positions, &triangles).unwrap_err();
+    assert_eq!(error.status(), Status::ERROR_MEMORY_LIMIT);
+    assert_eq!(Hierarchy::builder().memory_estimate(0, 0), None);
+
+    let flat = Hierarchy::builder().build_flat(&positions.concat(), &triangles.concat()).unwrap();
+    assert_eq!(flat.positions(0).unwrap(), positions);
+}
+
+#[test]
+fn newton_finds_the_minimum() {
+    let hierarchy = genus_2();
+    let solution = hierarchy.solver().solve().unwrap();
+    assert_eq!(solution.status(), Status::OK);
+    assert!(solution.stopped.is_none());
+    let report = &solution.report;
+    assert_eq!(report.method, Method::Newton);
+    assert!(report.converged && report.residual_max < 1e-8 && report.residual_mean <= report.residual_max);
+    assert_eq!((report.poles, report.index_sum), (0, -4));
+    assert_eq!(report.levels.len(), hierarchy.level_count());
+    for (level, of) in report.levels.iter().enumerate() {
+        assert_eq!(of.vertices as usize, hierarchy.level(level).unwrap().vertex_count);
+    }
+    assert_eq!(report.history.len() as u64, report.history_count);
+    assert!(report.history.windows(2).all(|pair| pair[0].time <= pair[1].time));
+    assert!(report.history.iter().any(|entry| entry.kind == HistoryKind::LinearSolve && entry.residual_max.is_some()));
+
+    let foliation = &solution.foliation;
+    assert!(close(foliation.energy().unwrap(), report.energy));
+    let largest = foliation.residuals().unwrap().into_iter().fold(0.0, f64::max);
+    assert!(largest < 1e-8);
+
+    let all = foliation.singularities().unwrap();
+    assert_eq!(all.vertex_index.iter().sum::<i32>() + all.triangle_index.iter().sum::<i32>(), -4);
+    assert_eq!(all.list, foliation.zeros_and_poles().unwrap());
+    assert_eq!(all.list.iter().map(|zero| zero.index).sum::<i32>(), -4);
+    assert_eq!(all.list.iter().filter(|at| at.index < 0).map(|zero| -zero.index as u64).sum::<u64>(), report.zeros);
+
+    // Triangle inequalities hold exactly.
+    for sides in hierarchy.triangle_edges(0).unwrap() {
+        let [a, b, c] = sides.map(|edge| foliation.values()[edge as usize]);
+        assert!(a <= b + c && b <= c + a && c <= a + b);
+    }
+}
+
+#[test]
+fn history_has_the_asked_length() {
+    let hierarchy = genus_2();
+    let report = hierarchy.solver().history_capacity(2).solve().unwrap().report;
+    assert_eq!(report.history.len(), 2);
+    assert!(report.history_count > 2);
+}
+
+#[test]
+fn whitehead_agrees_with_newton() {
+    let hierarchy = genus_2();
+    let newton = hierarchy.solver().solve().unwrap().report.energy;
+    for method in [Method::Whitehead, Method::SingleLevel] {
+        let coarsest = if method == Method::SingleLevel { 0 } else { hierarchy.coarsest_level() };
+        let loops = hierarchy.loops(coarsest, LoopsKind::Cut).unwrap();
+        let report = hierarchy.solver().method(method).loops(&loops).tolerance(1e-7).solve().unwrap().report;
+        assert_eq!(report.method, method);
+        assert!(report.levels.iter().any(|level| level.iterations > 0));
+        // Only the loops of the coarsest level are those of the default.
+        if method == Method::Whitehead {
+            assert!(report.energy >= newton * (1.0 - 1e-9) && report.energy < 1.05 * newton);
+        }
+    }
+}
+
+#[test]
+fn loops_start_a_foliation() {
+    let hierarchy = genus_2();
+    for level in [0, hierarchy.coarsest_level()] {
+        let loops = hierarchy.loops(level, LoopsKind::Cut).unwrap();
+        assert_eq!((loops.level(), loops.len(), loops.weights()), (level, 2, &[1.0, 1.0][..]));
+        // Each pair of neighbouring triangles shares the edge that the loop crosses.
+        let sides = hierarchy.triangle_edges(level).unwrap();
+        let loops = loops.with_weights(&[1.0, 0.25]).unwrap();
+        let mut crossings = HashMap::new();
+        for (elements, weight) in loops.iter().zip(loops.weights()) {
+            for (at, triangle) in elements.iter().enumerate() {
+                let next = elements[(at + 1) % elements.len()];
+                let shared: Vec<u32> =
+                    sides[*triangle as usize].into_iter().filter(|side| sides[next as usize].contains(side)).collect();
+                // On coarse levels two triangles may share several edges.
+                assert!(!shared.is_empty());
+                if level == 0 {
+                    assert_eq!(shared.len(), 1);
+                    *crossings.entry(shared[0]).or_insert(0.0) += weight;
+                }
+            }
+        }
+        let start = hierarchy.initialize(&loops).unwrap();
+        if level == 0 {
+            for (edge, value) in start.values().iter().enumerate() {
+                assert_eq!(*value, *crossings.get(&(edge as u32)).unwrap_or(&0.0));
+            }
+        }
+        // The same class, optimised: from these values and from the loops.
+        let relaxed = hierarchy.solver().relax(&start).unwrap();
+        let solved = hierarchy.solver().loops(&loops).stop_level(level).solve().unwrap();
+        assert_eq!(relaxed.foliation.level(), level);
+        assert!(relaxed.report.energy < start.energy().unwrap());
+        assert!(close(relaxed.report.energy, solved.report.energy));
+    }
+}
+
+#[test]
+fn energy_is_the_weighted_sum_of_squares() {
+    let hierarchy = genus_2();
+    let level = 1;
+    let foliation = hierarchy.solver().stop_level(level).solve().unwrap().foliation;
+    let weights = hierarchy.weights(level).unwrap();
+    let sum: f64 = weights.iter().zip(foliation.values()).map(|(weight, value)| weight * value * value).sum();
+    assert!(close(sum, foliation.energy().unwrap()));
+}
+
+#[test]
+fn foliations_go_up_and_down() {
+    let hierarchy = genus_2();
+    let coarse = hierarchy.solver().stop_level(2).solve().unwrap().foliation;
+    let fine = coarse.to_level(0).unwrap();
+    assert_eq!((coarse.level(), fine.level()), (2, 0));
+    assert_eq!(fine.singularities().unwrap().list.iter().map(|zero| zero.index).sum::<i32>(), -4);
+    let back = fine.to_level(2).unwrap();
+    // The same class: the minimum is the same.
+    let again = hierarchy.solver().relax(&back).unwrap();
+    assert!(close(again.report.energy, coarse.energy().unwrap()));
+    // Own values make the same foliation.
+    let own = hierarchy.foliation(2, coarse.values()).unwrap();
+    assert_eq!(own.energy().unwrap(), coarse.energy().unwrap());
+}
+
+#[test]
+fn limits_give_a_result_with_their_status() {
+    let hierarchy = genus_2();
+    let solution = hierarchy.solver().time_limit(std::time::Duration::from_nanos(1)).solve().unwrap();
+    assert_eq!(solution.status(), Status::LIMIT_TIME);
+    assert!(solution.status().is_stopped() && !solution.report.converged);
+    assert!(solution.stopped.unwrap().message().contains("time_limit"));
+    assert_eq!(solution.report.poles, 0);
+    assert!(solution.foliation.energy().unwrap() > 0.0);
+
+    let mut solver = hierarchy.solver().method(Method::Whitehead).tolerance(1e-12).iteration_limit(1);
+    assert_eq!(solver.solve().unwrap().status(), Status::LIMIT_ITERATIONS);
+}
+
+/// The README shows the example as it is.
+#[test]
+fn readme_shows_the_example() {
+    let block = format!("```rust\n{}```\n", include_str!("../examples/plate.rs"));
+    assert!(include_str!("../README.md").contains(&block));
+}

@@ -1,0 +1,97 @@
+#!/bin/bash
+# test.sh             the tests of the Rust crates, a line "ok", "not ok" or "skip" for each group
+# test.sh same-bits   the lines of bindings/same_bits/README.md
+#
+# Builds in $HMF_BINDING_WORK (default build/bindings/rust of the repository).
+set -u
+cd "$(dirname "$0")"
+root=$(cd ../.. && pwd)
+work=${HMF_BINDING_WORK:-$root/build/bindings/rust}
+mkdir -p "$work"
+work=$(cd "$work" && pwd)
+export CARGO_TARGET_DIR=$work/target CARGO_TERM_COLOR=never CARGO_BUILD_JOBS=${JOBS:-$(nproc)}
+failed=0
+
+same_bits() { cargo run --quiet --release --locked -p hmf --example same_bits; }
+
+why_not() { # prints why the tests cannot run
+    local minor
+    command -v cargo > /dev/null || { echo "cargo is not installed; see https://rustup.rs"; return; }
+    minor=$(cargo --version | sed -n 's/^cargo 1\.\([0-9]*\)\..*/\1/p')
+    [ "${minor:-0}" -ge 78 ] || { echo "$(cargo --version) is too old, 1.78 is needed; see https://rustup.rs"; return; }
+    cargo fetch --locked --quiet > "$work/fetch.log" 2>&1 || cargo fetch --locked --quiet --offline > "$work/fetch.log" 2>&1 ||
+        echo "crates cannot be fetched: $(tail -1 "$work/fetch.log")"
+}
+
+check() { # group, then the command
+    local name=$1
+    shift
+    if "$@" > "$work/$name.log" 2>&1; then
+        if grep -q '^skipped: ' "$work/$name.log"; then
+            echo "skip rust-$name ($(grep -m1 '^skipped: ' "$work/$name.log"))"
+        else
+            echo "ok rust-$name"
+        fi
+    else
+        echo "not ok rust-$name"
+        tail -40 "$work/$name.log"
+        failed=1
+    fi
+}
+
+has() { # component, command
+    cargo "$1" --version > /dev/null 2>&1 || { echo "skip rust-$1 (skipped: rustup component add $2)"; return 1; }
+}
+
+documentation() { RUSTDOCFLAGS="-D warnings" cargo doc --quiet --locked --no-deps; }
+
+# The package of hmf-sys holds the sources of the library, and builds from them alone.
+packages() {
+    local files
+    cargo package --list --allow-dirty --locked -p hmf > "$work/hmf.list" &&
+        cargo package --list --allow-dirty --locked -p hmf-sys > "$work/hmf-sys.list" || return 1
+    for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h; do
+        grep -qxF "core/${files#"$root"/}" "$work/hmf-sys.list" || { echo "the package lacks $files"; return 1; }
+    done
+    grep -qx LICENSE "$work/hmf-sys.list" && grep -qx LICENSE "$work/hmf.list" && grep -qx README.md "$work/hmf.list" &&
+        cargo package --allow-dirty --locked -p hmf-sys
+}
+
+# The first sh block of the README, beside what a clean clone would hold.
+readme() {
+    local folder=$work/readme
+    rm -rf "$folder"
+    mkdir -p "$folder/hmf"
+    if git -C "$root" rev-parse > /dev/null 2>&1; then
+        (cd "$root" && git ls-files -z --cached --others --exclude-standard |
+            while IFS= read -r -d '' file; do [ -e "$file" ] && printf '%s\0' "$file"; done |
+            tar -c --null -T -) | tar -x -C "$folder/hmf"
+    else
+        (cd "$root" && tar -c --exclude=./build .) | tar -x -C "$folder/hmf"
+    fi
+    awk '/^```sh$/ { on = 1; next } /^```/ { if (on) exit } on' hmf/README.md > "$folder/steps.sh"
+    awk '/^```text$/ { on = 1; next } /^```/ { if (on) exit } on' hmf/README.md > "$folder/expected.txt"
+    grep -q 'cargo run' "$folder/steps.sh" && grep -q energy "$folder/expected.txt" &&
+        (cd "$folder" && sh -e steps.sh) | tee "$folder/printed.txt" && cmp "$folder/expected.txt" "$folder/printed.txt"
+}
+
+reason=$(why_not)
+if [ -n "$reason" ]; then
+    if [ "${1:-}" = same-bits ]; then echo "skip $reason"; else echo "skip rust (skipped: $reason)"; fi
+    exit 0
+fi
+if [ "${1:-}" = same-bits ]; then
+    same_bits
+    exit
+fi
+
+has fmt rustfmt && check fmt cargo fmt --check
+has clippy clippy && check clippy cargo clippy --quiet --locked --all-targets -- -D warnings
+check bindings-match-header cargo test --quiet --locked -p hmf-sys -- --nocapture
+check tests cargo test --quiet --locked --release -p hmf --lib --tests --examples
+check doc-tests cargo test --quiet --locked --release -p hmf --doc
+check documentation documentation
+check packages packages
+check readme readme
+check same-bits-builds same_bits
+exit $failed
