@@ -63,6 +63,9 @@ python() {
     run_binding python
 }
 
+# Its script says itself what is missing.
+rust() { run_binding rust; }
+
 # --- Main ------------------------------------------------------------------
 
 if make_reference && [ "$(wc -l < "$reference")" -eq 3 ]; then
@@ -72,7 +75,7 @@ else
     tail -20 "$work/core.log"
     exit 1
 fi
-for language in python; do
+for language in python rust; do
     [ -x "$root/bindings/$language/test.sh" ] && "$language"
 done
 exit $failed
