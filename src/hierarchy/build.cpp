@@ -1,6 +1,6 @@
 // Build of the hierarchy ([W] 4.1): arrays in -> validated mesh -> levels.
 //
-//   1  validate, number breadth-first                       (mesh/validate.cpp, renumber.cpp)
+//   1  order in space, validate                             (mesh/spatial_order.cpp, mesh/validate.cpp)
 //   2  collapse and flip, level by level, keeping a log     (simplify.cpp, delaunay.cpp)
 //   3  number everything by level                           (renumber.cpp)
 //   4  replay the log backwards from the coarsest level and copy each level on
@@ -62,21 +62,6 @@ void copy_prefix(const Mesh& from, const Mesh& to) {
     std::memcpy(to.out, from.out, coarser.vertex_count * sizeof(uint32_t));
 }
 
-// A power of two that brings coordinates to a size whose fourth power is
-// harmless; 1 for all reasonable units.
-double working_scale(const double* positions, size_t vertex_count, size_t stride) {
-    double largest = 0, scale = 1;
-    for (size_t v = 0; v < vertex_count; ++v)
-        for (int c = 0; c < 3; ++c) {
-            const double x = position_at(positions, stride, v)[c], size = x < 0 ? -x : x;
-            if (size > largest) largest = size;
-        }
-    if (largest > 1e-30 && largest < 1e30) return 1;
-    for (int n = 0; n < 1000 && largest * scale > 1; ++n) scale *= 0.5;
-    for (int n = 0; n < 1000 && largest * scale < 0.5; ++n) scale *= 2;
-    return scale;
-}
-
 class Builder {
 public:
     Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call)
@@ -86,7 +71,6 @@ public:
 
 private:
     hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
-    hmf_status fill_work_mesh(const Sides& sides, const Numbering& numbers);
     hmf_status coarsen();
     bool keep_positions(Level& level);
     hmf_status number();
@@ -105,59 +89,36 @@ private:
     WorkMesh work_;
     Array<Level> levels_;
     Array<uint32_t> flips_;
-    Numbering numbers_; // breadth-first -> by level
+    Numbering numbers_; // spatial -> by level
     size_t collapse_count_ = 0;
 };
 
 hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
     Arena& arena = h_.arena;
-    Sides sides;
-    Numbering numbers;
-    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)) || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count)))
-        return call_.out_of_memory();
-    hmf_status status = validate(positions_, vertex_count, stride_, triangles, triangle_count, h_.triangle_vertices, h_.triangle_edges, sides, call_);
-    if (status) return status;
     vertex_count_ = static_cast<uint32_t>(vertex_count);
     face_count_ = static_cast<uint32_t>(triangle_count);
-    edge_count_ = sides.edge_count;
-    scale_ = working_scale(positions_, vertex_count, stride_);
-    status = breadth_first(vertex_count_, edge_count_, face_count_, h_.triangle_vertices, h_.triangle_edges, sides.opposite, numbers, call_);
+    edge_count_ = static_cast<uint32_t>(3 * triangle_count / 2);
+    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)) || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
+        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count)) || !work_.position.allocate(h_.memory, 3 * vertex_count))
+        return call_.out_of_memory();
+    std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
+    OrderedTriangles ordered;
+    const Origin origin = {h_.triangle_vertices, h_.vertex_internal};
+    hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, work_.position, scale_, call_);
+    if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, ordered, call_);
+    if (status) return status;
+    if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)) return call_.out_of_memory();
+    status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, call_);
+    if (!status) status = check_connection(work_.mesh, work_.degree, origin, call_);
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
     if (h_.genus == 0)
         return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
                           "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
-    if (!call_.tick(0.17)) return HMF_CANCELLED;
-    if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)
-        || !(h_.edge_internal = arena.take<uint32_t>(edge_count_))
-        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count_)))
-        return call_.out_of_memory();
-    std::memcpy(h_.edge_internal, numbers.edge.data(), edge_count_ * sizeof(uint32_t));
-    std::memcpy(h_.vertex_internal, numbers.vertex.data(), vertex_count_ * sizeof(uint32_t));
-    return fill_work_mesh(sides, numbers);
-}
-
-hmf_status Builder::fill_work_mesh(const Sides& sides, const Numbering& numbers) {
-    // The side that names an edge first is its half-edge 2e.
-    const auto half_edge = [&](uint32_t side) {
-        return 2 * numbers.edge[h_.triangle_edges[side]] + (sides.opposite[side] < side ? 1u : 0u);
-    };
-    for (uint32_t t = 0; t < face_count_; ++t) {
-        if (t % 65536 == 0 && !call_.tick(0.17 + 0.02 * t / face_count_)) return HMF_CANCELLED;
-        const uint32_t h[3] = {half_edge(3 * t), half_edge(3 * t + 1), half_edge(3 * t + 2)};
-        for (uint32_t s = 0; s < 3; ++s) {
-            const uint32_t v = numbers.vertex[h_.triangle_vertices[3 * t + s]];
-            work_.origin[h[s]] = v;
-            work_.next[h[s]] = h[s == 2 ? 0 : s + 1];
-            work_.face[h[s]] = numbers.face[t];
-            work_.out[v] = h[s];
-            ++work_.degree[v];
-        }
-    }
-    for (uint32_t v = 0; v < vertex_count_; ++v)
-        for (int c = 0; c < 3; ++c) work_.at(numbers.vertex[v])[c] = scale_ * position_at(positions_, stride_, v)[c];
-    if (!call_.tick(0.19)) return HMF_CANCELLED;
+    if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
+    status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, call_);
+    if (status) return status;
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
@@ -283,10 +244,10 @@ hmf_status Builder::replay() {
     return HMF_OK;
 }
 
-// Kept positions are in breadth-first order: put them at their final numbers.
+// Kept positions are in spatial order: put them at their final numbers.
 bool Builder::order_positions() {
     if (h_.level_count > 1) {
-        Array<uint32_t> list; // final numbers of the vertices of a level, in breadth-first order
+        Array<uint32_t> list; // final numbers of the vertices of a level, in spatial order
         Array<double> copy;
         const size_t largest = h_.levels[1].mesh.vertex_count;
         if (!list.allocate(h_.memory, vertex_count_) || !copy.allocate(h_.memory, 3 * largest)) return false;
@@ -388,8 +349,10 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
     const uint64_t slack = 65536 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
     const uint64_t kept_input = 24 * F, maps = 4 * E + 4 * V;
-    const uint64_t validating = kept_input + 24 * F + 20 * V;
-    const uint64_t loading = kept_input + maps + 12 * F + 4 * V + 4 * E + 8 * F;
+    // Ordered triangles, and with them the sides by vertex or the faces and
+    // edges by the caller's numbers; before them the sort of the vertices.
+    const uint64_t ordering = kept_input + maps + 24 * V + 16 * V;
+    const uint64_t loading = kept_input + maps + 16 * F + 24 * F + 12 * V;
     const uint64_t work = 32 * E + 45 * V + 4 * 65536 + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
     const uint64_t log = sizeof(Collapse) * records;
     // The log of flips grows by doubling: three times its length while it does.
@@ -402,7 +365,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
                                + (coarse ? 24 * V : mesh + 4 * E + 12 * V);
     const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 24 * V + 12 * E
                                + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
-    uint64_t bound = validating;
+    uint64_t bound = ordering;
     const uint64_t stages[4] = {loading + work, coarsening + numbering, replaying, finishing};
     for (const uint64_t stage : stages)
         if (stage > bound) bound = stage;

@@ -1,6 +1,6 @@
 // The immutable multigrid hierarchy ([W] 4.1), numbered so that every level
 // is a prefix: the elements of level k+1 are the first ones of level k, and
-// each block that a level adds keeps the breadth-first order of the input.
+// each block that a level adds keeps the spatial order of the input.
 //
 //   input mesh --flips--> intrinsic Delaunay, where level 0 is solved
 //       |

@@ -1,5 +1,5 @@
-// Renumbering: breadth-first order at load, and numbers by level at the end,
-// so that the arrays of a coarse level are prefixes of those of a finer one:
+// Numbers by level, so that the arrays of a coarse level are prefixes of those
+// of a finer one:
 //
 //     | coarsest | removed between n-1 and n | ... | removed between 0 and 1 |
 //     |<-- level n -->|
@@ -7,35 +7,6 @@
 #include "renumber.hpp"
 
 namespace hmf {
-
-hmf_status breadth_first(uint32_t vertex_count, uint32_t edge_count, uint32_t triangle_count, const uint32_t* triangle_vertices,
-                         const uint32_t* triangle_edges, const Array<uint32_t>& opposite, Numbering& out, Call& call) {
-    Array<uint32_t> queue;
-    if (!out.vertex.allocate_filled(call.memory, vertex_count, NONE) || !out.edge.allocate_filled(call.memory, edge_count, NONE)
-        || !out.face.allocate_filled(call.memory, triangle_count, NONE) || !queue.allocate(call.memory, triangle_count))
-        return call.out_of_memory();
-    uint32_t faces = 1, edges = 0, vertices = 0;
-    queue[0] = 0;
-    out.face[0] = 0;
-    for (uint32_t n = 0; n < faces; ++n) {
-        for (uint32_t side = 3 * queue[n], end = side + 3; side < end; ++side) {
-            uint32_t& vertex = out.vertex[triangle_vertices[side]];
-            if (vertex == NONE) vertex = vertices++;
-            uint32_t& edge = out.edge[triangle_edges[side]];
-            if (edge == NONE) edge = edges++;
-            const uint32_t other = opposite[side] / 3;
-            if (out.face[other] != NONE) continue;
-            out.face[other] = faces;
-            queue[faces++] = other;
-        }
-        if (n % 65536 == 0 && !call.tick(0.12 + 0.04 * n / static_cast<double>(triangle_count))) return HMF_CANCELLED;
-    }
-    if (faces == triangle_count) return HMF_OK;
-    uint32_t lost = 0;
-    while (out.face[lost] != NONE) ++lost;
-    return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
-                     "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
-}
 
 namespace {
 

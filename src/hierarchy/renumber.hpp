@@ -1,5 +1,4 @@
-// Numbers of vertices, edges and faces: breadth-first at load, by level at the
-// end.
+// Numbers of vertices, edges and faces by level.
 #pragma once
 
 #include "../base/memory.hpp"
@@ -7,14 +6,9 @@
 
 namespace hmf {
 
-// Breadth-first numbers: neighbours are close to each other in memory.
 struct Numbering {
     Array<uint32_t> vertex, edge, face; // old number -> new number
 };
-
-// Fails if there is more than one component.
-hmf_status breadth_first(uint32_t vertex_count, uint32_t edge_count, uint32_t triangle_count, const uint32_t* triangle_vertices,
-                         const uint32_t* triangle_edges, const Array<uint32_t>& opposite, Numbering& out, Call& call);
 
 // Numbers by level: what is removed between level k and k + 1 gets the numbers
 // from the count of level k + 1 to that of level k, in ascending order of the

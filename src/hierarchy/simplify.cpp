@@ -151,8 +151,8 @@ bool BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory
 
 uint32_t BucketQueue::bucket(double cost) {
     uint64_t bits;
-    std::memcpy(&bits, &cost, sizeof bits); // ordered like the costs: exponent, then 5 bits of the mantissa
-    const uint64_t at = bits >> 47;
+    std::memcpy(&bits, &cost, sizeof bits); // ordered like the costs: exponent, then 2 bits of the mantissa
+    const uint64_t at = bits >> 50;
     return at < BUCKETS ? static_cast<uint32_t>(at) : BUCKETS - 1;
 }
 
@@ -171,7 +171,7 @@ bool WorkMesh::allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_cou
     const size_t sides = size_t{2} * edge_count;
     if (!origin.allocate(memory, sides) || !next.allocate(memory, sides) || !face.allocate(memory, sides)
         || !out.allocate(memory, vertex_count) || !degree.allocate_filled(memory, vertex_count, 0)
-        || !position.allocate(memory, size_t{3} * vertex_count) || !edges.allocate(memory, edge_count)
+        || !edges.allocate(memory, edge_count)
         || !vertices.allocate(memory, vertex_count) || !link.allocate(memory, edge_count)
         || !marks.allocate_filled(memory, vertex_count, 0) || !queue.allocate(memory)
         || (with_quadrics && !quadrics.allocate(memory, vertex_count)))

@@ -8,8 +8,10 @@
 
 namespace hmf {
 
-// Shortest edges first, roughly: one list per 1/32 octave of the cost.  An
-// edge is in one list at most; its cost is looked at again when it is taken.
+// Shortest edges first, roughly: one list per 1/4 octave of the cost.  An edge
+// is in one list at most; its cost is looked at again when it is taken.  Lists
+// this long follow the surface: with finer ones, each collapse is far from the
+// one before, and costs twice as much.
 class BucketQueue {
 public:
     bool allocate(Memory& memory);
@@ -30,7 +32,7 @@ public:
     }
 
 private:
-    static constexpr uint32_t BUCKETS = 1u << 16;
+    static constexpr uint32_t BUCKETS = 1u << 13;
     Array<uint32_t> head_;
     uint32_t low_ = BUCKETS, high_ = 0;
 };
@@ -55,6 +57,7 @@ struct WorkMesh {
     double centre[3] = {0, 0, 0};    // that the quadrics are about
     BucketQueue queue;
 
+    // All but position, which comes first.
     bool allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, bool with_quadrics);
     const double* at(uint32_t v) const { return &position[size_t{3} * v]; }
     double* at(uint32_t v) { return &position[size_t{3} * v]; }

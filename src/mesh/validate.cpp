@@ -1,12 +1,12 @@
-// Input validation in linear time, without hashing: sides are sorted by their
-// lower vertex (counting sort), and matched inside each bucket with one mark
-// per vertex.
+// Input validation in linear time, without hashing.  The sides of the triangles
+// are sorted by their lower vertex (counting sort), and matched inside each
+// bucket with one mark per vertex:
 //
 //     bucket of u:   (u,v) (u,w) (v,u) (u,x) ...      two of each, in opposite
 //                      ^-----------^                  directions: an edge
 //
-// The order of the checks is that of the interface, from local to global, so
-// that the first message is the one that helps.
+// All passes run in spatial order, so that a bucket, its triangles and its
+// vertices are near in memory.
 #include "validate.hpp"
 
 namespace hmf {
@@ -15,142 +15,114 @@ namespace {
 
 constexpr size_t TICK = 1u << 16;
 
-bool finite(double x) { return x - x == 0; }
-
 // Squared area (times 4) against the longest side: a needle of 0.001 degrees
 // has 1e-10, the rounding of collinear corners stays below the bound.
 bool has_area(const double* a, const double* b, const double* c) {
-    double u[3], v[3], w[3], largest = 0;
+    double u[3], v[3], largest = 0;
     for (int n = 0; n < 3; ++n) {
         u[n] = b[n] - a[n];
         v[n] = c[n] - a[n];
-        w[n] = c[n] - b[n];
-        const double sides[3] = {u[n], v[n], w[n]};
-        for (const double d : sides) {
-            const double size = d < 0 ? -d : d;
-            if (size > largest) largest = size;
-        }
+        const double w = c[n] - b[n], sides[3] = {u[n] < 0 ? -u[n] : u[n], v[n] < 0 ? -v[n] : v[n], w < 0 ? -w : w};
+        for (const double size : sides) largest = size > largest ? size : largest;
     }
-    if (!(largest > 0) || !finite(largest)) return false;
-    for (int n = 0; n < 3; ++n) { // no overflow for extreme units
-        u[n] /= largest;
-        v[n] /= largest;
+    if (!(largest > 0)) return false;
+    if (largest < 1e-60) { // no underflow in small details
+        for (int n = 0; n < 3; ++n) {
+            u[n] /= largest;
+            v[n] /= largest;
+        }
+        largest = 1;
     }
     const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-    return x * x + y * y + z * z > 4e-30;
+    const double square = largest * largest;
+    return x * x + y * y + z * z > 4e-30 * square * square;
 }
 
-hmf_status check_corners(const double* positions, size_t vertex_count, size_t stride, const uint32_t* corners,
-                         size_t triangle_count, Call& call) {
-    for (size_t v = 0; v < vertex_count; ++v) {
-        const double* x = position_at(positions, stride, v);
-        for (int c = 0; c < 3; ++c)
-            if (!finite(x[c]))
-                return call.fail(HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
-                                 "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
-                                 static_cast<unsigned long long>(v));
-    }
-    for (size_t t = 0; t < triangle_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.04 * static_cast<double>(t) / static_cast<double>(triangle_count))) return HMF_CANCELLED;
-        const uint32_t* corner = corners + 3 * t;
-        const unsigned long long number = t;
-        for (int s = 0; s < 3; ++s)
-            if (corner[s] >= vertex_count)
-                return call.fail(HMF_ERROR_MESH_INDEX, HMF_ELEMENT_TRIANGLE, t,
-                                 "Triangle %llu names vertex %u, but there are %llu vertices. Indices start at 0.", number,
-                                 corner[s], static_cast<unsigned long long>(vertex_count));
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-            return call.fail(HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, t,
-                             "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.", number, corner[0],
-                             corner[1], corner[2]);
-        if (!has_area(position_at(positions, stride, corner[0]), position_at(positions, stride, corner[1]),
-                      position_at(positions, stride, corner[2])))
-            return call.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, t,
-                             "Triangle %llu (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or flip its longest.",
-                             number, corner[0], corner[1], corner[2]);
-    }
-    return HMF_OK;
-}
+// A side is a place in OrderedTriangles::words: 4 * face + corner.
+uint32_t side_after(uint32_t side) { return side % 4 == 2 ? side - 2 : side + 1; }
 
-uint32_t end_of(const uint32_t* corners, uint32_t side) { return corners[side % 3 == 2 ? side - 2 : side + 1]; }
+struct Side {
+    uint32_t high; // its higher vertex
+    uint32_t place;
+};
 
-hmf_status match_sides(size_t vertex_count, const uint32_t* corners, uint32_t side_count, Array<uint32_t>& opposite, Call& call) {
-    Array<uint32_t> begin, sorted, last_low, first_side;
-    if (!begin.allocate_filled(call.memory, vertex_count + 1, 0) || !sorted.allocate(call.memory, side_count)
-        || !last_low.allocate_filled(call.memory, vertex_count, NONE) || !first_side.allocate(call.memory, vertex_count))
-        return call.out_of_memory();
-    for (uint32_t side = 0; side < side_count; ++side) {
-        const uint32_t a = corners[side], b = end_of(corners, side);
-        ++begin[a < b ? a : b];
+struct Mark {
+    uint32_t low;   // the bucket that the vertex was seen in
+    uint32_t entry; // the side seen there; NONE: it has found its other side
+};
+
+// Areas, degrees, and the ends of the buckets.
+hmf_status count_sides(const OrderedTriangles& ordered, const Array<double>& position, const Origin& origin,
+                       Array<uint32_t>& bucket, Array<uint32_t>& degree, Call& call) {
+    uint32_t flat = NONE;
+    for (size_t n = 0; n < ordered.words.size(); n += 4) {
+        if (n % TICK == 0 && !call.tick(0.04 + 0.01 * static_cast<double>(n) / static_cast<double>(ordered.words.size()))) return HMF_CANCELLED;
+        const uint32_t* v = &ordered.words[n];
+        for (int s = 0; s < 3; ++s) {
+            const uint32_t a = v[s], b = v[s == 2 ? 0 : s + 1];
+            ++bucket[a < b ? a : b];
+            ++degree[a];
+        }
+        if (!has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
     }
-    if (!call.tick(0.04)) return HMF_CANCELLED;
+    if (flat != NONE) {
+        const uint32_t* corner = origin.triangles + size_t{3} * flat;
+        return call.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, flat,
+                         "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or flip its longest.",
+                         flat, corner[0], corner[1], corner[2]);
+    }
     uint32_t total = 0;
-    for (size_t v = 0; v <= vertex_count; ++v) {
-        total += begin[v];
-        begin[v] = total;
-    }
-    for (uint32_t side = side_count; side-- > 0;) { // backwards: buckets come out ascending
-        const uint32_t a = corners[side], b = end_of(corners, side);
-        sorted[--begin[a < b ? a : b]] = side;
-    }
-    for (uint32_t low = 0; low < vertex_count; ++low) {
-        if (low % TICK == 0 && !call.tick(0.05 + 0.03 * low / static_cast<double>(vertex_count))) return HMF_CANCELLED;
-        for (uint32_t n = begin[low]; n < begin[low + 1]; ++n) {
-            const uint32_t side = sorted[n], a = corners[side], b = end_of(corners, side), high = a < b ? b : a;
-            opposite[side] = NONE;
-            if (last_low[high] != low) {
-                last_low[high] = low;
-                first_side[high] = side;
-                continue;
-            }
-            const uint32_t first = first_side[high];
-            if (opposite[first] != NONE)
-                return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, side / 3,
-                                 "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
-                                 "duplicate the vertices to separate the sheets.", side / 3, a, b);
-            opposite[first] = side;
-            opposite[side] = first;
-        }
-        for (uint32_t n = begin[low]; n < begin[low + 1]; ++n) {
-            const uint32_t side = sorted[n], a = corners[side], b = end_of(corners, side);
-            if (opposite[side] == NONE)
-                return call.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, side / 3,
-                                 "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
-                                 "the hole, or join duplicate vertices.", side / 3, a, b);
-            if (corners[opposite[side]] == a)
-                return call.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, side / 3,
-                                 "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
-                                 "possible, the surface is not orientable.", side / 3, opposite[side] / 3, a, b);
-        }
+    for (uint32_t& end : bucket) {
+        total += end;
+        end = total;
     }
     return HMF_OK;
 }
 
-uint32_t side_before(uint32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
+// Messages about one bucket; its sides still have their corners.
+class Report {
+public:
+    Report(const OrderedTriangles& ordered, const Origin& origin, const Side* begin, const Side* end, Call& call)
+        : ordered_(ordered), origin_(origin), begin_(begin), end_(end), call_(call) {}
 
-hmf_status check_fans(size_t vertex_count, const uint32_t* corners, uint32_t side_count, const Array<uint32_t>& opposite, Call& call) {
-    Array<uint32_t> degree, any;
-    if (!degree.allocate_filled(call.memory, vertex_count, 0) || !any.allocate(call.memory, vertex_count)) return call.out_of_memory();
-    for (uint32_t side = 0; side < side_count; ++side) {
-        ++degree[corners[side]];
-        any[corners[side]] = side;
+    // The third triangle at the edge, by the caller's numbers.
+    hmf_status third(uint32_t high) const {
+        const Side* lowest[3] = {nullptr, nullptr, nullptr};
+        for (const Side* side = begin_; side < end_; ++side) {
+            if (side->high != high) continue;
+            const Side* here = side;
+            for (const Side*& place : lowest)
+                if (here && (!place || number(*here) < number(*place))) {
+                    const Side* moved = place;
+                    place = here;
+                    here = moved;
+                }
+        }
+        return call_.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(*lowest[2]),
+                          "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
+                          "duplicate the vertices to separate the sheets.", number(*lowest[2]), from(*lowest[2]), to(*lowest[2]));
     }
-    for (uint32_t v = 0; v < vertex_count; ++v) {
-        if (v % TICK == 0 && !call.tick(0.08 + 0.03 * v / static_cast<double>(vertex_count))) return HMF_CANCELLED;
-        if (degree[v] == 0)
-            return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, v,
-                             "Vertex %u belongs to no triangle. Remove it and renumber the others.", v);
-        uint32_t steps = 0, side = any[v];
-        do {
-            side = opposite[side_before(side)];
-            ++steps;
-        } while (side != any[v]);
-        if (steps != degree[v])
-            return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, v,
-                             "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", v);
+    hmf_status alone(const Side& side) const {
+        return call_.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
+                          "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
+                          "the hole, or join duplicate vertices.", number(side), from(side), to(side));
     }
-    return HMF_OK;
-}
+    hmf_status turned(const Side& a, const Side& b) const {
+        return call_.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, number(a),
+                          "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
+                          "possible, the surface is not orientable.", number(a), number(b), from(a), to(a));
+    }
+
+private:
+    uint32_t number(const Side& side) const { return ordered_.number(side.place / 4); }
+    uint32_t from(const Side& side) const { return origin_.triangles[size_t{3} * number(side) + side.place % 4]; }
+    uint32_t to(const Side& side) const { return origin_.triangles[size_t{3} * number(side) + side_after(side.place) % 4]; }
+
+    const OrderedTriangles& ordered_;
+    const Origin& origin_;
+    const Side *begin_, *end_;
+    Call& call_;
+};
 
 } // namespace
 
@@ -172,18 +144,125 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
     return HMF_OK;
 }
 
-hmf_status validate(const double* positions, size_t vertex_count, size_t position_stride, const uint32_t* triangles,
-                    size_t triangle_count, uint32_t* triangle_vertices, uint32_t* triangle_edges, Sides& sides, Call& call) {
-    std::memcpy(triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
-    const uint32_t side_count = static_cast<uint32_t>(3 * triangle_count);
-    if (!sides.opposite.allocate(call.memory, side_count)) return call.out_of_memory();
-    hmf_status status = check_corners(positions, vertex_count, position_stride, triangle_vertices, triangle_count, call);
-    if (!status) status = match_sides(vertex_count, triangle_vertices, side_count, sides.opposite, call);
-    if (!status) status = check_fans(vertex_count, triangle_vertices, side_count, sides.opposite, call);
-    if (status) return status;
-    for (uint32_t side = 0; side < side_count; ++side) {
-        const uint32_t other = sides.opposite[side];
-        triangle_edges[side] = other < side ? triangle_edges[other] : sides.edge_count++;
+hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& position, const Origin& origin, Mesh& mesh,
+                          Array<uint32_t>& degree, Call& call) {
+    Array<uint32_t>& words = ordered.words;
+    const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(words.size());
+    Array<uint32_t> bucket; // ends first, begins after the sort
+    Array<Side> sides;
+    Array<Mark> marks;
+    if (!bucket.allocate_filled(call.memory, size_t{vertex_count} + 1, 0) || !sides.allocate(call.memory, size_t{3} * (places / 4))
+        || !marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE}))
+        return call.out_of_memory();
+    if (count_sides(ordered, position, origin, bucket, degree, call)) return call.cancelled() ? HMF_CANCELLED : call.status();
+    for (uint32_t place = 0; place < places; ++place) {
+        if (place % TICK == 0 && !call.tick(0.05 + 0.01 * place / places)) return HMF_CANCELLED;
+        if (place % 4 == 3) continue;
+        const uint32_t a = words[place], b = words[side_after(place)];
+        sides[--bucket[a < b ? a : b]] = {a < b ? b : a, place};
+    }
+    uint32_t edges = 0;
+    for (uint32_t low = 0; low < vertex_count; ++low) {
+        if (low % TICK == 0 && !call.tick(0.06 + 0.03 * low / vertex_count)) return HMF_CANCELLED;
+        const uint32_t begin = bucket[low], end = bucket[low + 1];
+        const Report report(ordered, origin, sides.begin() + begin, sides.begin() + end, call);
+        uint32_t matched = 0, turned[2] = {NONE, NONE};
+        for (uint32_t n = begin; n < end; ++n) {
+            Mark& mark = marks[sides[n].high];
+            if (mark.low != low) {
+                mark = {low, n};
+                continue;
+            }
+            if (mark.entry == NONE) return report.third(sides[n].high);
+            const uint32_t first = sides[mark.entry].place, second = sides[n].place;
+            if (words[first] == words[second]) {
+                turned[0] = mark.entry;
+                turned[1] = n;
+            }
+            mesh.origin[2 * edges] = words[first];
+            mesh.origin[2 * edges + 1] = words[second];
+            words[first] = 2 * edges;
+            words[second] = 2 * edges + 1;
+            ++edges;
+            mark.entry = NONE;
+            matched += 2;
+        }
+        if (matched < end - begin)
+            for (uint32_t n = begin; n < end; ++n)
+                if (marks[sides[n].high].entry == n) return report.alone(sides[n]);
+        if (turned[0] != NONE) return report.turned(sides[turned[0]], sides[turned[1]]);
+    }
+    for (uint32_t face = 0; face < places / 4; ++face) {
+        if (face % TICK == 0 && !call.tick(0.09 + 0.08 * face / places)) return HMF_CANCELLED;
+        const uint32_t* h = &words[size_t{4} * face];
+        for (int s = 0; s < 3; ++s) {
+            mesh.next[h[s]] = h[s == 2 ? 0 : s + 1];
+            mesh.face[h[s]] = face;
+            mesh.out[mesh.origin[h[s]]] = h[s];
+        }
+    }
+    return HMF_OK;
+}
+
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, Call& call) {
+    Array<uint32_t> waiting;
+    Array<uint8_t> reached;
+    if (!waiting.allocate(call.memory, mesh.vertex_count) || !reached.allocate_filled(call.memory, mesh.vertex_count, 0)) return call.out_of_memory();
+    const auto callers_vertex = [&](uint32_t internal) {
+        uint32_t v = 0;
+        while (origin.vertex_internal[v] != internal) ++v;
+        return v;
+    };
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        if (degree[v] == 0) {
+            const uint32_t number = callers_vertex(v);
+            return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, number,
+                             "Vertex %u belongs to no triangle. Remove it and renumber the others.", number);
+        }
+    uint32_t size = 0, done = 0;
+    waiting[size++] = origin.vertex_internal[origin.triangles[0]];
+    reached[waiting[0]] = 1;
+    while (size > 0) {
+        if (++done % TICK == 0 && !call.tick(0.11 + 0.03 * done / mesh.vertex_count)) return HMF_CANCELLED;
+        const uint32_t v = waiting[--size], first = mesh.out[v];
+        uint32_t steps = 0, h = first;
+        do {
+            const uint32_t w = mesh.target(h);
+            if (!reached[w]) {
+                reached[w] = 1;
+                waiting[size++] = w;
+            }
+            h = mesh.rotate_cw(h);
+            ++steps;
+        } while (h != first);
+        if (steps != degree[v]) {
+            const uint32_t number = callers_vertex(v);
+            return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
+                             "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", number);
+        }
+    }
+    if (done == mesh.vertex_count) return HMF_OK;
+    uint32_t lost = 0;
+    while (reached[origin.vertex_internal[origin.triangles[size_t{3} * lost]]]) ++lost;
+    return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
+                     "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
+}
+
+hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges, uint32_t* edge_internal, Call& call) {
+    Array<uint32_t> face, number;
+    if (!face.allocate(call.memory, mesh.face_count) || !number.allocate_filled(call.memory, mesh.edge_count, NONE)) return call.out_of_memory();
+    for (uint32_t f = 0; f < mesh.face_count; ++f) face[ordered.number(f)] = f;
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < mesh.face_count; ++t) {
+        if (t % TICK == 0 && !call.tick(0.14 + 0.03 * t / mesh.face_count)) return HMF_CANCELLED;
+        for (uint32_t s = 0; s < 3; ++s) {
+            const uint32_t e = edge_of(ordered.words[size_t{4} * face[t] + s]);
+            if (number[e] == NONE) {
+                edge_internal[count] = e;
+                number[e] = count++;
+            }
+            triangle_edges[size_t{3} * t + s] = number[e];
+        }
     }
     return HMF_OK;
 }
