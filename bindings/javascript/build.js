@@ -1,0 +1,109 @@
+// npm run build: dist/hmf.wasm, the core as WebAssembly, dist/layout.js, what
+// hmf.h says about functions, structures and constants, and a copy of LICENSE.
+//
+// The layout is read from the syntax tree of clang and measured by a program
+// that the same clang compiles for the same target, so neither can differ from
+// the module.
+//
+// Compiler: WASI_SDK_PATH/bin/clang++ if that is set, else clang++ of the
+// system with wasi-libc (on Debian: clang lld wasi-libc
+// libclang-rt-14-dev-wasm32 libc++-14-dev-wasm32 libc++abi-14-dev-wasm32).
+import { execFileSync } from 'node:child_process';
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const here = fileURLToPath(new URL('.', import.meta.url));
+const root = join(here, '..', '..');
+const header = join(root, 'include', 'hmf', 'hmf.h');
+const compiler = process.env.WASI_SDK_PATH ? join(process.env.WASI_SDK_PATH, 'bin', 'clang++') : 'clang++';
+
+const TARGET = ['--target=wasm32-wasi'];
+// No contraction, as in the other builds of the core.  Bulk memory, saturating
+// conversions and sign extension are in every browser since 2021; without the
+// second each conversion from double to integer has a branch.
+const CODE = ['-std=c++17', '-O3', '-DNDEBUG', '-ffp-contract=off', '-fno-exceptions', '-fno-rtti', '-fvisibility=hidden',
+    '-mbulk-memory', '-mnontrapping-fptoint', '-msign-ext'];
+
+function compile(parameters) {
+    try {
+        return execFileSync(compiler, [...TARGET, ...parameters], { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'pipe'] });
+    } catch (error) {
+        if (error.code === 'ENOENT')
+            throw new Error(`${compiler} is not there. Install clang, lld and wasi-libc (see the top of build.js), or set WASI_SDK_PATH.`);
+        throw new Error(`${compiler} failed:\n${error.stderr ?? error.message}`);
+    }
+}
+
+/** Functions, structures with typed fields, and constants of hmf.h. */
+function readHeader() {
+    const tree = JSON.parse(compile(['-x', 'c', '-fsyntax-only', '-Xclang', '-ast-dump=json', header]));
+    const functions = [], structures = {};
+    for (const node of tree.inner) {
+        if (node.kind === 'FunctionDecl' && node.name.startsWith('hmf_')) functions.push(node.name);
+        if (node.kind === 'RecordDecl' && node.completeDefinition && node.name?.startsWith('hmf_'))
+            structures[node.name] = node.inner.filter(field => field.kind === 'FieldDecl').map(field => ({ name: field.name, type: fieldType(field) }));
+    }
+    const constants = [];
+    for (const line of compile(['-x', 'c', '-E', '-dM', header]).split('\n')) {
+        const found = /^#define (HMF_[A-Z0-9_]+) (\d+)$/.exec(line.trim());
+        if (found) constants.push([found[1], Number(found[2])]);
+    }
+    constants.sort((a, b) => (a[0] < b[0] ? -1 : 1));
+    return { functions, structures, constants: Object.fromEntries(constants) };
+}
+
+function fieldType(field) {
+    const type = field.type.desugaredQualType ?? field.type.qualType;
+    const written = field.type.qualType;
+    const simple = { uint32_t: 'u32', int32_t: 'i32', hmf_status: 'i32', uint64_t: 'u64', int64_t: 'i64', double: 'f64', size_t: 'pointer' }[written];
+    if (simple) return simple;
+    const text = /^char\[(\d+)\]$/.exec(type);
+    if (text) return `text${text[1]}`;
+    if (type.includes('*')) return 'pointer';
+    throw new Error(`build.js has no reading for the type ${written} of the field ${field.name}. Add it to fieldType and to lib/memory.js.`);
+}
+
+/** Sizes and offsets, measured by a program for the target. */
+async function measure(structures) {
+    const entries = Object.entries(structures);
+    const numbers = entries.flatMap(([name, fields]) => [`sizeof(${name})`, ...fields.map(field => `offsetof(${name}, ${field.name})`)]);
+    const folder = mkdtempSync(join(tmpdir(), 'hmf-layout-'));
+    try {
+        const source = join(folder, 'layout.c'), program = join(folder, 'layout.wasm');
+        writeFileSync(source, `#include <stddef.h>\n#include "${header}"\n__attribute__((visibility("default"))) const unsigned layout[] = {${numbers.join(', ')}};\n`);
+        compile(['-x', 'c', '-nostdlib', '-Wl,--no-entry', '-Wl,--export=layout', source, '-o', program]);
+        const { instance } = await WebAssembly.instantiate(readFileSync(program));
+        const measured = new Uint32Array(instance.exports.memory.buffer, instance.exports.layout.value, numbers.length);
+        let next = 0;
+        return Object.fromEntries(entries.map(([name, fields]) => {
+            const size = measured[next++];
+            return [name, { size, fields: Object.fromEntries(fields.map(field => [field.name, { offset: measured[next++], type: field.type }])) }];
+        }));
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+}
+
+const { functions, structures, constants } = readHeader();
+const measured = await measure(structures);
+mkdirSync(join(here, 'dist'), { recursive: true });
+writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h; do not edit.
+export const functions = ${JSON.stringify(functions, null, 4)};
+export const structures = ${JSON.stringify(measured, null, 4)};
+export const constants = ${JSON.stringify(constants, null, 4)};
+`);
+
+// npm takes the licence only from the folder of the package.
+copyFileSync(join(root, 'LICENSE'), join(here, 'LICENSE'));
+
+const core = readdirSync(join(root, 'src'), { withFileTypes: true })
+    .filter(entry => entry.isDirectory())
+    .flatMap(entry => readdirSync(join(root, 'src', entry.name)).filter(name => name.endsWith('.cpp')).map(name => join(root, 'src', entry.name, name)))
+    .sort();
+const output = join(here, 'dist', 'hmf.wasm');
+// The stack lies first, so that an overflow traps instead of overwriting data.
+compile(['-mexec-model=reactor', ...CODE, '-I', join(root, 'include'), ...core, join(here, 'src', 'glue.cpp'),
+    ...functions.map(name => `-Wl,--export=${name}`), '-Wl,--strip-all', '-Wl,--stack-first', '-Wl,-z,stack-size=1048576', '-o', output]);
+console.log(`dist/hmf.wasm: ${statSync(output).size} bytes, ${functions.length} functions`);

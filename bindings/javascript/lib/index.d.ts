@@ -1,0 +1,237 @@
+/// <reference lib="esnext.disposable" />
+/**
+ * hmf - harmonic measured foliations on closed triangle meshes.
+ *
+ * All arrays that the library returns are copies that belong to the caller;
+ * all arrays that it is given are copied and stay as they are.  All calls are
+ * synchronous: in a page, make them in a Worker (examples/worker.js).
+ */
+
+/** Where hmf.wasm comes from: its address, its bytes, a compiled module, or a response of fetch. */
+export type Source = string | URL | ArrayBuffer | ArrayBufferView | WebAssembly.Module | Response;
+
+/**
+ * Loads the library.  Without a source it takes the hmf.wasm of the package,
+ * by `fetch` in a browser and from the file system in Node.  Each call makes
+ * an instance with a memory of its own.
+ */
+export function load(source?: Source | Promise<Source>): Promise<Hmf>;
+
+export interface Hmf {
+    /** "major.minor.patch" */
+    readonly version: string;
+    readonly Hierarchy: new (positions: Float64Array, triangles: Uint32Array, options?: BuildOptions) => Hierarchy;
+    /** Upper bound of the bytes that building a hierarchy uses at its peak; 0 if the counts are unusable. */
+    memoryEstimate(vertexCount: number, triangleCount: number, options?: BuildOptions): number;
+    /** A short English text for any status. */
+    statusText(status: number): string;
+    /** "HMF_ERROR_MESH_BOUNDARY" and so on, as in hmf.h. */
+    statusName(status: number): string;
+    /** Bytes that hierarchies and running calls use, and the size of the WebAssembly memory, which never shrinks. */
+    readonly memory: { readonly inUse: number; readonly size: number };
+}
+
+/**
+ * What a callback wants: nothing or "continue"; "cancel" ends the call;
+ * "finish" ends the improvement, and the foliation reached so far is carried to
+ * the asked level and returned.  Building a hierarchy treats it as "cancel".
+ */
+export type ProgressAnswer = void | "continue" | "cancel" | "finish";
+
+/**
+ * Called during the call with a fraction that rises from 0 to 1.  An exception
+ * ends the call and is thrown from it.  It must not use the same hierarchy.
+ */
+export type Progress = (fraction: number) => ProgressAnswer;
+
+export interface BuildOptions {
+    /** Which edges are collapsed, and to which point; default "midpoint". */
+    collapse?: "default" | "midpoint" | "endpoint" | "qslim";
+    /** Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5. */
+    ratio?: number;
+    /** Vertices of the coarsest level to aim for; default 1000. */
+    coarsest?: number;
+    /** Bytes in use at any time, also in later calls with the hierarchy; default 0, no limit. */
+    memoryLimit?: number;
+    progress?: Progress;
+}
+
+/**
+ * A closed, connected, oriented triangle mesh of genus 1 or more, with its
+ * coarser levels.  It may be used for any number of solves.
+ *
+ * It holds memory of WebAssembly until `dispose()`; `using` works as well.  A
+ * hierarchy that is forgotten is freed at some later time.
+ */
+export interface Hierarchy extends Disposable {
+    readonly genus: number;
+    /** Level 0 is the mesh of the caller, higher levels are coarser. */
+    readonly levels: readonly Level[];
+    readonly memoryBytes: number;
+    readonly disposed: boolean;
+
+    /** Loops made by the library; default: a cut system on the coarsest level. */
+    loops(options?: { kind?: LoopsKind; level?: number }): LoopSet;
+    /** The closed initial foliation of loops on their level; default: of `loops()`. */
+    initialize(loops?: LoopSet): Foliation;
+    /** The harmonic foliation in the class of the loops.  Limits are no exceptions: see `report.status`. */
+    solve(options?: SolveOptions): Foliation;
+    /** A foliation with given values, one for each edge of the level (default 0). */
+    foliation(values: Float64Array, level?: number): Foliation;
+
+    /** Frees the memory; calling it again does nothing. */
+    dispose(): void;
+}
+
+export interface Level {
+    readonly index: number;
+    readonly vertexCount: number;
+    readonly edgeCount: number;
+    readonly triangleCount: number;
+    /** Edges whose weight was below the floor and was raised to it. */
+    readonly nonDelaunayCount: number;
+    /** Two vertices for each edge.  Level 0 numbers edges by their first appearance in the triangles. */
+    edgeVertices(): Uint32Array;
+    /** Three edges for each triangle; side s joins the corners s and s + 1. */
+    triangleEdges(): Uint32Array;
+    /** Three vertices for each triangle. */
+    triangleVertices(): Uint32Array;
+    /** Half the sum of the two opposite cotangents, for each edge. */
+    weights(): Float64Array;
+    /** Three coordinates for each vertex. */
+    positions(): Float64Array;
+}
+
+export type LoopsKind = "cut";
+
+/** Disjoint closed curves on a level. */
+export interface LoopSet {
+    /** Neighbouring triangles, or vertices joined by edges; the last and the first as well. */
+    elementKind: "triangles" | "vertices";
+    /** Of the elements; default 0, the mesh of the caller. */
+    level?: number;
+    loops: ArrayLike<number>[];
+    /** Positive, one for each loop; default all 1. */
+    weights?: ArrayLike<number>;
+}
+
+export interface OptimizeOptions {
+    /** Default "newton", the most exact. */
+    method?: "default" | "newton" | "whitehead" | "single-level";
+    /** newton: the largest residual, default 1e-8; others: relative change of the energy per sweep, default 1e-6. */
+    tolerance?: number;
+    /** Seconds; default 0, no limit. */
+    timeLimit?: number;
+    /** Sweeps per level; default 100000. */
+    iterationLimit?: number;
+    /** Entries of the history that are kept; default 1000. */
+    historyCapacity?: number;
+    progress?: Progress;
+}
+
+export interface SolveOptions extends OptimizeOptions {
+    /** Default: `hierarchy.loops()`. */
+    loops?: LoopSet;
+    /** Finest level to solve; default 0, the mesh of the caller. */
+    stopLevel?: number;
+}
+
+/** One value for each edge of a level: the distance of its ends in a tree. */
+export interface Foliation {
+    readonly hierarchy: Hierarchy;
+    readonly level: number;
+    readonly values: Float64Array;
+    /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
+    readonly report: Report | null;
+    /** Carried exactly to any other level, finer or coarser. */
+    interpolate(level: number): Foliation;
+    /** Optimised on its level; this foliation stays as it is. */
+    relax(options?: OptimizeOptions): Foliation;
+    /** Dirichlet energy. */
+    energy(): number;
+    /** Violation of harmonicity at each vertex; 0 everywhere means: this is the unique minimum. */
+    residuals(): Float64Array;
+    singularities(): Singularities;
+}
+
+export interface Singularities {
+    list: Singularity[];
+    /** Index of each vertex; of a cluster at its lowest vertex. */
+    vertexIndex: Int32Array;
+    /** 0 or -1 for each triangle. */
+    triangleIndex: Int32Array;
+    /** Lowest vertex of the cluster of each vertex. */
+    vertexCluster: Uint32Array;
+}
+
+export interface Singularity {
+    /** cluster: vertices joined by edges of value 0. */
+    kind: "vertex" | "triangle" | "cluster";
+    /** Below 0: a zero of order -index; above 0: a pole. */
+    index: number;
+    /** The vertex, the triangle, or the lowest vertex of the cluster. */
+    element: number;
+    /** Vertices of a cluster, else 1. */
+    size: number;
+}
+
+export interface Report {
+    /** "HMF_OK", or why the optimisation ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_CANCELLED". */
+    status: string;
+    method: string;
+    converged: boolean;
+    energy: number;
+    /** Largest of `residuals()`, on the intrinsic Delaunay triangulation. */
+    residualMax: number;
+    residualMean: number;
+    poles: number;
+    zeros: number;
+    /** 4 - 4 * genus */
+    indexSum: number;
+    badFlips: number;
+    badFlipsLeft: number;
+    solveSeconds: number;
+    /** Of the call, without the hierarchy. */
+    peakMemoryBytes: number;
+    /** Finest first. */
+    levels: LevelReport[];
+    /** In order of time, the first `historyCapacity` events. */
+    history: HistoryEntry[];
+    /** Number of events, kept or not. */
+    historyCount: number;
+}
+
+export interface LevelReport {
+    vertices: number;
+    edges: number;
+    /** Edges with a raised weight. */
+    nld: number;
+    iterations: number;
+    linearSolves: number;
+    optimizeSeconds: number;
+    interpolateSeconds: number;
+}
+
+export interface HistoryEntry {
+    seconds: number;
+    energy: number;
+    /** null: not evaluated. */
+    residualMax: number | null;
+    level: number;
+    kind: "interpolation" | "sweep" | "linear-solve";
+}
+
+/** A refusal of the library.  Arguments of a wrong type or length are TypeErrors instead. */
+export class HmfError extends Error {
+    readonly name: "HmfError";
+    /** The value of hmf.h. */
+    readonly status: number;
+    /** "HMF_ERROR_MESH_BOUNDARY" and so on. */
+    readonly statusName: string;
+    /** What the error is about, or null. */
+    readonly element: "vertex" | "edge" | "triangle" | "loop" | "level" | "option" | null;
+    /** Of the element, or null. */
+    readonly index: number | null;
+    /** What is wrong and what to do. */
+    readonly advice: string;
+}

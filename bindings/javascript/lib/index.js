@@ -1,0 +1,35 @@
+// hmf in JavaScript: load() gives the library, an object with the class
+// Hierarchy; everything else hangs on that.
+import { Module } from './module.js';
+import { Hierarchy, memoryEstimate } from './hierarchy.js';
+import { wholeNumber } from './arguments.js';
+import { statusName } from './error.js';
+
+export { HmfError } from './error.js';
+
+export async function load(source) {
+    const module = await Module.load(source);
+    const number = module.invoke('hmf_version');
+    return Object.freeze({
+        version: `${Math.floor(number / 10000)}.${Math.floor(number / 100) % 100}.${number % 100}`,
+
+        Hierarchy: class extends Hierarchy {
+            static { Object.defineProperty(this, 'name', { value: 'Hierarchy' }); }
+
+            constructor(positions, triangles, options) {
+                super(module, positions, triangles, options);
+            }
+        },
+
+        memoryEstimate: (vertexCount, triangleCount, options) => memoryEstimate(module, vertexCount, triangleCount, options),
+        statusText: status => module.statusText(wholeNumber(status, 'status')),
+        statusName,
+
+        get memory() {
+            return { inUse: module.invoke('hmf_js_bytes_in_use') >>> 0, size: module.memory.buffer.byteLength };
+        },
+
+        /** Internal, for the tests. */
+        _module: module,
+    });
+}

@@ -1,0 +1,76 @@
+// The binding against hmf.h: whatever is new or different there fails here.
+// dist/layout.js is made by the build; these tests read the header themselves.
+import assert from 'node:assert/strict';
+import { readFileSync, readdirSync } from 'node:fs';
+import { test } from 'node:test';
+import { constants, functions, structures } from '../dist/layout.js';
+import { load } from '../lib/index.js';
+
+const read = path => readFileSync(new URL(path, import.meta.url), 'utf8');
+const header = read('../../../include/hmf/hmf.h').replace(/\/\*[\s\S]*?\*\//g, ' ');
+const sources = readdirSync(new URL('../lib/', import.meta.url)).filter(name => name.endsWith('.js')).map(name => read(`../lib/${name}`)).join('\n');
+const types = read('../lib/index.d.ts');
+
+const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
+
+test('every function of the header is exported and used', async () => {
+    const declared = [...header.matchAll(/HMF_API [^;(]*?\b(hmf_[a-z0-9_]+)\s*\(/g)].map(match => match[1]);
+    assert.ok(declared.length >= 24);
+    assert.deepEqual([...functions].sort(), [...declared].sort(), 'the build is out of date: npm run build');
+    const exported = (await load())._module.exportNames();
+    // Every structure of options starts as zero, which means the defaults.
+    const unused = declared.filter(name => !name.endsWith('_options_init') && !sources.includes(`'${name}'`));
+    assert.deepEqual(unused, [], 'functions of hmf.h that JavaScript does not offer');
+    assert.deepEqual(declared.filter(name => !exported.includes(name)), []);
+});
+
+test('every structure of the header has its fields in order, and JavaScript knows them', () => {
+    const declared = [...header.matchAll(/typedef struct (hmf_[a-z_]+)\s*\{([^}]*)\}/g)];
+    assert.deepEqual(declared.map(([, name]) => name).sort(), Object.keys(structures).sort(), 'the build is out of date: npm run build');
+    // Of C alone; arrays of JavaScript know their length.
+    const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'progress_user'];
+    const otherwise = ['hmf_report.level_count', 'hmf_report.values_written', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements'];
+    for (const [, name, body] of declared) {
+        const fields = body.split(';').map(field => /([a-z_0-9]+)(\[\d+\])?\s*$/.exec(field.trim())?.[1]).filter(Boolean);
+        assert.deepEqual(Object.keys(structures[name].fields), fields, name);
+        let end = 0;
+        for (const { offset } of Object.values(structures[name].fields)) {
+            assert.ok(offset >= end, `${name} is in order`);
+            end = offset + 1;
+        }
+        assert.ok(end <= structures[name].size);
+        for (const field of fields) {
+            if (internal.includes(field) || /_capacity$/.test(field) || otherwise.includes(`${name}.${field}`)) continue;
+            assert.match(types, new RegExp(`\\b${camel(field)}\\b`), `${name}.${field} is missing in index.d.ts`);
+        }
+    }
+});
+
+test('every constant of the header has its value, and the types list its name', () => {
+    const declared = [...header.matchAll(/^#define (HMF_[A-Z0-9_]+) (\d+)\s*$/gm)].map(([, name, value]) => [name, Number(value)]);
+    assert.deepEqual(constants, Object.fromEntries(declared.sort(([a], [b]) => (a < b ? -1 : 1))), 'the build is out of date: npm run build');
+    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_LOOP_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_'];
+    for (const [name] of declared) {
+        if (/^HMF_(VERSION|ERROR|LIMIT)_|^HMF_(OK|CANCELLED|ELEMENT_NONE)$/.test(name)) continue;
+        const prefix = prefixes.find(start => name.startsWith(start));
+        assert.ok(prefix, `${name} belongs to no group that JavaScript knows`);
+        const value = name.slice(prefix.length).toLowerCase().replaceAll('_', '-');
+        assert.ok(types.includes(`"${value}"`), `"${value}" of ${name} is missing in index.d.ts`);
+    }
+});
+
+test('a status of each kind has its name and text', async () => {
+    const hmf = await load();
+    for (const [name, value] of Object.entries(constants)) {
+        if (!/^HMF_(OK|CANCELLED|ERROR_\w+|LIMIT_\w+)$/.test(name)) continue;
+        assert.equal(hmf.statusName(value), name);
+        assert.doesNotMatch(hmf.statusText(value), /unknown/i);
+    }
+});
+
+test('the package has the version of the header', async () => {
+    const part = name => constants[`HMF_VERSION_${name}`];
+    const version = `${part('MAJOR')}.${part('MINOR')}.${part('PATCH')}`;
+    assert.equal(JSON.parse(read('../package.json')).version, version);
+    assert.equal((await load()).version, version);
+});

@@ -1,0 +1,199 @@
+// Results against values known otherwise.
+import assert from 'node:assert/strict';
+import { before, test } from 'node:test';
+import { load } from '../lib/index.js';
+import { pretzel, torus } from '../examples/shapes.js';
+import { brokenTriangles, cotangentWeights, edgesOf, smallTorus } from './meshes.js';
+
+let hmf;
+before(async () => { hmf = await load(); });
+
+test('a torus of revolution carries the foliation of its symmetry', () => {
+    const n = 24, m = 16, { positions, triangles } = torus(n, m);
+    const hierarchy = new hmf.Hierarchy(positions, triangles);
+    // A loop of vertices round the axis.  The mesh is the same at every angle, so the leaves are the circles round the axis.
+    const loop = Array.from({ length: n }, (_, i) => i * m);
+    const foliation = hierarchy.solve({ loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
+    assert.equal(foliation.report.converged, true);
+    const { edges } = edgesOf(triangles);
+    let tube = 0;
+    edges.forEach(([a, b], e) => {
+        // Round the axis: both ends on one leaf.
+        if (a % m === b % m) assert.ok(foliation.values[e] < 1e-7, `edge ${a} ${b} has ${foliation.values[e]}`);
+        // Round the tube at the first angle: the lengths add up to the weight.
+        if (Math.floor(a / m) === 0 && Math.floor(b / m) === 0) tube += foliation.values[e];
+    });
+    assert.ok(Math.abs(tube - 2) < 1e-7, `once round the tube: ${tube}`);
+    hierarchy.dispose();
+});
+
+test('level 0 is the mesh of the caller', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    const level = hierarchy.levels[0], { edges, triangleEdges } = edgesOf(triangles);
+    assert.equal(hierarchy.genus, 2);
+    assert.deepEqual(level.positions(), positions);
+    assert.deepEqual(level.triangleVertices(), triangles);
+    assert.deepEqual([...level.triangleEdges()], triangleEdges);
+    assert.equal(level.edgeCount, edges.length);
+    const vertices = level.edgeVertices();
+    edges.forEach(([a, b], e) => assert.deepEqual([vertices[2 * e], vertices[2 * e + 1]].sort(), [a, b].sort()));
+    const expected = cotangentWeights(positions, triangles, edges.length, triangleEdges);
+    level.weights().forEach((weight, e) => assert.ok(Math.abs(weight - expected[e]) < 1e-9 * (1 + Math.abs(weight)), `edge ${e}: ${weight} and ${expected[e]}`));
+    assert.ok(hierarchy.levels.length > 1);
+    hierarchy.levels.forEach(({ vertexCount, edgeCount, triangleCount }) => assert.equal(vertexCount - edgeCount + triangleCount, 2 - 2 * hierarchy.genus));
+    hierarchy.dispose();
+});
+
+test('a solution is closed, without poles, harmonic, and its report tells the same', () => {
+    const { positions, triangles } = pretzel(3, 3);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 200 });
+    const foliation = hierarchy.solve(), { report } = foliation;
+    assert.equal(report.status, 'HMF_OK');
+    assert.equal(report.method, 'newton');
+    assert.equal(brokenTriangles(foliation.values, hierarchy.levels[0].triangleEdges()), 0);
+    const residuals = foliation.residuals();
+    assert.equal(Math.max(...residuals), report.residualMax);
+    assert.ok(report.residualMax < 1e-8);
+    assert.equal(foliation.energy(), report.energy);
+    const { list, vertexIndex, triangleIndex, vertexCluster } = foliation.singularities();
+    const sum = vertexIndex.reduce((a, b) => a + b, 0) + triangleIndex.reduce((a, b) => a + b, 0);
+    assert.equal(sum, 4 - 4 * 3);
+    assert.equal(report.indexSum, sum);
+    assert.equal(list.reduce((total, { index }) => total + index, 0), sum);
+    assert.ok(list.every(({ kind, index }) => index < 0 && ['vertex', 'triangle', 'cluster'].includes(kind)));
+    assert.equal(report.zeros, 8);
+    assert.equal(report.poles, 0);
+    vertexCluster.forEach((first, v) => assert.ok(first <= v));
+    assert.equal(report.levels.length, hierarchy.levels.length);
+    assert.deepEqual(report.levels.map(level => [level.vertices, level.edges]), hierarchy.levels.map(level => [level.vertexCount, level.edgeCount]));
+    assert.equal(report.historyCount, report.history.length);
+    assert.ok(report.history.every((entry, i) => i === 0 || entry.seconds >= report.history[i - 1].seconds));
+    const last = report.history.at(-1);
+    assert.equal(last.level, 0);
+    assert.ok(Math.abs(last.energy - report.energy) < 1e-9 * report.energy);
+    assert.ok(report.solveSeconds > 0 && report.peakMemoryBytes > 0);
+    hierarchy.dispose();
+});
+
+test('twice the weights give twice the values, bit by bit', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    const loops = hierarchy.loops();
+    assert.equal(loops.loops.length, 2);
+    const one = hierarchy.solve({ loops: { ...loops, weights: [1, 0.75] } });
+    const two = hierarchy.solve({ loops: { ...loops, weights: Float64Array.of(2, 1.5) } });
+    assert.deepEqual(two.values, one.values.map(x => 2 * x));
+    assert.notDeepEqual(one.values, hierarchy.solve().values);
+    hierarchy.dispose();
+});
+
+test('initialize gives the weights of the loops that cross an edge', () => {
+    const { positions, triangles } = torus(12, 8);
+    const hierarchy = new hmf.Hierarchy(positions, triangles);
+    const loops = hierarchy.loops({ level: 0, kind: 'cut' });
+    const { values, level, report } = hierarchy.initialize({ ...loops, weights: [3] });
+    assert.equal(level, 0);
+    assert.equal(report, null);
+    const crossed = new Set(), triangleEdges = hierarchy.levels[0].triangleEdges(), loop = loops.loops[0];
+    loop.forEach((t, i) => {
+        const next = loop[(i + 1) % loop.length];
+        crossed.add([0, 1, 2].map(s => triangleEdges[3 * t + s]).find(e => [0, 1, 2].some(s => triangleEdges[3 * next + s] === e)));
+    });
+    values.forEach((value, e) => assert.equal(value, crossed.has(e) ? 3 : 0));
+    hierarchy.dispose();
+});
+
+test('values go down to a coarse level and up again, relax brings them back', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    const coarsest = hierarchy.levels.length - 1;
+    const fine = hierarchy.solve(), coarse = hierarchy.solve({ stopLevel: coarsest });
+    assert.equal(coarse.level, coarsest);
+    assert.equal(coarse.values.length, hierarchy.levels[coarsest].edgeCount);
+    assert.equal(coarse.report.levels.length, 1);
+    const up = coarse.interpolate(0);
+    assert.equal(up.values.length, fine.values.length);
+    assert.ok(up.energy() > fine.energy());
+    const relaxed = up.relax();
+    assert.equal(relaxed.report.converged, true);
+    fine.values.forEach((x, e) => assert.ok(Math.abs(x - relaxed.values[e]) < 1e-6));
+    assert.deepEqual(up.interpolate(coarsest).values, coarse.values, 'finer and back is the identity');
+    assert.equal(fine.interpolate(coarsest).level, coarsest);
+    // Values may come from elsewhere, for example from a file.
+    const again = hierarchy.foliation(fine.values);
+    assert.equal(again.energy(), fine.energy());
+    assert.notEqual(again.values, fine.values, 'values are copied');
+    hierarchy.dispose();
+});
+
+test('the methods agree on the energy', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    const newton = hierarchy.solve().energy();
+    for (const method of ['whitehead', 'single-level']) {
+        const foliation = hierarchy.solve({ method, tolerance: 1e-7 });
+        assert.equal(foliation.report.method, method);
+        assert.ok(foliation.energy() >= newton && foliation.energy() < 1.01 * newton, `${method}: ${foliation.energy()} and ${newton}`);
+    }
+    hierarchy.dispose();
+});
+
+test('limits are results, not exceptions', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
+    const { report, values } = hierarchy.solve({ method: 'whitehead', iterationLimit: 1, tolerance: 1e-15, historyCapacity: 2 });
+    assert.equal(report.status, 'HMF_LIMIT_ITERATIONS');
+    assert.equal(report.converged, false);
+    assert.equal(report.history.length, 2);
+    assert.ok(report.historyCount > 2);
+    assert.equal(brokenTriangles(values, hierarchy.levels[0].triangleEdges()), 0);
+    assert.equal(hierarchy.solve({ method: 'whitehead', timeLimit: 1e-9, tolerance: 1e-15 }).report.status, 'HMF_LIMIT_TIME');
+    hierarchy.dispose();
+});
+
+test('build options reach the library', () => {
+    const { positions, triangles } = pretzel(2, 2);
+    const vertexCounts = options => {
+        const hierarchy = new hmf.Hierarchy(positions, triangles, options);
+        const counts = hierarchy.levels.map(level => level.vertexCount);
+        hierarchy.dispose();
+        return counts;
+    };
+    assert.equal(vertexCounts().length, 1, 'the mesh is below the default of 1000 vertices');
+    assert.ok(vertexCounts({ coarsest: 100, ratio: 0.8 }).length > vertexCounts({ coarsest: 100, ratio: 0.3 }).length);
+    const positionsOf = collapse => {
+        const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100, collapse });
+        const result = hierarchy.levels.at(-1).positions();
+        hierarchy.dispose();
+        return result;
+    };
+    assert.notDeepEqual(positionsOf('midpoint'), positionsOf('qslim'));
+    assert.deepEqual(positionsOf('midpoint'), positionsOf('default'));
+});
+
+test('inputs are not changed, and parts of larger arrays may be given', () => {
+    const { positions, triangles } = smallTorus();
+    const padded = new Float64Array(positions.length + 5);
+    padded.set(positions, 5);
+    const part = padded.subarray(5), before = part.slice();
+    const a = new hmf.Hierarchy(part, triangles), b = new hmf.Hierarchy(positions, triangles);
+    assert.deepEqual(part, before);
+    assert.deepEqual(a.solve().values, b.solve().values);
+    a.dispose();
+    b.dispose();
+});
+
+test('version, status texts, memory estimate', () => {
+    assert.match(hmf.version, /^\d+\.\d+\.\d+$/);
+    assert.equal(hmf.statusText(0), 'success');
+    assert.equal(hmf.statusName(305), 'HMF_ERROR_MESH_BOUNDARY');
+    assert.match(hmf.statusName(12345), /12345/);
+    const { positions, triangles } = pretzel(2, 3);
+    const estimate = hmf.memoryEstimate(positions.length / 3, triangles.length / 3);
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { memoryLimit: estimate });
+    assert.ok(hierarchy.memoryBytes > 0 && hierarchy.memoryBytes < estimate);
+    hierarchy.dispose();
+    assert.equal(hmf.memoryEstimate(0, 0), 0);
+    assert.equal(hmf.memoryEstimate(2 ** 40, 2 ** 41), 0);
+});

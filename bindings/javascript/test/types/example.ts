@@ -1,0 +1,51 @@
+// Compiled by `tsc --strict`, run never: the types say what the library is.
+// Each @ts-expect-error is a mistake that the types must catch.
+import { HmfError, load } from "hmf";
+import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "hmf";
+
+export async function stripes(positions: Float64Array, triangles: Uint32Array): Promise<Float64Array> {
+    const hmf: Hmf = await load();
+    const bytes: Hmf = await load(fetch("hmf.wasm"));
+    const hierarchy: Hierarchy = new hmf.Hierarchy(positions, triangles, { collapse: "qslim", ratio: 0.5, progress: fraction => void fraction });
+    const loops: LoopSet = hierarchy.loops({ kind: "cut", level: 0 });
+    const foliation: Foliation = hierarchy.solve({
+        loops: { ...loops, weights: [1, 2] },
+        method: "newton",
+        progress: fraction => (fraction > 0.5 ? "finish" : "continue"),
+    });
+    const report: Report | null = foliation.report;
+    const last: number | null | undefined = report?.history.at(-1)?.residualMax;
+    const zeros: Singularity[] = foliation.singularities().list.filter(singularity => singularity.index < 0);
+    const coarse: Float64Array = foliation.interpolate(hierarchy.levels.length - 1).relax({ method: "whitehead" }).values;
+    const numbers: number = foliation.energy() + hierarchy.genus + hmf.memory.inUse + zeros.length + (last ?? 0) + bytes.memoryEstimate(7, 14);
+
+    // @ts-expect-error: positions are doubles
+    new hmf.Hierarchy(new Float32Array(3), triangles);
+    // @ts-expect-error: no such option
+    hierarchy.solve({ tolerances: 1 });
+    // @ts-expect-error: no such method
+    hierarchy.solve({ method: "steepest" });
+    // @ts-expect-error: no such answer
+    hierarchy.solve({ progress: () => 1 });
+    // @ts-expect-error: the report may be null
+    foliation.report.energy;
+    // @ts-expect-error: read only
+    foliation.level = 1;
+    // @ts-expect-error: loops say what their elements are
+    hierarchy.initialize({ loops: [[1, 2, 3]] });
+
+    hierarchy.dispose();
+    return Float64Array.of(numbers, ...coarse);
+}
+
+export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {
+    const hmf = await load();
+    try {
+        using hierarchy = new hmf.Hierarchy(positions, triangles);
+        return hierarchy.solve().report?.status ?? "";
+    } catch (error) {
+        if (!(error instanceof HmfError)) throw error;
+        const where: string = error.index === null ? "" : `${error.element} ${error.index}`;
+        return `${error.statusName} ${error.status} ${where} ${error.advice}`;
+    }
+}
