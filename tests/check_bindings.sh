@@ -63,8 +63,9 @@ python() {
     run_binding python
 }
 
-# Its script says itself what is missing.
+# These scripts say themselves what is missing.
 rust() { run_binding rust; }
+javascript() { run_binding javascript; }
 
 # --- Main ------------------------------------------------------------------
 
@@ -75,7 +76,7 @@ else
     tail -20 "$work/core.log"
     exit 1
 fi
-for language in python rust; do
+for language in python rust javascript; do
     [ -x "$root/bindings/$language/test.sh" ] && "$language"
 done
 exit $failed
