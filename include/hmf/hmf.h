@@ -127,6 +127,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, infinite or not a number */
 #define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
 #define HMF_ERROR_VALUE_POLE 502 /* the values have a pole */
+#define HMF_ERROR_VALUE_NOT_HARMONIC 503 /* the values are too far from the minimum */
 
 /* a defect of the library itself */
 #define HMF_ERROR_INTERNAL 900
@@ -473,6 +474,85 @@ HMF_API hmf_status hmf_singularities(const hmf_hierarchy *hierarchy, size_t leve
                                      int32_t *triangle_index, size_t triangle_capacity,
                                      uint32_t *vertex_cluster, size_t cluster_capacity,
                                      hmf_singularity *list, size_t list_capacity, size_t *list_count, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Parameterisation
+ * --------------------------------------------------------------------- */
+
+typedef struct hmf_parameterize_options {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    double tolerance;            /* largest residual_max of the values, default 1e-2 */
+    const uint32_t *seam_edges;  /* edges where seams cost nothing, so that they run there if they can; NULL = none */
+    uint64_t seam_edge_count;
+    hmf_progress_fn progress;    /* NULL = none */
+    void *progress_user;
+} hmf_parameterize_options;
+
+/*
+ * A global conformal parameterisation.  The caller sets struct_size, the three
+ * capacities and, where wanted, the arrays; the call fills the rest.
+ */
+typedef struct hmf_parameterization {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t vertex_capacity;    /* elements that the arrays below have room for: at least the counts of the level */
+    uint64_t edge_capacity;
+    uint64_t triangle_capacity;
+    double *corner_uv;           /* triangle_count x 3 x 2: (u, v) of each corner, or NULL */
+    double *transition;          /* edge_count x 3: sign, du, dv, or NULL; see below */
+    uint8_t *seam;               /* edge_count: 1 where the layout is cut, or NULL */
+    int32_t *cone;               /* vertex_count: cone angle as a multiple of pi, 2 = regular, or NULL */
+    double *dilatation;          /* triangle_count: ratio of the singular values of the map, >= 1, infinite where the
+                                    image has no area, negative where it is flipped, or NULL */
+    double *differential;        /* triangle_count x 2: quadratic differential, real and imaginary part, or NULL */
+    double dilatation_mean;      /* of its absolute value, weighted by area, without triangles whose image has no area */
+    double dilatation_median;    /* quantiles by area, of all triangles */
+    double dilatation_p99;
+    uint64_t flipped_triangles;
+    uint64_t degenerate_triangles; /* image without area, or no area in space */
+    uint64_t seam_edge_count;
+    double seam_length;          /* in the unit of the positions */
+    double area;                 /* of the image: the energy, up to discretisation */
+    uint64_t linear_iterations;
+    double seconds;
+} hmf_parameterization;
+
+/* Fills in the defaults.  NULL is allowed and does nothing. */
+HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options);
+
+/*
+ * The global conformal parameterisation of a harmonic foliation ([W] section 5):
+ * |du| is the foliation, v its harmonic conjugate.  The surface is cut along
+ * short seams through the zeros; in the cut surface every corner has one (u, v).
+ *
+ *   level, values, count   as for hmf_energy; values must be harmonic up to
+ *                          options->tolerance
+ *   options                NULL = defaults
+ *   out                    see above
+ *
+ * Transition of an edge: with (u, v) of a point of the edge in the first of its
+ * two triangles (the one with the lower number), the second one has
+ *
+ *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1,
+ *
+ * exactly: all are multiples of one power of two below 2^53 of it.  Edges off
+ * the seams have (1, 0, 0).  The linear parts are +-1, so (du + i dv)^2 has no
+ * seams: it is the holomorphic quadratic differential, given per triangle as the
+ * square of d(u + i v) / dz with z = x + i y in the frame of the triangle: x
+ * along its side 0, y to the left of it.
+ *
+ * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
+ * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  Near the zeros u differs
+ * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
+ * goes round) triangles are degenerate.
+ *
+ * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
+ * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that two zeros need the same
+ * vertex, or an error of classes 100, 200, 500.
+ */
+HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                                    const hmf_parameterize_options *options, hmf_parameterization *out, hmf_error *error);
 
 #ifdef __cplusplus
 }

@@ -30,7 +30,7 @@ hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call
                      static_cast<unsigned long long>(capacity), static_cast<unsigned long long>(needed));
 }
 
-uint32_t internal_face(const hmf_hierarchy& h, size_t triangle) {
+uint32_t internal_side(const hmf_hierarchy& h, size_t triangle) {
     const uint32_t* edges = h.triangle_edges + 3 * triangle;
     const uint32_t second = h.edge_internal[edges[1]], third = h.edge_internal[edges[2]];
     uint32_t side = 2 * h.edge_internal[edges[0]];
@@ -38,8 +38,10 @@ uint32_t internal_face(const hmf_hierarchy& h, size_t triangle) {
         const uint32_t a = edge_of(h.input.next[side]), b = edge_of(h.input.prev(side));
         if ((a == second && b == third) || (a == third && b == second)) break;
     }
-    return h.input.face[side];
+    return side;
 }
+
+uint32_t internal_face(const hmf_hierarchy& h, size_t triangle) { return h.input.face[internal_side(h, triangle)]; }
 
 namespace {
 

@@ -35,8 +35,9 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
 // state.foliation.value -> the caller's values (level 0: from the input side).
 void export_values(const State& state, double unit, double* values);
 
-// Internal face of a triangle of the caller: the side of its first edge that
-// is followed by its second one.
+// Internal half-edge of side 0 of a triangle of the caller: the side of its
+// first edge that is followed by its second one; and its face.
+uint32_t internal_side(const hmf_hierarchy& h, size_t triangle);
 uint32_t internal_face(const hmf_hierarchy& h, size_t triangle);
 
 // Checks of the arguments that most calls share.

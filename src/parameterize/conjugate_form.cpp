@@ -1,0 +1,148 @@
+// The conjugate of a harmonic form.
+//
+// The flux weight * du across an edge is the change of v between the centres
+// of its two triangles: v grows to the left of the gradient of u, so across
+// half-edge h, from its left face to its right one, v falls by weight * du(h).
+// At a vertex the fluxes add up to 0 (du is coclosed), so v is known at the
+// centres around it, up to a constant, and v at the vertex is their mean:
+//
+//              . V2 .
+//           .    |    .              v(vertex) - V  in each face left of h, so
+//         V3 --- * --- V1            dv(h) = q[next h] - q[h],  q = v(corner) - V(face)
+//           '    |    '
+//              ' V4 '                around an odd zero: v -> K - v, so v = K / 2 there
+//
+// Fluxes are rounded to even integers; what then is missing to 0 at a vertex
+// is carried along a forest to the zeros.  All after that is exact: dv is
+// closed, the same from both sides of an edge, and has the periods of the flux.
+#include "harmonic_form.hpp"
+
+namespace hmf {
+
+namespace {
+
+class Fluxes {
+public:
+    Fluxes(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, TwistedForm& flux)
+        : mesh_(mesh), bundle_(bundle), charts_(charts), flux_(flux) {}
+
+    // Multiples of 4, so that halves of what is missing are even.
+    bool round(const double* weight, const TwistedForm& du) {
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            const double x = 0.25 * weight[e] * static_cast<double>(du.value[e]);
+            if (!(x > -1e18 && x < 1e18)) return false;
+            flux_.value[e] = 4 * static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
+        }
+        return true;
+    }
+
+    bool balance(Memory& memory) {
+        const uint32_t n = mesh_.vertex_count;
+        constexpr uint32_t unseen = NONE - 1;
+        if (!parent_.allocate_filled(memory, n, unseen) || !order_.allocate(memory, n)) return false;
+        uint32_t size = 0;
+        for (uint32_t v = 0; v < n; ++v)
+            if (charts_.odd[v]) { parent_[v] = NONE; order_[size++] = v; }
+        const bool has_odd = size > 0;
+        if (!has_odd) { parent_[0] = NONE; order_[size++] = 0; }
+        const uint32_t roots = size;
+        for (uint32_t i = 0; i < size; ++i) {
+            const uint32_t first = mesh_.out[order_[i]];
+            uint32_t h = first;
+            do {
+                const uint32_t w = mesh_.target(h);
+                if (parent_[w] == unseen) { parent_[w] = twin(h); order_[size++] = w; }
+                h = mesh_.rotate_ccw(h);
+            } while (h != first);
+        }
+        for (uint32_t i = size; i-- > roots;) carry(order_[i]);
+        if (!has_odd && missing(0) != 0) turn_round(size, memory);
+        return true;
+    }
+
+private:
+    int64_t missing(uint32_t v) const {
+        int64_t sum = 0;
+        const uint32_t first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            sum += charts_.chart[h] * flux_.at(bundle_, h);
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+        return sum;
+    }
+
+    void carry(uint32_t v) {
+        const uint32_t h = parent_[v];
+        flux_.add(bundle_, h, -charts_.chart[h] * missing(v));
+    }
+
+    // No odd zero, but closed paths that come back with the opposite sign: half
+    // of what is missing at the root goes round one of them.
+    void turn_round(uint32_t size, Memory& memory) {
+        Array<int8_t> gauge; // of each vertex against the root, along the tree
+        if (!gauge.allocate(memory, mesh_.vertex_count)) return;
+        gauge[0] = 1;
+        // The chart of w in that of v, for h from v to w.
+        const auto relative = [&](uint32_t h) { return static_cast<int8_t>(charts_.chart[h] * charts_.chart[mesh_.next[h]]); };
+        for (uint32_t i = 1; i < size; ++i) {
+            const uint32_t v = order_[i];
+            gauge[v] = static_cast<int8_t>(gauge[mesh_.target(parent_[v])] * relative(parent_[v]));
+        }
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            const uint32_t h = 2 * e, v = mesh_.origin[h], w = mesh_.target(h);
+            if (gauge[v] * gauge[w] == relative(h)) continue;
+            flux_.add(bundle_, h, -gauge[v] * charts_.chart[h] * (missing(0) / 2));
+            for (uint32_t x = v; x != 0; x = mesh_.target(parent_[x])) carry(x);
+            for (uint32_t x = w; x != 0; x = mesh_.target(parent_[x])) carry(x);
+            return;
+        }
+    }
+
+    const Mesh& mesh_;
+    const SignBundle& bundle_;
+    const VertexCharts& charts_;
+    TwistedForm& flux_;
+    Array<uint32_t> parent_, order_; // half-edge to the parent; vertices, parents first
+};
+
+} // namespace
+
+hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight,
+                          const TwistedForm& du, TwistedForm& dv, Call& call) {
+    TwistedForm flux;
+    Array<int64_t> q; // per half-edge: v at its origin minus V of its face, in the chart of the face
+    if (!flux.value.allocate(call.memory, mesh.edge_count) || !q.allocate(call.memory, size_t{2} * mesh.edge_count)
+        || !dv.value.allocate(call.memory, mesh.edge_count))
+        return call.out_of_memory();
+    Fluxes fluxes(mesh, bundle, charts, flux);
+    if (!fluxes.round(weight, du))
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0, "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
+    if (!fluxes.balance(call.memory)) return call.out_of_memory();
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        int64_t V = 0;
+        double sum = 0;
+        uint32_t degree = 0;
+        do {
+            q[h] = V;
+            sum += static_cast<double>(V);
+            ++degree;
+            V -= charts.chart[h] * flux.at(bundle, mesh.prev(h));
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+        const int64_t mean = charts.odd[v] ? V / 2 : static_cast<int64_t>(sum / degree);
+        do {
+            q[h] = charts.chart[h] * (mean - q[h]);
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+    }
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];
+#ifndef NDEBUG
+    for (uint32_t h = 1; h < 2 * mesh.edge_count; h += 2) assert(dv.at(bundle, h) == q[mesh.next[h]] - q[h]);
+#endif
+    return HMF_OK;
+}
+
+} // namespace hmf

@@ -1,0 +1,31 @@
+// The flat metric of a harmonic foliation: the forms (du, dv) on the
+// triangulation that is solved on, and on the caller's.
+#pragma once
+
+#include "../solve/state.hpp"
+#include "twisted_form.hpp"
+
+namespace hmf {
+
+struct FlatSurface {
+    SignBundle bundle;
+    TwistedForm du, dv;
+    uint32_t iterations = 0; // of the linear solver
+};
+
+// state: a harmonic foliation on the intrinsic side of its level.  The values
+// of the state stay as they are.
+hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
+
+// Carries mesh and forms of level 0 to the caller's triangulation.  The values
+// of the state become |du| there.
+bool flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
+
+// Cone angle of each vertex as a multiple of pi.  They add up to the number of
+// faces: each face has one corner in the middle, by u, then v, then number.
+void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone);
+
+// No edge at the vertex has lost its (u, v) to rounding, as in limbs where the foliation is 0.
+bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v);
+
+} // namespace hmf

@@ -1,0 +1,36 @@
+// The harmonic representative of a twisted cohomology class: the closed form
+// nearest to a given one, among all with the same periods.
+#pragma once
+
+#include "../solve/signed_multigrid.hpp"
+#include "twisted_form.hpp"
+
+namespace hmf {
+
+// The twisted Laplacian of a bundle: one unknown per vertex, in its chart;
+// vertices where the chart comes back with the opposite sign are held.
+class TwistedLaplacian {
+public:
+    hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight, Call& call);
+    // form += d(w) with the w that makes it coclosed, to relative_tolerance of
+    // the divergence that it had.
+    hmf_status make_harmonic(TwistedForm& form, double relative_tolerance, Call& call);
+    uint32_t iterations() const { return iterations_; }
+
+private:
+    const Mesh* mesh_ = nullptr;
+    const SignBundle* bundle_ = nullptr;
+    const VertexCharts* charts_ = nullptr;
+    const double* weight_ = nullptr;
+    Array<uint32_t> offset_, column_;
+    Array<double> entry_, diagonal_, right_, w_;
+    SignedMultigrid multigrid_;
+    uint32_t iterations_ = 0;
+};
+
+// dv: the closed form that follows the flux weight * du, turned by a right angle;
+// exact in its periods up to the rounding of the fluxes.  Not yet harmonic.
+hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight,
+                          const TwistedForm& du, TwistedForm& dv, Call& call);
+
+} // namespace hmf

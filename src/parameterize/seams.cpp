@@ -1,0 +1,195 @@
+// The cut graph by tree and cotree, and the layout along the cotree.
+//
+// 1. A forest of shortest paths from the cones to all vertices.
+// 2. A spanning tree of the faces that crosses no edge of the forest and
+//    prefers edges that are far from the cones.
+// 3. 2 * genus + cones - 1 edges are in neither.  Each of them, with its two
+//    paths back to the cones, is a seam.  The rest of the forest heals again:
+//    at its vertices the forms are closed, so both sides agree.
+#include "seams.hpp"
+
+#include "../base/sort_keys.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// Dijkstra from all cones at once; parent[v]: half-edge out of v to its parent.
+class Forest {
+public:
+    Array<double> distance;
+    Array<uint32_t> parent;
+
+    bool build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Memory& memory) {
+        heap_.start(memory);
+        const uint32_t n = mesh.vertex_count;
+        if (!distance.allocate_filled(memory, n, HUGE_VAL) || !parent.allocate_filled(memory, n, NONE) || !heap_.reserve(n)) return false;
+        bool any = false;
+        for (uint32_t v = 0; v < n; ++v)
+            if (is_cone[v]) {
+                any = true;
+                distance[v] = 0;
+                if (!push({0, v})) return false;
+            }
+        if (!any) {
+            distance[0] = 0;
+            if (!push({0, 0})) return false;
+        }
+        while (!heap_.empty()) {
+            const Entry entry = pop();
+            if (entry.distance > distance[entry.vertex]) continue;
+            const uint32_t first = mesh.out[entry.vertex];
+            uint32_t h = first;
+            do {
+                const uint32_t w = mesh.target(h);
+                const double d = entry.distance + length[edge_of(h)];
+                if (d < distance[w]) {
+                    distance[w] = d;
+                    parent[w] = twin(h);
+                    if (!push({d, w})) return false;
+                }
+                h = mesh.rotate_ccw(h);
+            } while (h != first);
+        }
+        return true;
+    }
+
+private:
+    struct Entry { double distance; uint32_t vertex; };
+
+    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.vertex < b.vertex); }
+
+    bool push(Entry entry) {
+        if (!heap_.push(entry)) return false;
+        size_t i = heap_.size() - 1;
+        for (; i > 0 && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
+        heap_[i] = entry;
+        return true;
+    }
+
+    Entry pop() {
+        const Entry top = heap_[0], last = heap_.back();
+        heap_.pop();
+        const size_t n = heap_.size();
+        if (n == 0) return top;
+        size_t i = 0;
+        for (size_t child = 1; child < n; child = 2 * i + 1) {
+            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
+            if (!before(heap_[child], last)) break;
+            heap_[i] = heap_[child];
+            i = child;
+        }
+        heap_[i] = last;
+        return top;
+    }
+
+    Array<Entry> heap_;
+};
+
+uint32_t find_root(Array<uint32_t>& parent, uint32_t x) {
+    while (parent[x] != x) x = parent[x] = parent[parent[x]];
+    return x;
+}
+
+} // namespace
+
+bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Memory& memory) {
+    const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
+    if (!seams.on.allocate_filled(memory, m, 1) || !seams.tree.allocate_filled(memory, m, 0)) return false;
+    Array<uint32_t> edges, key, component;
+    {
+        Forest forest;
+        if (!forest.build(mesh, length, is_cone, memory)) return false;
+        for (uint32_t v = 0; v < n; ++v)
+            if (forest.parent[v] != NONE) seams.tree[edge_of(forest.parent[v])] = 2; // not to be crossed
+        uint32_t free_edges = 0;
+        for (const uint8_t t : seams.tree) free_edges += t == 0;
+        if (!edges.allocate(memory, free_edges) || !key.allocate(memory, free_edges)) return false;
+        uint32_t at = 0;
+        for (uint32_t e = 0; e < m; ++e) {
+            if (seams.tree[e] == 2) continue;
+            edges[at] = e;
+            key[at++] = key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
+        }
+    }
+    if (!sort_falling(edges, key, memory) || !component.allocate(memory, mesh.face_count)) return false;
+    for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
+    for (const uint32_t e : edges) {
+        const uint32_t a = find_root(component, mesh.face[2 * e]), b = find_root(component, mesh.face[2 * e + 1]);
+        if (a == b) continue;
+        component[a] = b;
+        seams.tree[e] = 1;
+    }
+    for (uint32_t e = 0; e < m; ++e) {
+        seams.on[e] = seams.tree[e] != 1;
+        seams.tree[e] = seams.tree[e] == 1;
+    }
+    // Ends that are no cones heal.
+    Array<uint32_t> degree, queue;
+    if (!degree.allocate_filled(memory, n, 0) || !queue.allocate(memory, n)) return false;
+    for (uint32_t h = 0; h < 2 * m; ++h) degree[mesh.origin[h]] += seams.on[edge_of(h)];
+    uint32_t size = 0;
+    for (uint32_t v = 0; v < n; ++v)
+        if (degree[v] == 1 && !is_cone[v]) queue[size++] = v;
+    for (uint32_t i = 0; i < size; ++i) {
+        uint32_t h = mesh.out[queue[i]];
+        const uint32_t first = h;
+        do {
+            if (seams.on[edge_of(h)]) break;
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+        if (!seams.on[edge_of(h)]) continue; // the other end of its last edge was first
+        seams.on[edge_of(h)] = 0;
+        const uint32_t w = mesh.target(h);
+        if (--degree[w] == 1 && !is_cone[w]) queue[size++] = w;
+    }
+    seams.edge_count = 0;
+    seams.length = 0;
+    for (uint32_t e = 0; e < m; ++e)
+        if (seams.on[e]) { ++seams.edge_count; seams.length += length[e]; }
+    return true;
+}
+
+bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv, uint32_t first_half_edge,
+                   const Seams& seams, Memory& memory) {
+    const size_t sides = size_t{2} * mesh.edge_count;
+    Array<uint32_t> queue; // of half-edges; their faces are laid out
+    if (!u.allocate(memory, sides) || !v.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0)
+        || !queue.allocate(memory, mesh.face_count))
+        return false;
+    // From the value at h round its face.
+    const auto lay = [&](uint32_t h) {
+        const int8_t s = chart[mesh.face[h]];
+        const uint32_t n = mesh.next[h], p = mesh.next[n];
+        u[n] = u[h] + s * du.at(bundle, h);
+        v[n] = v[h] + s * dv.at(bundle, h);
+        u[p] = u[n] + s * du.at(bundle, n);
+        v[p] = v[n] + s * dv.at(bundle, n);
+    };
+    constexpr int64_t limit = int64_t{1} << 52;
+    chart[mesh.face[first_half_edge]] = 1;
+    u[first_half_edge] = v[first_half_edge] = 0;
+    lay(first_half_edge);
+    uint32_t size = 0;
+    queue[size++] = first_half_edge;
+    for (uint32_t i = 0; i < size; ++i) {
+        uint32_t h = queue[i];
+        for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
+            const uint32_t t = twin(h), e = edge_of(h), face = mesh.face[t];
+            if (!seams.tree[e] || chart[face] != 0) continue;
+            chart[face] = static_cast<int8_t>(chart[mesh.face[h]] * bundle.turn[e]);
+            u[t] = u[mesh.next[h]];
+            v[t] = v[mesh.next[h]];
+            // Too far from 0 for an exact double: a seam with a translation more.
+            u[t] += u[t] > limit ? -limit : u[t] < -limit ? limit : 0;
+            v[t] += v[t] > limit ? -limit : v[t] < -limit ? limit : 0;
+            lay(t);
+            queue[size++] = t;
+        }
+    }
+    return true;
+}
+
+} // namespace hmf

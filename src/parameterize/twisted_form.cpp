@@ -1,0 +1,293 @@
+// From the exact foliation to the twisted form du: charts of the faces, the
+// turn of each edge, and the zeros moved from triangles to vertices.
+//
+// A tripod (i, j, k), F_ij + F_ik - F_jk = 2 a_i > 0, becomes regular when i
+// moves to the branch point: F -= a_i on the sector of i that holds j and k,
+// F += a_i on its other edges.
+//
+//        k                                k
+//         \                                \ .
+//          +---- i        ->                i        jk = ji + ik
+//         /                                /
+//        j                                j
+//
+// No other triangle notices: at a closed corner of i one side grows as the
+// other shrinks, at an open one both change alike.  So a regular vertex serves
+// as the place of one zero; which tripod takes which corner is a matching.
+#include "twisted_form.hpp"
+
+namespace hmf {
+
+bool VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& memory) {
+    if (!chart.allocate(memory, size_t{2} * mesh.edge_count) || !odd.allocate(memory, mesh.vertex_count)) return false;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        const uint32_t first = mesh.out[v];
+        int8_t c = 1;
+        uint32_t h = first;
+        do {
+            chart[h] = c;
+            c = static_cast<int8_t>(c * bundle.turn[edge_of(mesh.prev(h))]);
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+        odd[v] = c < 0;
+    }
+    return true;
+}
+
+namespace {
+
+class FormOfFoliation {
+public:
+    FormOfFoliation(Foliation& f, SignBundle& bundle, TwistedForm& du, Call& call)
+        : f_(f), mesh_(f.mesh), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
+
+    hmf_status run() {
+        const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
+        tripod_.start(memory_);
+        corner_.start(memory_);
+        queue_.start(memory_);
+        if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
+            || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
+            return call_.out_of_memory();
+        if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.out_of_memory();
+        for (uint32_t e = 0; e < m; ++e) {
+            const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
+            bundle_.turn[e] = a == 0 ? 1 : static_cast<int8_t>(-a * b);
+            du_.value[e] = a * f_.value[e];
+        }
+        for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
+        return turn_zero_edges() ? HMF_OK : call_.out_of_memory();
+    }
+
+private:
+    // Signs in a face whose longest side is h: h is the sum of the two others.
+    void sign_face(uint32_t h) {
+        sign_[h] = 1;
+        const uint32_t n = mesh_.next[h], p = mesh_.next[n];
+        sign_[n] = static_cast<int8_t>(f_.at(n) ? -1 : 0);
+        sign_[p] = static_cast<int8_t>(f_.at(p) ? -1 : 0);
+    }
+
+    bool sign_faces() {
+        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
+            const uint32_t n = mesh_.next[h], p = mesh_.next[n];
+            if (h > n || h > p) continue;
+            const uint32_t side[3] = {h, n, p};
+            bool regular = f_.at(h) == 0 && f_.at(n) == 0 && f_.at(p) == 0;
+            for (const uint32_t x : side) {
+                // The corner opposite to x is closed.
+                if (regular || f_.at(x) == 0 || f_.corner2(mesh_.prev(x)) != 0) continue;
+                regular = true;
+                sign_face(x);
+            }
+            if (!regular && !(tripod_.push(h) && corner_.push(NONE))) return false;
+        }
+        return true;
+    }
+
+    // A vertex without zero edges and with two directions.
+    bool is_regular(uint32_t v) const {
+        uint32_t closed = 0;
+        const uint32_t first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            if (f_.at(h) == 0 || mesh_.target(h) == v) return false;
+            closed += f_.corner2(h) == 0 && f_.at(mesh_.prev(h)) != 0;
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+        return closed == 2;
+    }
+
+    // A corner for each tripod, no vertex twice: the nearest that is free,
+    // else along an augmenting path.
+    bool match() {
+        for (uint32_t t = 0; t < tripod_.size(); ++t) {
+            uint32_t h = tripod_[t], best = NONE;
+            for (uint32_t turn = 0; turn < 3; ++turn, h = mesh_.next[h]) {
+                const uint32_t v = mesh_.origin[h];
+                if (owner_[v] != NONE || !is_regular(v)) continue;
+                if (best == NONE || f_.corner2(h) < f_.corner2(best)) best = h;
+            }
+            if (best != NONE) take(t, best);
+        }
+        for (uint32_t t = 0; t < tripod_.size(); ++t)
+            if (corner_[t] == NONE && !augment(t)) return false;
+        for (const uint32_t h : corner_) sign_face(mesh_.next[h]);
+        return true;
+    }
+
+    void take(uint32_t t, uint32_t h) {
+        corner_[t] = h;
+        owner_[mesh_.origin[h]] = t;
+    }
+
+    // seen_ holds the tripod that a vertex was reached from.
+    bool augment(uint32_t start) {
+        queue_.clear();
+        Array<uint32_t> reached;
+        reached.start(memory_);
+        if (!queue_.push(start)) return false;
+        uint32_t end = NONE;
+        for (size_t i = 0; i < queue_.size() && end == NONE; ++i) {
+            uint32_t h = tripod_[queue_[i]];
+            for (uint32_t turn = 0; turn < 3 && end == NONE; ++turn, h = mesh_.next[h]) {
+                const uint32_t v = mesh_.origin[h];
+                if (seen_[v] != NONE || (owner_[v] == NONE && !is_regular(v))) continue;
+                seen_[v] = queue_[i];
+                if (!reached.push(v)) return false;
+                if (owner_[v] == NONE) end = v;
+                else if (!queue_.push(owner_[v])) return false;
+            }
+        }
+        if (end == NONE) {
+            call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_VERTEX, mesh_.origin[tripod_[start]],
+                       "The mesh is too coarse: two zeros of the foliation need the same vertex. Subdivide the mesh.");
+            return false;
+        }
+        // Back along the path: each tripod gives its vertex to the one before.
+        for (;;) {
+            const uint32_t t = seen_[end], given_up = corner_[t];
+            uint32_t h = tripod_[t];
+            while (mesh_.origin[h] != end) h = mesh_.next[h];
+            const uint32_t before = given_up == NONE ? NONE : mesh_.origin[given_up];
+            take(t, h);
+            if (t == start) break;
+            end = before;
+        }
+        for (const uint32_t v : reached) seen_[v] = NONE;
+        return true;
+    }
+
+    // corner: its origin is the regular vertex that moves.
+    void move_to_branch_point(uint32_t corner) {
+        const int64_t a = f_.corner2(corner) / 2;
+        int8_t s = 1;
+        uint32_t h = corner;
+        do {
+            // F of h falls by s * a.
+            du_.value[edge_of(h)] -= sign_[2 * edge_of(h)] * s * a;
+            if (f_.corner2(h) == 0) s = static_cast<int8_t>(-s);
+            h = mesh_.rotate_ccw(h);
+        } while (h != corner);
+    }
+
+    // The sign of u says nothing about the turn of a zero edge.  A spanning tree
+    // of each cluster decides: the zeros of the cluster go one by one to the vertices with most closed
+    // corners, all others shall be even.
+    bool turn_zero_edges() {
+        Array<uint32_t> parent; // half-edge to the parent
+        Array<uint8_t> closed, odd;
+        if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count) || !odd.allocate_filled(memory_, mesh_.vertex_count, 0)) return false;
+        const uint32_t unseen = NONE;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) seen_[v] = unseen;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            if (seen_[v] != unseen || !has_zero_edge(v)) continue;
+            const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
+            if (f_.out_of_memory) return false;
+            const int64_t index = 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners);
+            const size_t size = f_.members.size();
+            for (const uint32_t u : f_.members) closed[u] = closed_corners(u);
+            size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
+            if (zeros > size) zeros = size - (zeros - size) % 2;
+            for (size_t z = 0; z < zeros; ++z) {
+                uint32_t best = NONE;
+                for (const uint32_t u : f_.members)
+                    if (!odd[u] && (best == NONE || closed[u] > closed[best])) best = u;
+                odd[best] = 1;
+            }
+            // Breadth first from v; its own parity follows from the others.
+            queue_.clear();
+            if (!queue_.push(v)) return false;
+            seen_[v] = v;
+            parent[v] = NONE;
+            for (size_t i = 0; i < queue_.size(); ++i) {
+                const uint32_t u = queue_[i], first = mesh_.out[u];
+                uint32_t h = first;
+                do {
+                    const uint32_t w = mesh_.target(h);
+                    if (f_.at(h) == 0 && seen_[w] == unseen) {
+                        seen_[w] = v;
+                        parent[w] = twin(h);
+                        if (!queue_.push(w)) return false;
+                    }
+                    h = mesh_.rotate_ccw(h);
+                } while (h != first);
+            }
+            for (size_t i = queue_.size(); i-- > 1;) {
+                const uint32_t u = queue_[i], first = mesh_.out[u];
+                int8_t turn = 1;
+                uint32_t h = first;
+                do {
+                    turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
+                    h = mesh_.rotate_ccw(h);
+                } while (h != first);
+                if ((turn < 0) != (odd[u] != 0)) bundle_.turn[edge_of(parent[u])] = -1;
+            }
+        }
+        return true;
+    }
+
+    bool has_zero_edge(uint32_t v) const {
+        const uint32_t first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            if (f_.at(h) == 0) return true;
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+        return false;
+    }
+
+    uint8_t closed_corners(uint32_t v) const {
+        uint32_t closed = 0;
+        const uint32_t first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            closed += f_.at(h) != 0 && f_.at(mesh_.prev(h)) != 0 && f_.corner2(h) == 0;
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+        return static_cast<uint8_t>(closed < 255 ? closed : 255);
+    }
+
+    Foliation& f_;
+    const Mesh& mesh_;
+    SignBundle& bundle_;
+    TwistedForm& du_;
+    Call& call_;
+    Memory& memory_;
+    Array<int8_t> sign_;      // per half-edge: of du in the chart of its face; 0: zero edge
+    Array<uint32_t> tripod_;  // a half-edge of each
+    Array<uint32_t> corner_;  // per tripod: the half-edge out of the vertex that takes its zero
+    Array<uint32_t> owner_;   // per vertex: the tripod whose zero it takes
+    Array<uint32_t> seen_, queue_;
+};
+
+} // namespace
+
+hmf_status form_of_foliation(Foliation& f, SignBundle& bundle, TwistedForm& du, Call& call) {
+    return FormOfFoliation(f, bundle, du, call).run();
+}
+
+//          k                     k          Half-edges jk and il change their
+//        / ^ \                 / A \        face, A = face(h), B = face(twin h):
+//       i A|B j       ->      i--h->j       their values go to the chart of the
+//        \ h /                 \ B /        new one.  The flipped edge is the
+//          l                     l          sum of two others, the form is closed.
+void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv) {
+    const uint32_t h = 2 * edge, il = mesh.next[mesh.next[h]], jk = mesh.next[mesh.next[twin(h)]];
+    unflip(mesh, edge);
+    if (bundle.turn[edge] < 0) {
+        const uint32_t changed[2] = {jk, il};
+        for (const uint32_t moved : changed) {
+            const uint32_t e = edge_of(moved);
+            bundle.turn[e] = static_cast<int8_t>(-bundle.turn[e]);
+            if (moved & 1) continue; // stored in the chart of the other face
+            du.value[e] = -du.value[e];
+            dv.value[e] = -dv.value[e];
+        }
+    }
+    const uint32_t ki = mesh.next[mesh.next[h]];
+    du.value[edge] = -(du.at(bundle, jk) + du.at(bundle, ki));
+    dv.value[edge] = -(dv.at(bundle, jk) + dv.at(bundle, ki));
+}
+
+} // namespace hmf

@@ -1,0 +1,54 @@
+// Closed 1-forms with values in the sign bundle of a foliation, in integers.
+//
+// Every face has a chart: a local choice of the sign of u.  Edge e separates
+// face(2e) from face(2e+1); turn[e] = -1 where their charts have opposite
+// signs.  A form is one integer per edge, its integral along half-edge 2e in
+// the chart of face(2e); seen from the other side
+//
+//     at(2e+1) = - turn[e] * at(2e)
+//
+// and it is closed: in every face the three sides add up to 0.  Going round a
+// vertex the chart comes back, or with the opposite sign where an odd number
+// of zeros sits.  So F = |du| has its zeros at vertices here, and every face
+// is the affine image of a triangle in the (u, v) plane.
+#pragma once
+
+#include "../foliation/foliation.hpp"
+#include "../hierarchy/hierarchy.hpp"
+
+namespace hmf {
+
+struct SignBundle {
+    Array<int8_t> turn; // per edge
+};
+
+struct TwistedForm {
+    Array<int64_t> value; // per edge
+    int64_t at(const SignBundle& bundle, uint32_t h) const {
+        const uint32_t e = edge_of(h);
+        return h & 1 ? -bundle.turn[e] * value[e] : value[e];
+    }
+    // Adds to the integral along h, in the chart of face(h).
+    void add(const SignBundle& bundle, uint32_t h, int64_t x) {
+        const uint32_t e = edge_of(h);
+        value[e] += h & 1 ? -bundle.turn[e] * x : x;
+    }
+};
+
+// A vertex takes over the chart of face(out[v]), continued counter-clockwise:
+// chart[h] is the sign of the chart of face(h) in it, for h out of v.
+struct VertexCharts {
+    Array<int8_t> chart; // per half-edge
+    Array<uint8_t> odd;  // per vertex: the chart comes back with the opposite sign
+    bool build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
+};
+
+// The sign bundle and du of a foliation, |du| = F but beside the tripods:
+// the zero in each moves to one of its corners.  HMF_ERROR_UNSUPPORTED if
+// the mesh is so coarse that two zeros would need the same vertex.
+hmf_status form_of_foliation(Foliation& f, SignBundle& bundle, TwistedForm& du, Call& call);
+
+// Reverses a flip of an edge of a mesh, its bundle and two forms on it.
+void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);
+
+} // namespace hmf
