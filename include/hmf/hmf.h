@@ -503,14 +503,14 @@ typedef struct hmf_parameterization {
     double *transition;          /* edge_count x 3: sign, du, dv, or NULL; see below */
     uint8_t *seam;               /* edge_count: 1 where the layout is cut, or NULL */
     int32_t *cone;               /* vertex_count: cone angle as a multiple of pi, 2 = regular, or NULL */
-    double *dilatation;          /* triangle_count: ratio of the singular values of the map, >= 1, infinite where the
-                                    image has no area, negative where it is flipped, or NULL */
+    double *dilatation;          /* triangle_count: ratio of the singular values of the map, >= 1, negative where the
+                                    image is flipped, infinite where it is degenerate (above 1000), or NULL */
     double *differential;        /* triangle_count x 2: quadratic differential, real and imaginary part, or NULL */
-    double dilatation_mean;      /* of its absolute value, weighted by area, without triangles whose image has no area */
+    double dilatation_mean;      /* of its absolute value, weighted by area, without degenerate triangles */
     double dilatation_median;    /* quantiles by area, of all triangles */
     double dilatation_p99;
     uint64_t flipped_triangles;
-    uint64_t degenerate_triangles; /* image without area, or no area in space */
+    uint64_t degenerate_triangles; /* dilatation above 1000, or an image too small to tell */
     uint64_t seam_edge_count;
     double seam_length;          /* in the unit of the positions */
     double area;                 /* of the image: the energy, up to discretisation */

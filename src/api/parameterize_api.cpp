@@ -14,16 +14,35 @@ namespace {
 
 hmf_status cancelled(Call& call) { return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
 
-// Refuses values whose residual of [W] Eq. 4 is above the tolerance.
+// Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
+// few vertices: the way between the two triangulations of level 0 may have to
+// move some.  They are relaxed.
 hmf_status check_harmonic(State& state, double tolerance, Call& call) {
+    Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
+    const uint32_t n = f.mesh.vertex_count;
     Rings rings;
     Star star;
-    if (!rings.build(state.foliation.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree)) return call.out_of_memory();
-    const ResidualResult found = residuals(state.foliation, rings, weight, star, nullptr, call);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
-    if (call.cancelled()) return cancelled(call);
-    if (found.max <= tolerance) return HMF_OK;
+    Array<double> residual;
+    if (!rings.build(f.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
+        return call.out_of_memory();
+    ResidualResult found;
+    for (uint32_t round = 0; round < 100; ++round) {
+        found = residuals(f, rings, weight, star, residual.data(), call);
+        if (f.out_of_memory) return call.out_of_memory();
+        if (call.cancelled()) return cancelled(call);
+        if (found.max <= tolerance) return HMF_OK;
+        uint32_t above = 0;
+        for (uint32_t v = 0; v < n; ++v) above += residual[v] > tolerance;
+        if (above > 8 + n / 200) break;
+        SweepResult moved;
+        for (uint32_t v = 0; v < n; ++v) {
+            if (!(residual[v] > tolerance)) continue;
+            relax_vertex(f, rings, weight, v, star, moved);
+            for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t)
+                relax_vertex(f, rings, weight, f.mesh.target(rings.side[t].half_edge), star, moved);
+        }
+    }
     uint64_t vertex = found.worst;
     for (uint64_t v = 0; state.level == 0 && v < state.foliation.mesh.vertex_count; ++v)
         if (state.hierarchy->vertex_internal[v] == found.worst) { vertex = v; break; }
@@ -90,7 +109,16 @@ AffineMap map_of(const State& state, const Layout& layout, uint32_t side, double
         u[c] = static_cast<double>(layout.u[h[c]] - layout.u[side]) * unit;
         v[c] = static_cast<double>(layout.v[h[c]] - layout.v[side]) * unit;
     }
-    return affine_map(position + size_t{3} * mesh.origin[h[0]], position + size_t{3} * mesh.origin[h[1]], position + size_t{3} * mesh.origin[h[2]], u, v);
+    AffineMap map = affine_map(position + size_t{3} * mesh.origin[h[0]], position + size_t{3} * mesh.origin[h[1]], position + size_t{3} * mesh.origin[h[2]], u, v);
+    // Where the image is no larger than what rounding and the linear solver leave, it says nothing.
+    constexpr double least = 1 << 16; // units
+    double size = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (size < std::fabs(u[c])) size = std::fabs(u[c]);
+        if (size < std::fabs(v[c])) size = std::fabs(v[c]);
+    }
+    if (size < least * unit) map.dilatation = HUGE_VAL;
+    return map;
 }
 
 // Dilatations of all triangles and their statistics.
@@ -99,7 +127,7 @@ bool measure(const State& state, const Layout& layout, const Array<uint32_t>& si
     Array<uint32_t> order, key;
     Array<double> area;
     if (!order.allocate(memory, mesh.face_count) || !key.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count)) return false;
-    double sum = 0, weighted = 0, finite = 0, image = 0;
+    double sum = 0, weighted = 0, visible = 0, image = 0;
     out.flipped_triangles = out.degenerate_triangles = 0;
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         const AffineMap map = map_of(state, layout, side[t], unit);
@@ -113,11 +141,11 @@ bool measure(const State& state, const Layout& layout, const Array<uint32_t>& si
         out.flipped_triangles += !degenerate && map.determinant < 0;
         if (!degenerate) {
             weighted += map.area * map.dilatation;
-            finite += map.area;
+            visible += map.area;
         }
     }
     out.area = image;
-    out.dilatation_mean = finite > 0 ? weighted / finite : HUGE_VAL;
+    out.dilatation_mean = visible > 0 ? weighted / visible : HUGE_VAL;
     if (!sort_falling(order, key, memory)) return false;
     const auto quantile = [&](double part) {
         double above = 0;

@@ -34,7 +34,7 @@ AffineMap affine_map(const double* p0, const double* p1, const double* p2, const
     map.differential[0] = re * re - im * im;
     map.differential[1] = 2 * re * im;
     const double larger = conformal + anti, smaller = conformal > anti ? conformal - anti : anti - conformal;
-    map.dilatation = smaller > 1e-9 * larger ? larger / smaller : HUGE_VAL;
+    map.dilatation = smaller * LARGEST_DILATATION > larger ? larger / smaller : HUGE_VAL;
     return map;
 }
 

@@ -16,7 +16,7 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
     const auto cancelled = [&] { return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); };
-    if (form_of_foliation(f, flat.bundle, flat.du, call)) return call.status();
+    if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
     if (!call.tick(0.05)) return cancelled();
     VertexCharts charts;
     if (!charts.build(f.mesh, flat.bundle, call.memory)) return call.out_of_memory();

@@ -16,6 +16,8 @@
 // as the place of one zero; which tripod takes which corner is a matching.
 #include "twisted_form.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
 bool VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& memory) {
@@ -38,8 +40,8 @@ namespace {
 
 class FormOfFoliation {
 public:
-    FormOfFoliation(Foliation& f, SignBundle& bundle, TwistedForm& du, Call& call)
-        : f_(f), mesh_(f.mesh), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
+    FormOfFoliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call)
+        : f_(f), mesh_(f.mesh), weight_(weight), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
         const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
@@ -99,14 +101,19 @@ private:
     }
 
     // A corner for each tripod, no vertex twice: the nearest that is free,
-    // else along an augmenting path.
+    // else along an augmenting path.  The star of the vertex gets an angle of
+    // 3 pi: with fewer than six triangles they would be stretched.
     bool match() {
         for (uint32_t t = 0; t < tripod_.size(); ++t) {
             uint32_t h = tripod_[t], best = NONE;
+            double least = 0;
             for (uint32_t turn = 0; turn < 3; ++turn, h = mesh_.next[h]) {
                 const uint32_t v = mesh_.origin[h];
                 if (owner_[v] != NONE || !is_regular(v)) continue;
-                if (best == NONE || f_.corner2(h) < f_.corner2(best)) best = h;
+                const double distance = distance_to_zero(h);
+                if (best != NONE && distance >= least) continue;
+                best = h;
+                least = distance;
             }
             if (best != NONE) take(t, best);
         }
@@ -114,6 +121,27 @@ private:
             if (corner_[t] == NONE && !augment(t)) return false;
         for (const uint32_t h : corner_) sign_face(mesh_.next[h]);
         return true;
+    }
+
+    // How far the zero of a tripod is from the regular vertex at its corner, as far as
+    // the fluxes tell: in u, and in v from the centre of the tripod to the mean of
+    // the centres round the vertex.
+    double distance_to_zero(uint32_t corner) const {
+        constexpr uint32_t enough = 6;
+        const double a = 0.5 * static_cast<double>(f_.corner2(corner));
+        double V = 0, sum = 0;
+        uint32_t degree = 0;
+        int8_t s = 1;
+        uint32_t h = corner;
+        do {
+            sum += V;
+            ++degree;
+            if (f_.corner2(h) == 0) s = static_cast<int8_t>(-s);
+            h = mesh_.rotate_ccw(h);
+            V += s * weight_[edge_of(h)] * static_cast<double>(f_.at(h));
+        } while (h != corner);
+        const double b = sum / degree;
+        return std::sqrt(a * a + b * b) * (degree < enough ? 1 << (enough - degree) : 1);
     }
 
     void take(uint32_t t, uint32_t h) {
@@ -250,6 +278,7 @@ private:
 
     Foliation& f_;
     const Mesh& mesh_;
+    const double* weight_;
     SignBundle& bundle_;
     TwistedForm& du_;
     Call& call_;
@@ -263,8 +292,8 @@ private:
 
 } // namespace
 
-hmf_status form_of_foliation(Foliation& f, SignBundle& bundle, TwistedForm& du, Call& call) {
-    return FormOfFoliation(f, bundle, du, call).run();
+hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call) {
+    return FormOfFoliation(f, weight, bundle, du, call).run();
 }
 
 //          k                     k          Half-edges jk and il change their
