@@ -50,13 +50,14 @@ public:
         }
     }
 
-    // HMF_OK, or memory, or HMF_CANCELLED.  close: near the minimum, where more
+    // HMF_OK, or memory, or HMF_CANCELLED.  tight: the tolerance where the
+    // model is exact, so that no other step follows.  close: near the minimum, where more
     // effort for a whole step pays.  accepted: the share of the step that was
     // taken, 0 if none would do.
-    hmf_status step(double tolerance, bool close, double& accepted) {
+    hmf_status step(double tolerance, double tight, bool close, double& accepted) {
         accepted = 0;
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
-        const hmf_status status = try_step(tolerance, close, accepted);
+        const hmf_status status = try_step(tolerance, tight, close, accepted);
         if (accepted == 0) restore();
         return status;
     }
@@ -102,12 +103,13 @@ private:
     hmf_status stopped() { return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
     // Leaves the values changed where it is not accepted.
-    hmf_status try_step(double tolerance, bool close, double& accepted) {
+    hmf_status try_step(double tolerance, double tight, bool close, double& accepted) {
         model_.assemble(f_, w_.rings, weight_, &w_.call);
         if (f_.out_of_memory || !go_on()) return stopped();
         const uint32_t n = model_.count;
         const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
         const double before = energy(f_, weight_);
+        if (tight < tolerance && model_.is_exact()) tolerance = tight;
         ++w_.statistics.linear_solves;
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
@@ -150,7 +152,7 @@ private:
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     bool solve_linear(const SignedMatrix& matrix, double accuracy) {
-        constexpr uint32_t with_old_setup = 30, with_new_setup = 200;
+        constexpr uint32_t with_old_setup = 50, with_new_setup = 200;
         if (multigrid_ready_) {
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
@@ -366,11 +368,15 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (before < best) best = before;
         if (D < lowest) lowest = D;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
-        double linear = 0.03 * goal / before;
-        if (linear > 1e-2 || !finest || round == 0) linear = 1e-2;
-        if (linear < 1e-11) linear = 1e-11;
+        // As long as zeros move, the next model is another one: a tight solve
+        // of this one would be wasted.
+        double tight = 0.03 * goal / before;
+        if (tight < 1e-11) tight = 1e-11;
+        if (tight > 1e-2 || !finest) tight = 1e-2;
+        const double loose = round == 0 ? 1e-2 : before > 1e-2 ? 1e-3 : tight;
+        const double linear = tight > loose ? tight : loose;
         double accepted = 0;
-        if (const hmf_status status = newton.step(linear, before < 1e-2, accepted)) return status;
+        if (const hmf_status status = newton.step(linear, tight, before < 1e-2, accepted)) return status;
         newton.relax_near_zeros(40);
         // Levels in between only provide a start.
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;

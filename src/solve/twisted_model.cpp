@@ -132,6 +132,7 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
     if (call && !call->tick(0, true)) return;
 
     tripod.clear();
+    resting = 0;
     uint32_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
         if (v % stride == 0 && call && !call->tick(0, true)) return;
@@ -173,6 +174,7 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
             }
         }
         // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
+        resting += rests[v];
         diagonal[v] = sum;
         right[v] = rests[v] ? 0 : b;
         lower[v] = rests[v] ? 0 : low;

@@ -25,6 +25,7 @@ namespace hmf {
 
 struct TwistedModel {
     uint32_t count = 0;        // unknowns: one per vertex; those that rest have an empty row
+    uint32_t resting = 0;      // vertices that rest
     Array<int8_t> sign;        // per half-edge; 0 where the origin rests
     Array<uint8_t> rests;      // per vertex
     Array<int8_t> product;     // per edge: of its two signs in the last model
@@ -43,6 +44,8 @@ struct TwistedModel {
     // Signs, matrix, right side and bounds of the current foliation.  Stops
     // half-way if the call is cancelled.
     void assemble(Foliation& f, const Rings& rings, const double* weight, Call* call = nullptr);
+    // No zeros, hence no bounds: one step reaches the minimum.
+    bool is_exact() const { return tripod.empty() && resting == 0; }
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
