@@ -1,0 +1,72 @@
+"""Harmonic measured foliations on closed triangle meshes.
+
+    >>> foliation = hmf.solve(positions, triangles)
+    >>> foliation.values             # one number for each edge
+    >>> foliation.singularities()    # its zeros
+    >>> hmf.plot(foliation)          # stripes along the leaves
+
+:class:`Hierarchy` is the mesh with its coarser levels, to solve on as often as
+wanted; :class:`Loops` are the closed curves that give the class;
+:class:`Foliation` is the result.  Every failure is an :class:`Error`.
+"""
+
+from ._boundary import Progress, ProgressCallback, ProgressOption
+from ._native import lib as _lib
+from .errors import (
+    Cancelled,
+    Element,
+    Error,
+    FoliationError,
+    InternalError,
+    LevelError,
+    LimitWarning,
+    LoopError,
+    MeshError,
+    OptionsError,
+    OutOfMemoryError,
+    Status,
+    UnsupportedError,
+)
+from .foliation import Foliation, Singularities, Singularity
+from .hierarchy import Hierarchy, Level, memory_estimate, solve
+from .loops import Loops
+from .report import HistoryEntry, LevelReport, Report
+
+
+def _version() -> str:
+    number = _lib.hmf_version()
+    return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+
+__version__ = _version()
+
+__all__ = [
+    "Cancelled",
+    "Element",
+    "Error",
+    "Foliation",
+    "FoliationError",
+    "Hierarchy",
+    "HistoryEntry",
+    "InternalError",
+    "Level",
+    "LevelError",
+    "LevelReport",
+    "LimitWarning",
+    "LoopError",
+    "Loops",
+    "MeshError",
+    "OptionsError",
+    "OutOfMemoryError",
+    "Progress",
+    "ProgressCallback",
+    "ProgressOption",
+    "Report",
+    "Singularities",
+    "Singularity",
+    "Status",
+    "UnsupportedError",
+    "__version__",
+    "memory_estimate",
+    "solve",
+]

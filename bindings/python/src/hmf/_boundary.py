@@ -1,0 +1,301 @@
+"""The boundary to the C library: arrays, errors and progress.
+
+Everything that touches pointers goes through here.  cffi releases the
+interpreter lock for the time of each call.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import IntEnum
+from importlib import import_module
+from types import TracebackType
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import ffi, lib
+from .errors import Element, MeshError, Status, error_class
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.uint32]
+
+# --- Arrays in ---------------------------------------------------------------
+
+
+def pointer(array: NDArray[Any], ctype: str) -> Any:
+    """Pointer to the first element; the caller keeps the array alive."""
+    return ffi.cast(ctype, array.__array_interface__["data"][0])
+
+
+def _real(array: ArrayLike, what: str) -> NDArray[Any]:
+    given = np.asarray(array)
+    if given.dtype.kind not in "fiu" and given.size:
+        raise TypeError(f"{what} must be real numbers, got dtype {given.dtype}. Convert with .astype(numpy.float64).")
+    return given
+
+
+def as_positions(array: ArrayLike) -> Floats:
+    """(n, 3) float64 with contiguous rows; the given array itself where that holds."""
+    given = _real(array, "positions")
+    if given.ndim != 2 or given.shape[1] != 3:
+        remedy = "transpose it" if given.ndim == 2 and given.shape[0] == 3 else "give three coordinates in each row"
+        raise ValueError(f"positions must have shape (n, 3), got {given.shape}: {remedy}.")
+    result = np.asarray(given, dtype=np.float64)
+    row = result.strides[0]
+    if result.shape[0] > 1 and not (result.flags.aligned and result.strides[1] == 8 and row >= 24 and row % 8 == 0):
+        result = np.ascontiguousarray(result)
+    elif result.strides[1] != 8 or not result.flags.aligned:
+        result = np.array(result, order="C")
+    return result
+
+
+def as_indices(array: ArrayLike, what: str, columns: int | None = None) -> Indices:
+    """uint32 and C-contiguous, (n,) or (n, columns); the given memory itself where that holds."""
+    given = np.asarray(array)
+    if given.size == 0 and given.dtype.kind == "f":
+        given = given.astype(np.uint32)  # an empty list
+    if given.dtype.kind not in "iu":
+        raise TypeError(f"{what} must be integers, got dtype {given.dtype}. Convert with .astype(numpy.uint32).")
+    if columns is None and given.ndim != 1:
+        raise ValueError(f"{what} must have shape (n,), got {given.shape}.")
+    if columns is not None and (given.ndim != 2 or given.shape[1] != columns):
+        remedy = f"give {columns} indices in each row"
+        if given.ndim == 2 and given.shape[0] == columns:
+            remedy = "transpose it"
+        elif given.ndim == 2 and given.shape[1] == 4:
+            remedy = "cut each quadrilateral into two triangles"
+        raise ValueError(f"{what} must have shape (n, {columns}), got {given.shape}: {remedy}.")
+    if given.dtype != np.uint32 and given.size:
+        for wrong in (int(given.min()), int(given.max())):
+            if not 0 <= wrong < 2**32:
+                place = int(np.argmax(given == wrong)) // (columns or 1)
+                raise _index_error(what, place, wrong)
+        given = given.view(np.uint32) if given.dtype == np.int32 else given.astype(np.uint32)
+    return np.ascontiguousarray(given, dtype=np.uint32)
+
+
+def _index_error(what: str, place: int, wrong: int) -> Exception:
+    if what == "triangles":
+        return MeshError(
+            f"Triangle {place} names vertex {wrong}, which does not exist. Indices count from 0.",
+            Status.ERROR_MESH_INDEX,
+            Element.TRIANGLE,
+            place,
+        )
+    return ValueError(f"{what} holds {wrong} at {place}, which is no index. Indices count from 0.")
+
+
+def as_floats(array: ArrayLike, count: int, what: str, per: str) -> Floats:
+    """(count,) float64 and contiguous; the given array itself where that holds."""
+    given = _real(array, what)
+    if given.shape != (count,):
+        raise ValueError(f"{what} must have shape ({count},), one for each {per}, got {given.shape}.")
+    return np.require(given, dtype=np.float64, requirements=["C", "A"])
+
+
+def as_count(number: int, what: str) -> int:
+    """A number that fits the unsigned integers of the library."""
+    result = int(number)
+    if result != number or not 0 <= result < 2**63:
+        raise ValueError(f"{what} must be an integer from 0 to 2^63 - 1, got {number}.")
+    return result
+
+
+def constant(prefix: str, name: str, what: str) -> int:
+    """The value of HMF_<prefix>_<NAME>; ValueError with the names that exist."""
+    key = f"HMF_{prefix}_{str(name).upper().replace('-', '_')}"
+    if key not in _CONSTANTS:
+        start = f"HMF_{prefix}_"
+        names = sorted(entry[len(start) :].lower() for entry in _CONSTANTS if entry.startswith(start))
+        raise ValueError(f"{what} must be one of {', '.join(names)}; got {name!r}.")
+    return int(_CONSTANTS[key])
+
+
+_CONSTANTS: dict[str, int] = {
+    name: getattr(lib, name) for name in dir(lib) if name.startswith("HMF_") and isinstance(getattr(lib, name), int)
+}
+
+# --- Arrays out --------------------------------------------------------------
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Results are shared between objects, so nobody may write to them."""
+    array.setflags(write=False)
+    return array
+
+
+_FORMATS = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "int64_t": "i8", "uint64_t": "u8"}
+
+
+def structure_dtype(ctype: str) -> np.dtype[Any]:
+    """The dtype of an array of structures of the header, which have plain numbers only."""
+    fields = ffi.typeof(ctype).fields
+    return np.dtype(
+        {
+            "names": [name for name, _ in fields],
+            "formats": [_FORMATS[field.type.cname] for _, field in fields],
+            "offsets": [field.offset for _, field in fields],
+            "itemsize": ffi.sizeof(ctype),
+        }
+    )
+
+
+# --- Progress ----------------------------------------------------------------
+
+
+class Progress(IntEnum):
+    """Answers of a progress callback; None means CONTINUE."""
+
+    CONTINUE = 0
+    #: Return at once; :class:`hmf.Cancelled` is raised.
+    CANCEL = 1
+    #: Stop improving and return the foliation so far; while a hierarchy is built, as CANCEL.
+    FINISH = 2
+
+
+ProgressCallback = Callable[[float], Union[Progress, int, None]]
+ProgressOption = Union[bool, ProgressCallback, None]
+
+# Seconds between two calls into Python.  An interrupt waits for the next one,
+# and at most 50 ms for the library to react.
+PROGRESS_INTERVAL = 0.01
+
+
+class Watch:
+    """What a running call reports to: the callback of the user and pending signals."""
+
+    def __init__(self, callback: ProgressCallback | None) -> None:
+        self._callback = callback
+        self._exception: BaseException | None = None
+        #: The callback said FINISH, and not CANCEL later.
+        self.finished = False
+
+    def install(self, options: Any) -> list[Any]:
+        """Sets progress and progress_user of an options structure; returns what must stay alive."""
+        if self._callback is None and threading.current_thread() is not threading.main_thread():
+            return []  # signals arrive on the main thread only
+        handle = ffi.new_handle(self)
+        throttle = ffi.new("hmf_python_throttle *", {"interval": PROGRESS_INTERVAL, "last": -1e9, "watch": handle})
+        options.progress = ffi.addressof(lib, "hmf_python_throttled")
+        options.progress_user = throttle
+        return [handle, throttle]
+
+    def tick(self, fraction: float) -> int:
+        # To be in Python code is enough for signals to be handled.
+        if self._callback is None:
+            return Progress.CONTINUE
+        answer = self._callback(fraction)
+        if answer is None:
+            return Progress.CONTINUE
+        if isinstance(answer, int) and 0 <= answer <= 2:
+            if answer != Progress.CONTINUE:
+                self.finished = answer == Progress.FINISH
+            return int(answer)
+        raise TypeError(f"a progress callback returns None or a member of hmf.Progress, got {answer!r}")
+
+    def fail(self, exception: BaseException) -> None:
+        if self._exception is None:
+            self._exception = exception
+
+    def reraise(self) -> None:
+        """Raises what was raised inside the callback."""
+        exception, self._exception = self._exception, None
+        if exception is not None:
+            try:
+                raise exception
+            finally:
+                del exception  # no cycle with the traceback
+
+
+def _store(kind: type[BaseException], exception: BaseException, traceback: TracebackType | None) -> None:
+    """Nothing may be thrown through C: keeps the exception until the call has ended."""
+    if traceback is not None:
+        ffi.from_handle(traceback.tb_frame.f_locals["watch"]).fail(exception.with_traceback(traceback))
+
+
+@ffi.def_extern(name="hmf_python_progress", error=int(Progress.CANCEL), onerror=_store)  # type: ignore[untyped-decorator]
+def _progress(watch: Any, fraction: float) -> int:
+    return int(ffi.from_handle(watch).tick(fraction))
+
+
+class _Bar:
+    """A progress bar on standard error: of tqdm, or a line with the percentage."""
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._shown = -1
+        self._bar: Any = None
+        try:
+            tqdm = import_module("tqdm.auto")
+        except ImportError:
+            return
+        self._bar = tqdm.tqdm(total=100, desc=title, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
+
+    def update(self, fraction: float) -> None:
+        percent = int(100 * fraction)
+        if percent <= self._shown:
+            return
+        if self._bar is not None:
+            self._bar.update(percent - max(self._shown, 0))
+        else:
+            sys.stderr.write(f"\r{self._title}: {percent:3d}%")
+            sys.stderr.flush()
+        self._shown = percent
+
+    def close(self, finished: bool) -> None:
+        if finished:
+            self.update(1.0)
+        if self._bar is not None:
+            self._bar.close()
+        else:
+            sys.stderr.write("\n")
+
+
+@contextmanager
+def progress_callback(progress: ProgressOption, title: str) -> Iterator[ProgressCallback | None]:
+    """The callback for a progress option; True shows a bar for the time of the block."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        bar = _Bar(title)
+        finished = False
+        try:
+            yield bar.update
+            finished = True
+        finally:
+            bar.close(finished)
+    elif callable(progress):
+        yield progress
+    else:
+        raise TypeError(f"progress must be True, False, None or a function of one number, got {progress!r}")
+
+
+def part(callback: ProgressCallback | None, low: float, high: float) -> ProgressCallback | None:
+    """A callback for one of several calls, which together go from 0 to 1."""
+    if callback is None:
+        return None
+    whole = callback
+    return lambda fraction: whole(low + (high - low) * fraction)
+
+
+# --- Calls -------------------------------------------------------------------
+
+
+def call(function: Any, *arguments: Any, watch: Watch | None = None, accept: frozenset[int] = frozenset()) -> tuple[Status, str]:
+    """Calls a fallible function, whose last argument is the error.
+
+    Returns the status and the message of it, if it is OK or in ``accept``; raises otherwise.
+    """
+    error = ffi.new("hmf_error *")
+    status = function(*arguments, error)
+    if watch is not None:
+        watch.reraise()
+    message = ffi.string(error.message).decode("utf-8", "replace")
+    if status != Status.OK and status not in accept:
+        raise error_class(status)(message, status, error.element, error.index)
+    return Status(status), message

@@ -1,0 +1,415 @@
+"""The hierarchy of a mesh, its levels, and solving on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._boundary import (
+    Floats,
+    Indices,
+    ProgressCallback,
+    ProgressOption,
+    Watch,
+    as_count,
+    as_floats,
+    as_indices,
+    as_positions,
+    call,
+    constant,
+    frozen,
+    part,
+    pointer,
+    progress_callback,
+)
+from ._native import ffi, lib
+from .foliation import Foliation, Method, optimise
+from .loops import Loops, as_loops
+
+Collapse = Literal["midpoint", "endpoint", "qslim"]
+LoopsKind = Literal["cut"]
+
+# Share of the build in the progress of hmf.solve, about its share of the time.
+_BUILD_SHARE = 0.25
+
+
+def _build_options(ratio: float | None, coarsest: int | None, collapse: Collapse | None, memory_limit: int | None) -> Any:
+    options = ffi.new("hmf_build_options *")
+    lib.hmf_build_options_init(options)
+    if ratio is not None:
+        options.ratio = ratio
+    if coarsest is not None:
+        options.coarsest = as_count(coarsest, "coarsest")
+    if collapse is not None:
+        options.collapse = constant("COLLAPSE", collapse, "collapse")
+    if memory_limit is not None:
+        options.memory_limit = as_count(memory_limit, "memory_limit")
+    return options
+
+
+class Level:
+    """One level of a hierarchy; made by :attr:`Hierarchy.levels`.
+
+    Level 0 is your mesh.  Its edges are numbered by their first appearance in
+    the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of triangle 1,
+    and so on).  Arrays are made when first asked for, kept, and read-only.
+    """
+
+    def __init__(self, hierarchy: Hierarchy, number: int) -> None:
+        info = ffi.new("hmf_level_info *")
+        call(lib.hmf_level_counts, hierarchy._pointer, number, info)
+        # Not the Python object, which holds its levels: a cycle would keep the memory.
+        self._pointer = hierarchy._pointer
+        self.number = number
+        self.vertex_count = int(info.vertex_count)
+        self.edge_count = int(info.edge_count)
+        self.triangle_count = int(info.triangle_count)
+        #: Edges whose weight was below the floor and was raised to it.
+        self.non_delaunay_count = int(info.non_delaunay_count)
+
+    def _array(self, function: Any, shape: tuple[int, ...], dtype: Any, ctype: str) -> NDArray[Any]:
+        result = np.empty(shape, dtype=dtype)
+        call(function, self._pointer, self.number, pointer(result, ctype), result.size)
+        return frozen(result)
+
+    @cached_property
+    def positions(self) -> Floats:
+        """(vertex_count, 3) float64, in the unit of the input."""
+        return self._array(lib.hmf_level_positions, (self.vertex_count, 3), np.float64, "double *")
+
+    @cached_property
+    def edges(self) -> Indices:
+        """(edge_count, 2) uint32: the vertices of each edge.  On coarse levels two vertices may have several edges."""
+        return self._array(lib.hmf_level_edge_vertices, (self.edge_count, 2), np.uint32, "uint32_t *")
+
+    @cached_property
+    def triangles(self) -> Indices:
+        """(triangle_count, 3) uint32: the vertices of each triangle."""
+        return self._array(lib.hmf_level_triangle_vertices, (self.triangle_count, 3), np.uint32, "uint32_t *")
+
+    @cached_property
+    def triangle_edges(self) -> Indices:
+        """(triangle_count, 3) uint32: side s of a triangle joins its corners s and s + 1."""
+        return self._array(lib.hmf_level_triangle_edges, (self.triangle_count, 3), np.uint32, "uint32_t *")
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(edge_count,) float64: half the sum of the two opposite cotangents, without unit.
+
+        On level 0 those of your triangulation, which may be negative; the
+        solver uses the intrinsic Delaunay triangulation instead.
+        """
+        return self._array(lib.hmf_level_weights, (self.edge_count,), np.float64, "double *")
+
+    def __repr__(self) -> str:
+        return f"<level {self.number}: {self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles>"
+
+
+class Hierarchy:
+    """An immutable hierarchy of triangle meshes over yours; any number of threads may use it.
+
+    Parameters
+    ----------
+    positions : (n, 3) floats
+        Coordinates in any unit.  float64 with rows of three contiguous
+        numbers is read in place, also with a stride between rows (the first
+        three columns of a wider array); anything else is copied first.
+    triangles : (m, 3) ints
+        Vertex indices from 0, all counter-clockwise or all clockwise.  uint32
+        or int32 in C order is read in place; anything else is copied first.
+    ratio : float, optional
+        Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5.
+    coarsest : int, optional
+        Vertices of the coarsest level to aim for; default 1000.
+    collapse : "midpoint", "endpoint" or "qslim", optional
+        Which edges are collapsed: the shortest to its midpoint (default) or
+        to one end, or that of least quadric error to its best point.
+    memory_limit : int, optional
+        Bytes in use at any time, 0 = none; also bounds each later call.
+    progress : bool or function, optional
+        True shows a bar on standard error (of tqdm if it is installed).  A
+        function gets the fraction done, 0 to 1, at most every 10 ms, and may
+        return a member of :class:`hmf.Progress`.
+
+    Nothing refers to the given arrays afterwards; they must not change during the call.
+
+    Raises
+    ------
+    MeshError
+        The mesh is not closed, connected, oriented, manifold, of genus 1 or more.
+    OptionsError, OutOfMemoryError, Cancelled
+        See there.
+    KeyboardInterrupt
+        Control-C cancels; it takes at most some 50 ms.
+    TypeError, ValueError
+        An array has the wrong dtype or shape.
+    """
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        ratio: float | None = None,
+        coarsest: int | None = None,
+        collapse: Collapse | None = None,
+        memory_limit: int | None = None,
+        progress: ProgressOption = None,
+    ) -> None:
+        with progress_callback(progress, "hmf build") as callback:
+            self._build(positions, triangles, _build_options(ratio, coarsest, collapse, memory_limit), callback)
+        self._options = {"ratio": ratio, "coarsest": coarsest, "collapse": collapse, "memory_limit": memory_limit}
+
+    def _build(self, positions: ArrayLike, triangles: ArrayLike, options: Any, callback: ProgressCallback | None) -> None:
+        points = as_positions(positions)
+        corners = as_indices(triangles, "triangles", 3)
+        watch = Watch(callback)
+        alive = watch.install(options)
+        out = ffi.new("hmf_hierarchy **")
+        try:
+            call(
+                lib.hmf_build,
+                pointer(points, "double *"),
+                points.shape[0],
+                points.strides[0] if points.shape[0] > 1 else 0,
+                pointer(corners, "uint32_t *"),
+                corners.shape[0],
+                options,
+                out,
+                watch=watch,
+            )
+        except BaseException:
+            lib.hmf_destroy(out[0])  # an exception of the last callback, after which the call succeeded
+            raise
+        finally:
+            del alive
+        self._pointer = ffi.gc(out[0], lib.hmf_destroy, lib.hmf_hierarchy_memory(out[0]))
+
+    @classmethod
+    def _rebuild(cls, positions: Floats, triangles: Indices, options: dict[str, Any]) -> Hierarchy:
+        return cls(positions, triangles, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same input gives the same hierarchy, bit for bit.
+        mesh = self.levels[0]
+        return Hierarchy._rebuild, (mesh.positions, mesh.triangles, self._options)
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """All levels; ``levels[0]`` is your mesh, ``levels[-1]`` the coarsest."""
+        return tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
+
+    @property
+    def genus(self) -> int:
+        """Genus of the surface, at least 1."""
+        return int(lib.hmf_genus(self._pointer))
+
+    @property
+    def memory(self) -> int:
+        """Bytes held by the hierarchy."""
+        return int(lib.hmf_hierarchy_memory(self._pointer))
+
+    def loops(self, kind: LoopsKind = "cut", *, level: int | None = None) -> Loops:
+        """Loops made by the library, as loops of triangles.
+
+        Parameters
+        ----------
+        kind : "cut"
+            genus many, which together cut the surface into one planar piece.
+        level : int, optional
+            Default: the coarsest, where they are found fastest.
+        """
+        number = len(self.levels) - 1 if level is None else as_count(level, "level")
+        value = constant("LOOPS", kind, "kind of loops")
+        counts = ffi.new("size_t[2]")
+        count = [lib.hmf_loops, self._pointer, number, value]
+        call(*count, ffi.NULL, 0, ffi.NULL, 0, counts, counts + 1)
+        offsets = np.empty(counts[0] + 1, dtype=np.uint64)
+        elements = np.empty(counts[1], dtype=np.uint32)
+        out = [pointer(offsets, "uint64_t *"), offsets.size, pointer(elements, "uint32_t *"), elements.size]
+        call(*count, *out, counts, counts + 1)
+        return Loops._of_arrays(offsets, elements, "triangles", number, None)
+
+    def initialize(self, loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None = None) -> Foliation:
+        """The initial foliation of loops on their level: for each edge the weights of the loops that cross it.
+
+        Raises
+        ------
+        LoopError
+            A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
+        """
+        chosen = as_loops(loops, weights)
+        count = self.levels[chosen.level].edge_count if chosen.level < len(self.levels) else 0
+        values = np.empty(count, dtype=np.float64)
+        call(lib.hmf_initialize, self._pointer, chosen._structure(), pointer(values, "double *"), count)
+        return Foliation._of(self, chosen.level, values)
+
+    def foliation(self, values: ArrayLike, *, level: int = 0) -> Foliation:
+        """Your own values as a foliation, for example ones that were stored.
+
+        Parameters
+        ----------
+        values : (edge_count of the level,) floats
+            Copied.  Whether they are closed is checked by the calls that need it (:class:`hmf.FoliationError`).
+        """
+        number = as_count(level, "level")
+        # Of a level that does not exist, the error of the library.
+        info = ffi.new("hmf_level_info *")
+        call(lib.hmf_level_counts, self._pointer, number, info)
+        return Foliation._of(self, number, as_floats(values, info.edge_count, "values", "edge of the level").copy())
+
+    def solve(
+        self,
+        loops: Loops | Sequence[ArrayLike] | None = None,
+        weights: ArrayLike | None = None,
+        *,
+        method: Method | None = None,
+        tolerance: float | None = None,
+        time_limit: float | None = None,
+        iteration_limit: int | None = None,
+        stop_level: int = 0,
+        progress: ProgressOption = None,
+    ) -> Foliation:
+        """The harmonic foliation in the class of the loops.
+
+        Parameters
+        ----------
+        loops : Loops, or sequence of sequences of int, optional
+            On any level; plain sequences are closed paths along the edges of
+            your mesh, as vertices.  Default: ``self.loops("cut")``.
+        weights : (number of loops,) floats, optional
+            Positive, the unit of the values; default those of the loops.
+        method : "newton", "whitehead" or "single_level", optional
+            Newton steps on the twisted Laplacian (default), Whitehead moves
+            up the hierarchy, or Whitehead moves on your mesh alone.
+        tolerance : float, optional
+            newton: largest residual, default 1e-8; the others: relative change
+            of the energy per sweep, default 1e-6.
+        time_limit : float, optional
+            Seconds; default none.
+        iteration_limit : int, optional
+            Sweeps per level; default 100000.
+        stop_level : int
+            Finest level to solve; 0 is your mesh.
+        progress : bool or function, optional
+            As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the improvement
+            and gives the foliation so far, with ``status`` CANCELLED.
+
+        Returns
+        -------
+        Foliation
+            On ``stop_level``.  Where a limit stopped the improvement, its
+            ``status`` says which, and :class:`hmf.LimitWarning` is issued; the
+            values are closed and without poles all the same.
+
+        Raises
+        ------
+        LoopError, OptionsError, LevelError, OutOfMemoryError, Cancelled
+            See there.
+        KeyboardInterrupt
+            Control-C cancels; it takes at most some 50 ms.
+        """
+        with progress_callback(progress, "hmf solve") as callback:
+            return self._solve(loops, weights, method, tolerance, time_limit, iteration_limit, stop_level, callback)
+
+    def _solve(
+        self,
+        loops: Loops | Sequence[ArrayLike] | None,
+        weights: ArrayLike | None,
+        method: Method | None,
+        tolerance: float | None,
+        time_limit: float | None,
+        iteration_limit: int | None,
+        stop_level: int,
+        callback: ProgressCallback | None,
+    ) -> Foliation:
+        if loops is None and weights is not None:
+            loops = self.loops(level=0 if method == "single_level" else None)
+        chosen = None if loops is None else as_loops(loops, weights)
+        level = as_count(stop_level, "stop_level")
+        count = self.levels[level].edge_count if level < len(self.levels) else 0
+        structure = ffi.NULL if chosen is None else chosen._structure()
+        return optimise(
+            self,
+            level,
+            np.empty(count, dtype=np.float64),
+            lambda options, values, size, report, error: lib.hmf_solve(
+                self._pointer, structure, options, values, size, report, error
+            ),
+            method=method,
+            tolerance=tolerance,
+            time_limit=time_limit,
+            iteration_limit=iteration_limit,
+            stop_level=level,
+            callback=callback,
+            stacklevel=4,
+        )
+
+    def __repr__(self) -> str:
+        mesh = self.levels[0]
+        return (
+            f"<Hierarchy: genus {self.genus}, {mesh.vertex_count} vertices, {mesh.triangle_count} triangles, "
+            f"{len(self.levels)} levels>"
+        )
+
+
+def memory_estimate(
+    vertex_count: int,
+    triangle_count: int,
+    *,
+    ratio: float | None = None,
+    coarsest: int | None = None,
+    collapse: Collapse | None = None,
+) -> int:
+    """Upper bound of the bytes that building a :class:`Hierarchy` uses at its peak; 0 if the counts are unusable."""
+    options = _build_options(ratio, coarsest, collapse, None)
+    vertices, triangles = as_count(vertex_count, "vertex_count"), as_count(triangle_count, "triangle_count")
+    return int(lib.hmf_memory_estimate(vertices, triangles, options))
+
+
+def solve(
+    positions: ArrayLike,
+    triangles: ArrayLike,
+    loops: Loops | Sequence[ArrayLike] | None = None,
+    weights: ArrayLike | None = None,
+    *,
+    ratio: float | None = None,
+    coarsest: int | None = None,
+    collapse: Collapse | None = None,
+    memory_limit: int | None = None,
+    method: Method | None = None,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
+    iteration_limit: int | None = None,
+    stop_level: int = 0,
+    progress: ProgressOption = None,
+) -> Foliation:
+    """The harmonic foliation of a mesh in one call: a :class:`Hierarchy`, and :meth:`Hierarchy.solve` on it.
+
+    For the parameters, the result and the errors see these two; ``time_limit``
+    is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
+    """
+    with progress_callback(progress, "hmf") as callback:
+        hierarchy = Hierarchy(
+            positions,
+            triangles,
+            ratio=ratio,
+            coarsest=coarsest,
+            collapse=collapse,
+            memory_limit=memory_limit,
+            progress=part(callback, 0.0, _BUILD_SHARE),
+        )
+        return hierarchy._solve(
+            loops,
+            weights,
+            method,
+            tolerance,
+            time_limit,
+            iteration_limit,
+            stop_level,
+            part(callback, _BUILD_SHARE, 1.0),
+        )

@@ -1,0 +1,129 @@
+#!/bin/bash
+# bindings/python/test.sh             tests of the Python package
+# bindings/python/test.sh same-bits   the lines of bindings/same_bits/README.md
+#
+# Makes a source distribution, installs the package from it into an
+# environment of its own, and runs pytest there; then the README, verbatim, in
+# a copy of the repository.  Lines begin with ok, not ok, skip.
+#
+# Environment: HMF_BINDING_WORK  folder for all of it (default build/python of the repository)
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+work=${HMF_BINDING_WORK:-$root/build/python}
+mkdir -p "$work"
+work=$(cd "$work" && pwd)
+venv=$work/venv
+python=$venv/bin/python
+log=$work/log
+failed=0
+
+# What is not ours: without a network there is nothing to test.
+make_environment() {
+    { [ -x "$python" ] || python3 -m venv "$venv"; } &&
+        "$venv/bin/pip" install -q build scikit-build-core cffi numpy pytest hypothesis mypy matplotlib tqdm
+}
+
+install_package() {
+    rm -rf "$work/dist"
+    "$python" -m build --sdist --no-isolation -o "$work/dist" "$here" &&
+        "$venv/bin/pip" install -q --no-build-isolation --no-deps --force-reinstall "$work"/dist/*.tar.gz
+}
+
+prepare() {
+    if ! make_environment > "$log" 2>&1; then
+        reason="no environment with numpy, cffi, pytest, ...: $(grep -E -m1 'ERROR|Error' "$log" | cut -c 1-120)"
+        return 1
+    fi
+    install_package > "$log" 2>&1
+}
+
+# One line for each test, from the JUnit file of pytest.
+print_results() {
+    "$python" - "$1" <<'END_OF_PROGRAM'
+import sys
+from xml.etree import ElementTree
+
+for case in ElementTree.parse(sys.argv[1]).iter("testcase"):
+    name = case.get("classname", "").rsplit(".", 1)[-1] + "::" + case.get("name", "")
+    if case.find("failure") is not None or case.find("error") is not None:
+        print("not ok python", name)
+    elif (skipped := case.find("skipped")) is not None:
+        print(f"skip python {name} (skipped: {skipped.get('message')})")
+    else:
+        print("ok python", name)
+END_OF_PROGRAM
+}
+
+run_pytest() {
+    # Away from the sources: the installed package is tested.
+    (cd "$work" && timeout 400 "$python" -m pytest -q -c "$here/pyproject.toml" --rootdir "$here" -p no:cacheprovider \
+        --junit-xml "$work/results.xml" "$here/tests") > "$work/pytest.log" 2>&1
+    local code=$?
+    if [ -s "$work/results.xml" ]; then print_results "$work/results.xml"; fi
+    if [ $code -ne 0 ]; then
+        failed=1
+        echo "not ok python pytest (exit code $code; 124 = out of time)"
+        tail -60 "$work/pytest.log"
+    fi
+}
+
+# The first sh block of the README as it is, in a copy of what git knows.
+run_readme() {
+    local copy=$work/clone
+    rm -rf "$copy"
+    mkdir "$copy"
+    (cd "$root" && git ls-files -z --cached --others --exclude-standard | tar c --null -T - --ignore-failed-read) | tar x -C "$copy"
+    awk '/^```sh$/ { on = 1; next } /^```/ { if (on) exit } on' "$here/README.md" > "$work/readme.sh"
+    awk '/^```python$/ { on = 1; next } /^```/ { if (on) exit } on' "$here/README.md" > "$work/readme.py"
+    if cmp -s "$work/readme.py" "$here/examples/stripes.py"; then
+        echo "ok python readme-shows-the-example"
+    else
+        echo "not ok python readme-shows-the-example"
+        diff "$work/readme.py" "$here/examples/stripes.py"
+        failed=1
+    fi
+    if (cd "$copy" && timeout 300 bash -eu "$work/readme.sh") > "$work/readme.log" 2>&1 &&
+        [ "$(head -c 4 "$copy/stripes.png" | tail -c 3)" = PNG ]; then
+        echo "ok python readme"
+    else
+        echo "not ok python readme"
+        tail -20 "$work/readme.log"
+        failed=1
+    fi
+}
+
+case ${1:-} in
+same-bits)
+    reason=
+    if [ ! -f "$work/installed" ] && ! prepare; then
+        [ -n "$reason" ] || { tail -20 "$log" >&2; exit 1; }
+        echo "skip $reason"
+        exit 0
+    fi
+    "$python" "$here/tests/same_bits.py"
+    exit $?
+    ;;
+"") ;;
+*)
+    sed -n '2,3p' "$0"
+    exit 2
+    ;;
+esac
+
+rm -f "$work/installed" "$work/results.xml"
+reason=
+if ! prepare; then
+    if [ -n "$reason" ]; then
+        echo "skip python (skipped: $reason)"
+        exit 0
+    fi
+    echo "not ok python install"
+    tail -30 "$log"
+    exit 1
+fi
+touch "$work/installed"
+echo "ok python install"
+run_pytest
+if [ -f "$here/examples/stripes.py" ]; then run_readme; fi
+exit $failed

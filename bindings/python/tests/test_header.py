@@ -1,0 +1,112 @@
+"""The package offers what include/hmf/hmf.h declares: each addition there fails here until it is bound."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from typing import get_args
+
+import hmf
+import hmf.foliation
+import hmf.hierarchy
+import pytest
+from hmf import errors
+from hmf._native import ffi, lib
+
+PACKAGE = Path(__file__).resolve().parents[1]
+HEADER = next(
+    path
+    for path in (PACKAGE / "core/include/hmf/hmf.h", PACKAGE.parents[1] / "include/hmf/hmf.h")
+    if path.exists()
+)
+TEXT = re.sub(r"/\*.*?\*/", "", HEADER.read_text(encoding="utf-8"), flags=re.S)
+CONSTANTS = {name: int(value) for name, value in re.findall(r"#define (HMF_\w+) (-?\d+)\s", TEXT)}
+FUNCTIONS = re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", TEXT)
+
+
+def names(prefix: str) -> dict[str, int]:
+    return {name[len(prefix) :]: value for name, value in CONSTANTS.items() if name.startswith(prefix)}
+
+
+def test_header_was_understood() -> None:
+    assert len(FUNCTIONS) >= 24 and "hmf_solve" in FUNCTIONS
+    assert len(CONSTANTS) > 60
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_each_function_is_used(function: str) -> None:
+    assert hasattr(lib, function)
+    source = "".join(path.read_text(encoding="utf-8") for path in Path(hmf.__file__).parent.glob("*.py"))
+    assert re.search(rf"\b_?lib\.{function}\b", source)
+
+
+def test_constants_are_those_of_the_header() -> None:
+    assert {name: getattr(lib, name) for name in CONSTANTS} == CONSTANTS
+
+
+def test_statuses() -> None:
+    expected = {"OK": CONSTANTS["HMF_OK"], "CANCELLED": CONSTANTS["HMF_CANCELLED"]}
+    expected |= {f"LIMIT_{name}": value for name, value in names("HMF_LIMIT_").items()}
+    expected |= {f"ERROR_{name}": value for name, value in names("HMF_ERROR_").items()}
+    assert {status.name: status.value for status in hmf.Status} == expected
+
+
+def test_elements_and_progress() -> None:
+    assert {element.name: element.value for element in hmf.Element} == names("HMF_ELEMENT_")
+    assert {answer.name: answer.value for answer in hmf.Progress} == names("HMF_PROGRESS_")
+
+
+def test_each_error_has_a_class() -> None:
+    for name, value in names("HMF_ERROR_").items():
+        kind = errors.error_class(value)
+        assert issubclass(kind, hmf.Error)
+        assert (kind is hmf.InternalError) == (name in ("INTERNAL", "NULL", "CAPACITY")), name
+
+
+@pytest.mark.parametrize(
+    ("prefix", "literal"),
+    [
+        ("HMF_METHOD_", hmf.foliation.Method),
+        ("HMF_COLLAPSE_", hmf.hierarchy.Collapse),
+        ("HMF_LOOPS_", hmf.hierarchy.LoopsKind),
+        ("HMF_LOOP_", hmf.loops.LoopKind),
+    ],
+)
+def test_names_of_choices(prefix: str, literal: object) -> None:
+    expected = {name.lower() for name in names(prefix)} - {"default"}
+    assert set(get_args(literal)) == expected
+
+
+def test_singularity_kinds() -> None:
+    kinds = hmf.foliation._SINGULARITY_KINDS
+    assert {kind.upper(): value for value, kind in kinds.items()} == names("HMF_SINGULAR_")
+
+
+def fields(structure: str) -> set[str]:
+    return {name for name, _ in ffi.typeof(structure).fields}
+
+
+def test_options_are_keywords() -> None:
+    hidden = {"struct_size", "progress_user", "allocate", "release", "allocator_user"}
+    build = set(inspect.signature(hmf.Hierarchy.__init__).parameters)
+    solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
+    both = set(inspect.signature(hmf.solve).parameters)
+    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles"}
+    assert fields("hmf_solve_options") - hidden == solve - {"self", "loops", "weights"}
+    assert (build | solve) - {"self"} == both
+
+
+def test_reports_have_all_fields() -> None:
+    hidden = {"struct_size", "values_written", "level_capacity", "level_count", "history_capacity", "history_count"}
+    assert fields("hmf_report") - hidden == set(hmf.Report.__dataclass_fields__)
+    assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
+    assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
+    assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)
+
+
+def test_version() -> None:
+    assert hmf.__version__ == ".".join(str(CONSTANTS[f"HMF_VERSION_{part}"]) for part in ("MAJOR", "MINOR", "PATCH"))
+    from importlib.metadata import version
+
+    assert version("hmf") == hmf.__version__

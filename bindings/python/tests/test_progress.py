@@ -1,0 +1,200 @@
+"""Callbacks, interrupts, bars, and the interpreter lock."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+
+import hmf
+import numpy as np
+import pytest
+from hmf import _boundary
+
+from conftest import Mesh
+
+
+@pytest.fixture(autouse=True)
+def each_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_boundary, "PROGRESS_INTERVAL", 0.0)
+
+
+def test_fractions_rise_to_one(pretzel: Mesh) -> None:
+    seen: list[float] = []
+    hmf.solve(*pretzel, coarsest=200, progress=seen.append)
+    assert len(seen) > 10
+    assert seen == sorted(seen) and seen[0] >= 0 and 0.9 < seen[-1] <= 1
+
+
+def test_a_callback_does_not_change_the_result(hierarchy: hmf.Hierarchy) -> None:
+    watched = hierarchy.solve(progress=lambda fraction: hmf.Progress.CONTINUE)
+    assert np.array_equal(watched.values, hierarchy.solve().values)
+
+
+def calls_of(hierarchy: hmf.Hierarchy) -> int:
+    seen: list[float] = []
+    hierarchy.solve(progress=seen.append)
+    return len(seen)
+
+
+def test_an_exception_in_each_call(hierarchy: hmf.Hierarchy) -> None:
+    class Mine(Exception):
+        pass
+
+    expected = hierarchy.solve().values
+    count = calls_of(hierarchy)
+    for last in {*range(0, count, max(1, count // 60)), count - 1}:
+        seen: list[float] = []
+
+        def callback(fraction: float, seen: list[float] = seen, last: int = last) -> None:
+            seen.append(fraction)
+            if len(seen) > last:
+                raise Mine(last)
+
+        with pytest.raises(Mine) as caught:
+            hierarchy.solve(progress=callback)
+        assert caught.value.args == (last,)
+        assert len(seen) == last + 1, "called again after an exception"
+        assert caught.traceback[-1].name == "callback"
+    assert np.array_equal(hierarchy.solve().values, expected)
+
+
+def test_an_exception_in_each_call_of_the_build(pretzel: Mesh) -> None:
+    seen: list[float] = []
+    hmf.Hierarchy(*pretzel, progress=seen.append)
+    for last in {*range(0, len(seen), max(1, len(seen) // 40)), len(seen) - 1}:
+        left = [last]
+
+        def callback(fraction: float, left: list[int] = left) -> None:
+            left[0] -= 1
+            if left[0] < 0:
+                raise StopIteration
+
+        with pytest.raises(StopIteration):
+            hmf.Hierarchy(*pretzel, progress=callback)
+
+
+@pytest.mark.parametrize("answer", ["yes", 3, -1, 0.5])
+def test_other_answers_are_refused(hierarchy: hmf.Hierarchy, answer: object) -> None:
+    with pytest.raises(TypeError, match="hmf.Progress"):
+        hierarchy.solve(progress=lambda fraction: answer)  # type: ignore[arg-type, return-value]
+
+
+def test_progress_is_a_function(hierarchy: hmf.Hierarchy) -> None:
+    with pytest.raises(TypeError, match="progress must be"):
+        hierarchy.solve(progress="bar")  # type: ignore[arg-type]
+
+
+def test_cancel(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+    with pytest.raises(hmf.Cancelled) as caught:
+        hierarchy.solve(progress=lambda fraction: hmf.Progress.CANCEL)
+    assert caught.value.status is hmf.Status.CANCELLED and caught.value.foliation is None
+    with pytest.raises(hmf.Cancelled):
+        hmf.Hierarchy(*pretzel, progress=lambda fraction: hmf.Progress.CANCEL)
+
+
+def test_finish_gives_a_foliation(hierarchy: hmf.Hierarchy) -> None:
+    """Whenever it is said, what comes back is closed, without poles and in the class."""
+    count = calls_of(hierarchy)
+    loops = hierarchy.loops(level=0)
+    stopped = 0
+    for last in range(0, count, max(1, count // 20)):
+        seen: list[float] = []
+
+        def callback(fraction: float, seen: list[float] = seen, last: int = last) -> hmf.Progress:
+            seen.append(fraction)
+            return hmf.Progress.FINISH if len(seen) > last else hmf.Progress.CONTINUE
+
+        foliation = hierarchy.solve(loops, progress=callback)
+        found = foliation.singularities()
+        assert foliation.level == 0 and not found.poles and found.index_sum == -4
+        if foliation.status is hmf.Status.CANCELLED:
+            stopped += 1
+            # Of the same class: relaxing it leads to the same minimum.
+            if stopped in (1, 5):
+                assert foliation.relax().energy == pytest.approx(hierarchy.solve(loops).energy, rel=1e-9)
+    assert stopped > 5
+
+
+def test_finish_during_the_build_cancels(pretzel: Mesh) -> None:
+    with pytest.raises(hmf.Cancelled):
+        hmf.Hierarchy(*pretzel, progress=lambda fraction: hmf.Progress.FINISH)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no timer signals")
+@pytest.mark.parametrize("action", ["build", "solve", "relax"])
+def test_an_interrupt_stops_a_call_without_callback(
+    large: Mesh, large_hierarchy: hmf.Hierarchy, action: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_boundary, "PROGRESS_INTERVAL", 0.01)
+    start = large_hierarchy.initialize(large_hierarchy.loops(level=0))
+    previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.02)
+        with pytest.raises(KeyboardInterrupt):
+            if action == "build":
+                hmf.Hierarchy(*large)
+            elif action == "solve":
+                large_hierarchy.solve()
+            else:
+                start.relax()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+
+
+def test_the_lock_is_released(large_hierarchy: hmf.Hierarchy) -> None:
+    """With a switch interval of an hour another thread runs only if the solving one lets go of the lock."""
+    started, ended = threading.Event(), threading.Event()
+
+    def work() -> None:
+        started.set()
+        large_hierarchy.solve()
+        ended.set()
+
+    interval = sys.getswitchinterval()
+    thread = threading.Thread(target=work)
+    sys.setswitchinterval(3600)
+    try:
+        thread.start()
+        started.wait()
+        assert not ended.is_set()
+    finally:
+        sys.setswitchinterval(interval)
+        thread.join()
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_bar(pretzel: Mesh, installed: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    if installed:
+        pytest.importorskip("tqdm")
+    else:
+        monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    hmf.solve(*pretzel, progress=True)
+    captured = capsys.readouterr()
+    assert captured.out == "" and "hmf:" in captured.err and "100%" in captured.err
+
+
+def test_silent_by_default(pretzel: Mesh, capfd: pytest.CaptureFixture[str]) -> None:
+    hmf.solve(*pretzel)
+    captured = capfd.readouterr()
+    assert captured.out == "" and captured.err == ""
+
+
+def test_a_bar_ends_with_an_exception(torus: Mesh, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(hmf.MeshError):
+        hmf.solve(torus[0], torus[1][1:], progress=True)
+    assert "100%" not in capsys.readouterr().err
+
+
+def test_an_interrupt_ends_the_process_as_usual(pretzel: Mesh) -> None:
+    program = (
+        "import hmf, os, signal\n"
+        "from hmf import sample\n"
+        "mesh = sample.pretzel(2)\n"
+        "hmf.solve(*mesh, progress=lambda fraction: os.kill(os.getpid(), signal.SIGINT))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert "KeyboardInterrupt" in done.stderr and done.returncode != 0
+    assert "From cffi callback" not in done.stderr
