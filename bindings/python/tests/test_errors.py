@@ -14,6 +14,7 @@ from contextlib import suppress
 import hmf
 import numpy as np
 import pytest
+from hmf import errors
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -270,3 +271,9 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
     assert done.returncode == 0, done.stderr
     # One leaked hierarchy alone is 200 kB, two hundred of them 40 MB.
     assert int(done.stdout) < 2_000_000
+
+
+def test_a_status_of_a_newer_library() -> None:
+    error = errors.error_class(599)("New. Do this.", 599, 0, 0)
+    assert isinstance(error, hmf.FoliationError)
+    assert error.status == 599 and "STATUS_599" in str(error) and error.status not in list(hmf.Status)

@@ -88,18 +88,23 @@ def fields(structure: str) -> set[str]:
 
 
 def test_options_are_keywords() -> None:
-    hidden = {"struct_size", "progress_user", "allocate", "release", "allocator_user"}
+    hidden = {"struct_size", "reserved", "progress_user", "allocate", "release", "allocator_user"}
+    hidden |= {"seam_edge_count"}  # the length of an array
     build = set(inspect.signature(hmf.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
     both = set(inspect.signature(hmf.solve).parameters)
     assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles"}
     assert fields("hmf_solve_options") - hidden == solve - {"self", "loops", "weights"}
     assert (build | solve) - {"self"} == both
+    parameterize = set(inspect.signature(hmf.Foliation.parameterize).parameters)
+    assert fields("hmf_parameterize_options") - hidden == parameterize - {"self"}
 
 
 def test_reports_have_all_fields() -> None:
     hidden = {"struct_size", "values_written", "level_capacity", "level_count", "history_capacity", "history_count"}
     assert fields("hmf_report") - hidden == set(hmf.Report.__dataclass_fields__)
+    hidden = {"struct_size", "reserved", "vertex_capacity", "edge_capacity", "triangle_capacity"}
+    assert fields("hmf_parameterization") - hidden == set(hmf.Parameterization.__dataclass_fields__)
     assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
     assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
     assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)

@@ -30,6 +30,7 @@ from .errors import (
 from .foliation import Foliation, Singularities, Singularity
 from .hierarchy import Hierarchy, Level, memory_estimate, solve
 from .loops import Loops
+from .parameterization import Parameterization
 from .report import HistoryEntry, LevelReport, Report
 
 
@@ -58,6 +59,7 @@ __all__ = [
     "MeshError",
     "OptionsError",
     "OutOfMemoryError",
+    "Parameterization",
     "Progress",
     "ProgressCallback",
     "ProgressOption",

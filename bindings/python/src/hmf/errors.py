@@ -55,7 +55,18 @@ class Status(IntEnum):
     ERROR_VALUE_NOT_FINITE = 500
     ERROR_VALUE_NOT_CLOSED = 501
     ERROR_VALUE_POLE = 502
+    ERROR_VALUE_NOT_HARMONIC = 503
     ERROR_INTERNAL = 900
+
+    @classmethod
+    def _missing_(cls, value: object) -> Status | None:
+        # Of a newer library: statuses are added, never changed.
+        if not isinstance(value, int):
+            return None
+        status = int.__new__(cls, value)
+        status._name_ = f"STATUS_{value}"
+        status._value_ = value
+        return status
 
     @property
     def text(self) -> str:
@@ -136,7 +147,7 @@ class LoopError(Error, ValueError):
 
 
 class FoliationError(Error, ValueError):
-    """Values are no foliation: not finite, not closed, or with a pole."""
+    """Values cannot be used: not finite, not closed, with a pole, or not harmonic."""
 
 
 class InternalError(Error, RuntimeError):

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._boundary import (
     Floats,
@@ -27,6 +27,7 @@ from ._boundary import (
 )
 from ._native import ffi, lib
 from .errors import Cancelled, LimitWarning, Status
+from .parameterization import Parameterization, parameterize
 from .report import Report, ReportBuffer
 
 if TYPE_CHECKING:
@@ -278,6 +279,34 @@ class Foliation:
                 callback=callback,
                 stacklevel=3,
             )
+
+    def parameterize(
+        self,
+        *,
+        tolerance: float | None = None,
+        seam_edges: ArrayLike | None = None,
+        progress: ProgressOption = None,
+    ) -> Parameterization:
+        """The global conformal parameterisation that has this foliation as |du|.
+
+        Parameters
+        ----------
+        tolerance : float, optional
+            Largest residual of the values; default 1e-2.
+        seam_edges : (n,) ints, optional
+            Edges where seams cost nothing, so that they run there if they can.
+        progress : bool or function, optional
+            As for :class:`Hierarchy`.
+
+        Raises
+        ------
+        FoliationError
+            The values are not closed, have a pole, or are too far from harmonic.
+        UnsupportedError
+            The mesh is so coarse that two zeros need the same vertex.
+        """
+        with progress_callback(progress, "hmf parameterize") as callback:
+            return parameterize(self, tolerance, seam_edges, callback)
 
     def __repr__(self) -> str:
         return f"<Foliation on level {self._level}: {len(self._values)} edges, {self._status.name}>"
