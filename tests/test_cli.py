@@ -220,7 +220,7 @@ class Solve(Case):
         report = json.loads(self.read("r.json").decode())
         self.assertEqual(set(report), {
             "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
-            "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes"})
+            "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes", "leaves"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1})
         self.assertEqual((report["loops"], report["poles"], report["index_sum"]), (1, 0, 0))
         self.assertIs(report["converged"], True)
@@ -337,7 +337,7 @@ class Demo(Case):
         done = self.run_tool("demo", folder)
         image = os.path.join(folder, "image.png")
         self.assertIn(image, done.stdout.splitlines()[-1])
-        self.assertEqual({"sample.obj", "image.png", "values.csv", "values.npy", "report.json", "history.csv"}, set(os.listdir(folder)))
+        self.assertEqual({"sample.obj", "image.png", "leaves.obj", "values.csv", "values.npy", "report.json", "history.csv"}, set(os.listdir(folder)))
         report = json.loads(self.read("demo/report.json").decode())
         self.assertEqual(report["mesh"]["genus"], 3)
         self.assertGreater(report["mesh"]["vertices"], 15000)

@@ -32,7 +32,7 @@ void expect_extension(const char* option, const std::string& path, std::initiali
 
 void check_outputs(const std::string& mesh, const SolveRequest& request) {
     std::vector<std::string> outputs = request.values;
-    for (const std::string& path : {request.report, request.history, request.image})
+    for (const std::string& path : {request.report, request.history, request.image, request.leaves})
         if (!path.empty()) outputs.push_back(path);
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
@@ -63,6 +63,7 @@ int demo(const std::string& folder) {
     request.report = in_folder("report.json");
     request.history = in_folder("history.csv");
     request.image = in_folder("image.png");
+    request.leaves = in_folder("leaves.obj");
     const int status = solve(mesh, seconds_since(start), request);
     std::printf("The picture is in %s\n", request.image.c_str());
     return status;
@@ -118,6 +119,9 @@ int run(int argc, char** argv) {
     solve_command->add_option("--history", request.history, "energy and residual over time")->type_name("FILE.csv");
     solve_command->add_option("--obj", textured_obj)->group(""); // hidden
     solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow")->type_name("FILE.png");
+    solve_command->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")->type_name("FILE.obj");
+    solve_command->add_option("--spacing", request.leaf_spacing, "distance of level sets, in the unit of the weights; default a tenth of the least weight")
+        ->check(CLI::PositiveNumber);
 
     try {
         app.parse(argc, argv);
@@ -136,6 +140,7 @@ int run(int argc, char** argv) {
     expect_extension("--report", request.report, {".json"});
     expect_extension("--history", request.history, {".csv"});
     expect_extension("--image", request.image, {".png"});
+    expect_extension("--leaves", request.leaves, {".obj"});
     if (!values.empty()) request.values = {values};
     if (!method.empty()) request.method = methods.at(method);
     if (!collapse.empty()) request.collapse = collapses.at(collapse);

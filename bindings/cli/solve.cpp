@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "failure.hpp"
+#include "leaves.hpp"
+#include "output.hpp"
 #include "potential.hpp"
 #include "read_loops.hpp"
 #include "render.hpp"
@@ -184,7 +186,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path : {request.report, request.history, request.image})
+    for (const std::string& path : {request.report, request.history, request.image, request.leaves})
         if (!path.empty()) check_writable(path);
 
     InterruptGuard guard;
@@ -277,6 +279,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
     if (!request.image.empty()) write_png(request.image, render(foliation, local_potential(foliation)));
+    if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, name);
     if (!request.report.empty()) write_report(request.report, summary);
 
     std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n", name.c_str(),

@@ -19,7 +19,8 @@ struct SolveRequest {
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image;
+    std::string report, history, image, leaves;
+    double leaf_spacing = 0;
 };
 
 // Both print to standard output, and return an exit status or throw Failure.

@@ -2,59 +2,16 @@
 
 #include <png.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "failure.hpp"
+#include "output.hpp"
 
 namespace cli {
-
-namespace {
-
-[[noreturn]] void refuse(const std::string& path, const char* what) {
-    throw Failure(EXIT_RESOURCES, path + ": " + what + " (" + std::strerror(errno) + "); check the folder, the rights and the free space");
-}
-
-// A file that is complete or throws.
-class Output {
-public:
-    explicit Output(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
-        if (!file_) refuse(path_, "cannot be written");
-        std::setvbuf(file_, nullptr, _IOFBF, 1u << 18);
-    }
-    ~Output() {
-        if (file_) std::fclose(file_);
-    }
-    Output(const Output&) = delete;
-    Output& operator=(const Output&) = delete;
-    std::FILE* file() { return file_; }
-    void close() {
-        const bool failed = std::fflush(file_) != 0 || std::ferror(file_) != 0;
-        const bool unclosed = std::fclose(file_) != 0;
-        file_ = nullptr;
-        if (failed || unclosed) refuse(path_, "cannot be written to the end");
-    }
-
-private:
-    std::string path_;
-    std::FILE* file_;
-};
-
-} // namespace
-
-void check_writable(const std::string& path) {
-    std::error_code code;
-    const bool existed = std::filesystem::exists(path, code);
-    std::FILE* file = std::fopen(path.c_str(), "ab");
-    if (!file) refuse(path, "cannot be written");
-    std::fclose(file);
-    if (!existed) std::remove(path.c_str());
-}
 
 void write_values_csv(const std::string& path, const Foliation& foliation) {
     Output output(path);
@@ -111,7 +68,8 @@ void write_report(const std::string& path, const Summary& summary) {
         {"bad_flips", r.bad_flips},
         {"bad_flips_left", r.bad_flips_left},
         {"converged", r.converged != 0},
-        {"peak_memory_bytes", summary.peak_memory_bytes}};
+        {"peak_memory_bytes", summary.peak_memory_bytes},
+        {"leaves", summary.leaves}};
     const std::string text = report.dump(2) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());

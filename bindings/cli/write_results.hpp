@@ -17,12 +17,10 @@ struct Summary {
     std::string method;
     double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
     uint64_t peak_memory_bytes = 0;
+    size_t leaves = 0; // lines written, 0 where not wanted
     hmf_report report{};
     std::vector<hmf_level_report> levels;
 };
-
-// Throws unless a file of this name can be made: asked before the work, not after.
-void check_writable(const std::string& path);
 
 void write_values_csv(const std::string& path, const Foliation& foliation);
 void write_values_npy(const std::string& path, const std::vector<double>& values);

@@ -128,9 +128,13 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
 #define HMF_ERROR_VALUE_POLE 502 /* the values have a pole */
 #define HMF_ERROR_VALUE_NOT_HARMONIC 503 /* the values are too far from the minimum */
+#define HMF_ERROR_VALUE_CLASS 504 /* the values do not belong to the given loops, or to no loops that can be followed */
 
 /* a defect of the library itself */
 #define HMF_ERROR_INTERNAL 900
+
+/* No element, where an index is expected. */
+#define HMF_NONE 0xffffffffu
 
 /* What an error is about. */
 #define HMF_ELEMENT_NONE 0
@@ -553,6 +557,73 @@ HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options);
  */
 HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
                                     const hmf_parameterize_options *options, hmf_parameterization *out, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Leaves, cylinders, quads
+ * --------------------------------------------------------------------- */
+
+#define HMF_LINE_LEVEL 1         /* a closed leaf at a given height of its cylinder */
+#define HMF_LINE_CRITICAL 2      /* a leaf between two zeros */
+#define HMF_LINE_POINT 3         /* the leaf through a given point */
+
+#define HMF_END_CLOSED 0         /* none: the last point joins the first */
+#define HMF_END_ZERO 1           /* at a zero */
+#define HMF_END_LIMIT 2          /* at the length limit */
+#define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
+
+typedef struct hmf_trace_options {
+    uint32_t struct_size;
+    int32_t critical;            /* not 0: all leaves between zeros */
+    double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
+    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the positions; 0 = none */
+    uint64_t point_count;        /* leaves through points; 0 = none */
+    const uint32_t *point_triangles;      /* point_count */
+    const double *point_barycentrics;     /* point_count x 3, for the corners of the triangle; not negative, sum 1 */
+} hmf_trace_options;
+
+typedef struct hmf_line {
+    int32_t kind;                /* HMF_LINE_* */
+    int32_t closed;              /* 1: the last point joins the first, which is not repeated; 0 */
+    int32_t begin, end;          /* HMF_END_* */
+    uint32_t begin_zero, end_zero; /* which zero, in the list of hmf_singularities; else HMF_NONE */
+    uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves */
+    uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the critical leaf */
+    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical leaves */
+    double length;               /* in the unit of the positions */
+} hmf_line;
+
+/* Fills in the defaults.  NULL is allowed and does nothing. */
+HMF_API void hmf_trace_options_init(hmf_trace_options *options);
+
+/*
+ * Leaves of values on a level as polylines.
+ *
+ *   options       which leaves; NULL or all 0: the critical ones
+ *   lines         line_capacity, or NULL: first the level sets, cylinder by
+ *                 cylinder, then the critical leaves, then those through points
+ *   offsets       line_capacity + 1, or NULL; line k has the points from
+ *                 offsets[k] to offsets[k+1] - 1
+ *   points        point_capacity x 3 coordinates, or NULL
+ *   point_edges   point_capacity edges of the level that the points lie on, or
+ *                 NULL; HMF_NONE for the middle of a zero in a triangle
+ *   line_count, point_count   set on success
+ *
+ * Consecutive points lie in one triangle.  Leaves are followed in exact
+ * integers: no two cross, each closes exactly, and only critical leaves end, at
+ * zeros.  A cylinder gets round(height / spacing) level sets, at least one,
+ * evenly spaced with half a space at either side: so they match across critical
+ * leaves.  The leaf through a point is less than 2^-48 of the largest value away
+ * from it; the middle of a triangle with a zero goes to the nearest leaf.
+ * Genus 1 has no critical leaves.
+ *
+ * Values need not be harmonic.  Errors: classes 100, 200, 500; of a bad point
+ * error->index is its number (HMF_ERROR_OPTIONS).
+ */
+HMF_API hmf_status hmf_trace(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                             const hmf_trace_options *options, hmf_line *lines, size_t line_capacity,
+                             uint64_t *offsets, size_t offset_capacity,
+                             double *points, uint32_t *point_edges, size_t point_capacity,
+                             size_t *line_count, size_t *point_count, hmf_error *error);
 
 #ifdef __cplusplus
 }

@@ -50,6 +50,7 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_ERROR_VALUE_NOT_CLOSED: return "the values are not closed";
     case HMF_ERROR_VALUE_POLE: return "the values have a pole";
     case HMF_ERROR_VALUE_NOT_HARMONIC: return "the values are too far from the minimum";
+    case HMF_ERROR_VALUE_CLASS: return "the values do not belong to the loops";
     case HMF_ERROR_INTERNAL: return "internal error; please report it";
     default: return "unknown status";
     }

@@ -1,0 +1,50 @@
+#include "leaves.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "failure.hpp"
+#include "output.hpp"
+
+namespace cli {
+
+size_t write_leaves(const std::string& path, const hmf_hierarchy* hierarchy, const Foliation& foliation, double spacing, const std::string& mesh_name) {
+    hmf_trace_options options;
+    hmf_trace_options_init(&options);
+    options.critical = 1;
+    options.spacing = spacing > 0 ? spacing : 0.1 * *std::min_element(foliation.loop_weights.begin(), foliation.loop_weights.end());
+    std::vector<hmf_line> lines;
+    std::vector<uint64_t> offsets(1);
+    std::vector<double> points;
+    size_t line_count = 0, point_count = 0;
+    hmf_error error{};
+    // First the counts, then the lines.
+    for (int round = 0; round < 2; ++round) {
+        const hmf_status status = hmf_trace(hierarchy, 0, foliation.values.data(), foliation.values.size(), &options, round ? lines.data() : nullptr, lines.size(),
+                                            round ? offsets.data() : nullptr, offsets.size(), round ? points.data() : nullptr, nullptr, points.size() / 3,
+                                            &line_count, &point_count, &error);
+        if (status != HMF_OK) fail_with(status, error, mesh_name);
+        lines.resize(line_count);
+        offsets.resize(line_count + 1);
+        points.resize(3 * point_count);
+    }
+    Output output(path);
+    for (size_t p = 0; p < point_count; ++p)
+        std::fprintf(output.file(), "v %.9g %.9g %.9g\n", points[3 * p], points[3 * p + 1], points[3 * p + 2]);
+    for (size_t k = 0; k < line_count; ++k) {
+        const bool critical = lines[k].kind == HMF_LINE_CRITICAL;
+        if (k == 0 || critical != (lines[k - 1].kind == HMF_LINE_CRITICAL) || (!critical && lines[k].cylinder != lines[k - 1].cylinder)) {
+            if (critical) std::fprintf(output.file(), "g critical\n");
+            else std::fprintf(output.file(), "g cylinder_%u\n", lines[k].cylinder);
+        }
+        if (offsets[k + 1] - offsets[k] < 2) continue;
+        std::fputc('l', output.file());
+        for (uint64_t p = offsets[k]; p < offsets[k + 1]; ++p) std::fprintf(output.file(), " %llu", static_cast<unsigned long long>(p + 1));
+        if (lines[k].closed) std::fprintf(output.file(), " %llu", static_cast<unsigned long long>(offsets[k] + 1));
+        std::fputc('\n', output.file());
+    }
+    output.close();
+    return line_count;
+}
+
+} // namespace cli

@@ -1,0 +1,16 @@
+// Leaves of a result, as a file of polylines.
+#pragma once
+
+#include <string>
+
+#include "../../include/hmf/hmf.h"
+#include "potential.hpp"
+
+namespace cli {
+
+// Level sets about `spacing` apart (0: a tenth of the least weight) and the
+// critical leaves, as OBJ with one `l` element each, in groups cylinder_K and
+// critical.  Returns the number of lines; throws Failure.
+size_t write_leaves(const std::string& path, const hmf_hierarchy* hierarchy, const Foliation& foliation, double spacing, const std::string& mesh_name);
+
+} // namespace cli

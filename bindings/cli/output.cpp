@@ -1,0 +1,44 @@
+#include "output.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "failure.hpp"
+
+namespace cli {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const char* what) {
+    throw Failure(EXIT_RESOURCES, path + ": " + what + " (" + std::strerror(errno) + "); check the folder, the rights and the free space");
+}
+
+} // namespace
+
+Output::Output(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+    if (!file_) refuse(path_, "cannot be written");
+    std::setvbuf(file_, nullptr, _IOFBF, 1u << 18);
+}
+
+Output::~Output() {
+    if (file_) std::fclose(file_);
+}
+
+void Output::close() {
+    const bool failed = std::fflush(file_) != 0 || std::ferror(file_) != 0;
+    const bool unclosed = std::fclose(file_) != 0;
+    file_ = nullptr;
+    if (failed || unclosed) refuse(path_, "cannot be written to the end");
+}
+
+void check_writable(const std::string& path) {
+    std::error_code code;
+    const bool existed = std::filesystem::exists(path, code);
+    std::FILE* file = std::fopen(path.c_str(), "ab");
+    if (!file) refuse(path, "cannot be written");
+    std::fclose(file);
+    if (!existed) std::remove(path.c_str());
+}
+
+} // namespace cli

@@ -1,0 +1,26 @@
+// A file that is written completely or throws Failure(EXIT_RESOURCES).
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+namespace cli {
+
+class Output {
+public:
+    explicit Output(const std::string& path);
+    ~Output();
+    Output(const Output&) = delete;
+    Output& operator=(const Output&) = delete;
+    std::FILE* file() { return file_; }
+    void close();
+
+private:
+    std::string path_;
+    std::FILE* file_;
+};
+
+// Throws unless a file of this name can be made: asked before the work, not after.
+void check_writable(const std::string& path);
+
+} // namespace cli

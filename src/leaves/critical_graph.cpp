@@ -1,0 +1,231 @@
+// Sectors, boundary leaves and saddle connections; see critical_graph.hpp.
+#include "critical_graph.hpp"
+
+#include "../loops/heap_sort.hpp"
+
+namespace hmf {
+
+namespace {
+
+// The next half-edge that is not zero round the boundary of a cluster,
+// counter-clockwise; closed: a closed corner lies between.
+uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
+    const uint32_t ahead = f.mesh.rotate_ccw(g);
+    if (f.at(ahead) > 0) {
+        closed = f.corner2(g) == 0;
+        return ahead;
+    }
+    closed = false;
+    return twin(f.mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+}
+
+} // namespace
+
+hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+    Memory& memory = call.memory;
+    zeros.start(memory);
+    sectors.start(memory);
+    arcs.start(memory);
+    boundaries.start(memory);
+    crossings.start(memory);
+    circle_.start(memory);
+    const size_t half_edges = size_t{2} * f.mesh.edge_count;
+    // A boundary leaf of a harmonic foliation crosses about as many edges as a
+    // shortest loop.  Integers that belong to no such class can make it longer
+    // than any memory.
+    crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
+    if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE)) return call.out_of_memory();
+    if (find_zeros(f, vertex_order, face_order, call)) return call.status();
+    for (uint32_t s = 0; s < sectors.size(); ++s) {
+        if (sectors[s].boundary != NONE) continue;
+        const uint32_t h = sectors[s].last;
+        const Crossing start = zeros[sectors[s].zero].tripod ? Crossing{h, branch(f, h) - 1} : Crossing{twin(h), width(f, h) - 1};
+        if (trace_boundary(f, start, call)) return call.status();
+    }
+    if (zeros.empty()) {
+        uint32_t widest = 0;
+        for (uint32_t e = 1; e < f.mesh.edge_count; ++e)
+            if (f.value[e] > f.value[widest]) widest = e;
+        const int64_t middle = f.value[widest] / 2 * 2;
+        if (trace_boundary(f, {2 * widest, middle - 1}, call)
+            || trace_boundary(f, reversed(f, {2 * widest, middle + 1}), call))
+            return call.status();
+    }
+    if (pair_arcs(call)) return call.status();
+    return sort_marks(f, memory) ? HMF_OK : call.out_of_memory();
+}
+
+hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+    const Mesh& mesh = f.mesh;
+    Array<int32_t> at_vertex, at_face;
+    Array<uint32_t> cluster, side_of_face;
+    if (!at_vertex.allocate(call.memory, mesh.vertex_count) || !at_face.allocate(call.memory, mesh.face_count)
+        || !cluster.allocate(call.memory, mesh.vertex_count) || !side_of_face.allocate(call.memory, mesh.face_count))
+        return call.out_of_memory();
+    count_singularities(f, at_vertex.data(), cluster.data(), nullptr, at_face.data());
+    if (f.out_of_memory) return call.out_of_memory();
+    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
+        const uint32_t v = vertex_order ? vertex_order[i] : i, lowest = cluster[v];
+        const int32_t index = at_vertex[lowest];
+        if (index == 0) continue;
+        at_vertex[lowest] = 0; // once
+        const uint32_t zero = static_cast<uint32_t>(zeros.size());
+        const int64_t euler = explore_cluster(f, v, NONE, NONE, NONE, 0, 0).euler;
+        if (f.out_of_memory || !zeros.push({false, v, index, euler})) return call.out_of_memory();
+        for (uint32_t u : f.members)
+            if (!add_sectors_of_vertex(f, zero, u)) return call.out_of_memory();
+    }
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side_of_face[mesh.face[h]] = h;
+    for (uint32_t i = 0; i < mesh.face_count; ++i) {
+        const uint32_t t = face_order ? face_order[i] : i;
+        if (at_face[t] == 0) continue;
+        const uint32_t zero = static_cast<uint32_t>(zeros.size());
+        if (!zeros.push({true, side_of_face[t], at_face[t], 1}) || !add_sectors_of_tripod(f, zero, side_of_face[t])) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+// The circles of the cluster's boundary on which half-edges of the vertex lie.
+bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex) {
+    const uint32_t first = f.mesh.out[vertex];
+    uint32_t h = first;
+    do {
+        if (f.at(h) > 0 && at_vertex_[h] == NONE) {
+            circle_.clear();
+            uint32_t g = h, count = 0;
+            size_t start = 0; // behind a closed corner
+            do {
+                bool closed = false;
+                if (!circle_.push(g)) return false;
+                g = next_round(f, g, closed);
+                if (closed) {
+                    ++count;
+                    start = circle_.size();
+                }
+            } while (g != h);
+            const uint32_t before = static_cast<uint32_t>(sectors.size()), n = count > 0 ? count : 1;
+            for (uint32_t s = 0; s < n; ++s)
+                if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE})) return false;
+            uint32_t s = before;
+            for (size_t i = 0; i < circle_.size(); ++i) {
+                g = circle_[(start + i) % circle_.size()];
+                at_vertex_[g] = s;
+                sectors[s].last = g;
+                bool closed = false;
+                next_round(f, g, closed);
+                if (closed) ++s;
+            }
+        }
+        h = f.mesh.rotate_ccw(h);
+    } while (h != first);
+    return true;
+}
+
+// Seen from the middle, the sectors are the corners, counter-clockwise; the
+// prong of corner i runs over the side i -> j.
+bool CriticalGraph::add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h) {
+    const uint32_t before = static_cast<uint32_t>(sectors.size());
+    for (uint32_t s = 0; s < 3; ++s, h = f.mesh.next[h]) {
+        at_tripod_[h] = before + s;
+        if (!sectors.push({zero, before + (s + 1) % 3, before + (s + 2) % 3, h, NONE, NONE})) return false;
+    }
+    return true;
+}
+
+uint32_t CriticalGraph::sector_at(const Foliation& f, const Crossing& c) const {
+    const uint32_t h = c.half_edge;
+    if (at_tripod_[h] != NONE && c.at == branch(f, h) - 1) return at_tripod_[h];
+    if (at_vertex_[twin(h)] != NONE && c.at == width(f, h) - 1) return at_vertex_[twin(h)];
+    return NONE;
+}
+
+// start lies at the end of a sector, or in none.
+hmf_status CriticalGraph::trace_boundary(const Foliation& f, Crossing start, Call& call) {
+    const uint32_t boundary = static_cast<uint32_t>(boundaries.size());
+    Boundary b{crossings.size(), 0, static_cast<uint32_t>(arcs.size()), 0};
+    uint32_t inside = sector_at(f, start); // sector of the crossing before
+    uint32_t left = inside;                // sector passed last
+    uint64_t left_at = crossings.size();
+    if (inside != NONE) sectors[inside].boundary = boundary;
+    if (!crossings.push(start)) return call.out_of_memory();
+    for (Crossing c = follow(f, start);; c = follow(f, c)) {
+        if (crossings.size() >= crossing_limit_)
+            return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                             "A leaf crosses more than %llu edges. Pass values as the library returned them for loops.",
+                             static_cast<unsigned long long>(crossing_limit_));
+        const uint64_t index = crossings.size();
+        if (!crossings.push(c)) return call.out_of_memory();
+        const uint32_t s = sector_at(f, c);
+        if (s != NONE && s != inside) {
+            if (left == NONE) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "A leaf of a surface without zeros passes one. Please report it.");
+            sectors[left].arc = static_cast<uint32_t>(arcs.size());
+            if (!arcs.push({left, s, left_at, index, NONE})) return call.out_of_memory();
+            sectors[s].boundary = boundary;
+        }
+        if (s != NONE) {
+            left = s;
+            left_at = index;
+        }
+        inside = s;
+        if (c == start) break;
+    }
+    b.end = crossings.size();
+    b.arcs_end = static_cast<uint32_t>(arcs.size());
+    return boundaries.push(b) ? HMF_OK : call.out_of_memory();
+}
+
+hmf_status CriticalGraph::pair_arcs(Call& call) {
+    for (uint32_t a = 0; a < arcs.size(); ++a) {
+        const uint32_t other = sectors[sectors[arcs[a].to].previous].arc;
+        // Both sides of an arc join the same prongs.
+        if (other == NONE || arcs[other].to != sectors[arcs[a].from].next)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, a, "The sides of a critical leaf do not match. Please report it.");
+        arcs[a].twin = other;
+    }
+    return HMF_OK;
+}
+
+bool CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
+    const uint32_t n = f.mesh.edge_count;
+    if (!mark_offset.allocate_filled(memory, n + size_t{1}, 0u) || !marks.allocate(memory, crossings.size() - boundaries.size())) return false;
+    for (const Boundary& b : boundaries)
+        for (uint64_t i = b.begin; i + 1 < b.end; ++i) ++mark_offset[edge_of(crossings[i].half_edge)];
+    uint32_t total = 0;
+    for (uint32_t e = 0; e <= n; ++e) {
+        total += mark_offset[e];
+        mark_offset[e] = total;
+    }
+    for (uint32_t k = 0; k < boundaries.size(); ++k)
+        for (uint64_t i = boundaries[k].begin; i + 1 < boundaries[k].end; ++i) {
+            const Crossing& c = crossings[i];
+            const bool backwards = c.half_edge & 1u; // then the right side is ahead
+            marks[--mark_offset[edge_of(c.half_edge)]] = {backwards ? width(f, c.half_edge) - c.at : c.at, k, backwards};
+        }
+    // In a cylinder one unit high both boundary leaves are the same: first the lower one.
+    const auto before = [](const Mark& a, const Mark& b) { return a.at != b.at ? a.at < b.at : a.forward && !b.forward; };
+    for (uint32_t e = 0; e < n; ++e)
+        if (mark_offset[e + 1] - mark_offset[e] > 1) heap_sort(&marks[mark_offset[e]], mark_offset[e + 1] - mark_offset[e], before);
+    return true;
+}
+
+bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const {
+    const uint32_t begin = mark_offset[edge_of(h)], end = mark_offset[edge_of(h) + 1];
+    const bool backwards = h & 1u;
+    const int64_t place = backwards ? width(f, h) - at : at; // along 2e
+    // The first mark beyond the place.
+    uint32_t low = begin, high = end;
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (backwards ? marks[middle].at < place : marks[middle].at <= place) low = middle + 1;
+        else high = middle;
+    }
+    if (backwards ? low == begin : low == end) return false;
+    found = marks[backwards ? low - 1 : low];
+    if (backwards) {
+        found.at = width(f, h) - found.at;
+        found.forward = !found.forward;
+    }
+    return true;
+}
+
+} // namespace hmf

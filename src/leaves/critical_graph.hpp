@@ -1,0 +1,91 @@
+// The critical graph: the zeros of a foliation and the leaves between them.
+//
+// A zero of order m has m + 2 prongs and as many sectors between them.  In each
+// sector a leaf passes half a unit away.  Such a boundary leaf goes on along a
+// prong, past the next zero, and so on, until it closes: it runs round one side
+// of the critical graph, which lies on its left, and bounds a cylinder on its right.
+//
+//            prong of s
+//               |                 s' = next of s (counter-clockwise)
+//       sector  |  sector         the prong of s is the one between s and s'
+//         s'    |    s            a boundary leaf comes to s along the prong of
+//        -------Z-------          the sector before, and leaves along its own
+//
+// So the sectors that boundary leaves pass one after the other tell how prongs
+// are joined to arcs (saddle connections), without following a leaf that hits
+// anything.  The arc itself lies half a unit left of the boundary leaf.
+#pragma once
+
+#include "leaf.hpp"
+
+namespace hmf {
+
+struct Zero {
+    bool tripod;
+    uint32_t element;    // vertex (of a cluster the first in the given order); tripod: a half-edge of it
+    int32_t index;
+    int64_t euler;       // of its cluster; 1 is a disk
+};
+
+struct Sector {
+    uint32_t zero;
+    uint32_t next, previous; // counter-clockwise round the zero; itself if there is no prong
+    uint32_t last;           // half-edge out of the zero, last of the sector; tripod: out of the corner
+    uint32_t arc;            // the side of an arc that leaves here, NONE without prong
+    uint32_t boundary;
+};
+
+// One side of a saddle connection: part of a boundary leaf.
+struct ArcSide {
+    uint32_t from, to;       // sectors
+    uint64_t first, last;    // crossings; of a tripod's sector, `last` is the one after its middle
+    uint32_t twin;           // the other side
+};
+
+struct Boundary {
+    uint64_t begin, end;     // its crossings; the last repeats the first
+    uint32_t arcs_begin, arcs_end; // in the order of the leaf
+};
+
+// A boundary leaf on an edge, seen along half-edge 2e.
+struct Mark {
+    int64_t at;
+    uint32_t boundary;
+    bool forward;            // its cylinder lies ahead (larger places)
+};
+
+class CriticalGraph {
+public:
+    Array<Zero> zeros;
+    Array<Sector> sectors;
+    Array<ArcSide> arcs;
+    Array<Boundary> boundaries;
+    Array<Crossing> crossings;
+    Array<uint32_t> mark_offset; // edge_count + 1
+    Array<Mark> marks;           // ascending on each edge
+
+    // vertex_order, face_order: internal numbers in the order in which zeros
+    // are listed; NULL: as they are.  Without a zero (genus 1) one closed leaf
+    // of the torus counts as critical, with a boundary leaf on either side.
+    hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+
+    // The sector that a leaf passes at a crossing, or NONE.
+    uint32_t sector_at(const Foliation& f, const Crossing& c) const;
+
+    // The mark nearest ahead of place `at` on half-edge h: true if there is one.
+    bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
+
+private:
+    hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
+    bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
+    hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
+    hmf_status pair_arcs(Call& call);
+    bool sort_marks(const Foliation& f, Memory& memory);
+
+    Array<uint32_t> at_vertex_, at_tripod_; // per half-edge: sector
+    Array<uint32_t> circle_;
+    uint64_t crossing_limit_ = 0;
+};
+
+} // namespace hmf

@@ -1,0 +1,192 @@
+// Cylinders from boundary leaves: from each one a path goes straight across the
+// leaves until it meets another, which bounds the same cylinder.  Along an edge
+// the height above the boundary grows by exactly what one walks, at a vertex the
+// path goes on into the direction ahead; so the height of the whole cylinder is
+// a sum of integers, and it is the weight of the loop.
+#include "cylinders.hpp"
+
+#include "../loops/heap_sort.hpp"
+
+namespace hmf {
+
+hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+    if (graph.build(f, vertex_order, face_order, call)) return call.status();
+    list.start(call.memory);
+    pieces.start(call.memory);
+    circle_.start(call.memory);
+    const uint32_t n = static_cast<uint32_t>(graph.boundaries.size());
+    if (!of_boundary.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    for (uint32_t b = 0; b < n; ++b) {
+        if (of_boundary[b] != NONE) continue;
+        const Crossing back = reversed(f, graph.crossings[graph.boundaries[b].begin]);
+        Cylinder c{b, NONE, 0, pieces.size(), 0};
+        Mark found;
+        int64_t distance = 0;
+        if (walk_across(f, back.half_edge, back.at, &pieces, found, distance, call)) return call.status();
+        c.upper = found.boundary;
+        // Both boundary leaves are half a unit inside.
+        c.height = (distance + 2) / 2;
+        c.path_end = pieces.size();
+        if (found.forward || c.upper == b || of_boundary[c.upper] != NONE)
+            return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                             "The leaves do not form one cylinder for each loop. Pass values as the library returned them for loops.");
+        of_boundary[b] = of_boundary[c.upper] = static_cast<uint32_t>(list.size());
+        if (!list.push(c)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+// Where a path goes on that comes to a vertex along the twin of `back`: the
+// longest half-edge on the other side of its leaf.  NONE: there is none, or no memory.
+uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
+    const Mesh& mesh = f.mesh;
+    uint32_t best = NONE, closed_corners = 0;
+    circle_.clear();
+    uint32_t g = back;
+    do {
+        if (!circle_.push(g)) { f.out_of_memory = true; return NONE; }
+        if (closed_corners == 1 && (best == NONE || f.at(g) > f.at(best))) best = g;
+        const uint32_t ahead = mesh.rotate_ccw(g);
+        if (f.at(ahead) > 0) {
+            closed_corners += f.corner2(g) == 0;
+            g = ahead;
+        } else g = twin(mesh.next[g]);
+    } while (g != back && closed_corners < 2);
+    if (best != NONE) return best;
+    // A closed leaf along zero edges: its other side is another circle.
+    const auto ascending = [](uint32_t a, uint32_t b) { return a < b; };
+    heap_sort(circle_.data(), circle_.size(), ascending);
+    explore_cluster(f, mesh.origin[back], NONE, NONE, NONE, 0, 0);
+    for (uint32_t v : f.members) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            if (f.at(h) > 0 && (best == NONE || f.at(h) > f.at(best))) {
+                size_t low = 0, high = circle_.size();
+                while (low < high) {
+                    const size_t middle = low + (high - low) / 2;
+                    if (circle_[middle] < h) low = middle + 1;
+                    else high = middle;
+                }
+                if (low == circle_.size() || circle_[low] != h) best = h;
+            }
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
+    }
+    return best;
+}
+
+hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance, Call& call) {
+    distance = 0;
+    // Each step climbs, and a cylinder has no vertex twice.
+    for (uint32_t step = 0; step <= f.mesh.vertex_count; ++step) {
+        const bool arrived = graph.mark_ahead(f, h, at, found);
+        const int64_t to = arrived ? found.at : width(f, h);
+        // The first height is that of a boundary leaf.
+        if (path && !path->push({h, at, to, distance + 1})) return call.out_of_memory();
+        distance += to - at;
+        if (arrived) return HMF_OK;
+        h = half_edge_ahead(f, twin(h));
+        at = 0;
+        if (f.out_of_memory) return call.out_of_memory();
+        if (h == NONE) break;
+    }
+    return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                     "The leaves do not form one cylinder for each loop. Pass values as the library returned them for loops.");
+}
+
+Crossing Cylinders::leaf_at(const Foliation& f, uint32_t cylinder, int64_t height, uint64_t* piece) const {
+    const Cylinder& c = list[cylinder];
+    uint64_t low = c.path_begin, high = c.path_end; // the last piece that begins below
+    while (high - low > 1) {
+        const uint64_t middle = low + (high - low) / 2;
+        if (pieces[middle].height <= height) low = middle;
+        else high = middle;
+    }
+    if (piece) *piece = low;
+    const Piece& p = pieces[low];
+    return reversed(f, {p.half_edge, p.from + (height - p.height)});
+}
+
+hmf_status Cylinders::locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call) {
+    const Crossing back = reversed(f, c);
+    Mark found;
+    int64_t distance = 0;
+    // On a boundary leaf the search begins at the leaf itself.
+    if (walk_across(f, back.half_edge, back.at - 1, nullptr, found, distance, call)) return call.status();
+    --distance;
+    if (found.forward && distance == 0 && walk_across(f, back.half_edge, back.at, nullptr, found, distance, call)) return call.status();
+    cylinder = of_boundary[found.boundary];
+    height = list[cylinder].lower == found.boundary ? distance + 1 : 2 * list[cylinder].height - distance - 1;
+    return HMF_OK;
+}
+
+bool closed_leaf(const Foliation& f, const Crossing& start, uint64_t limit, Array<Crossing>& found) {
+    found.clear();
+    Crossing c = start;
+    do {
+        if (found.size() == limit) {
+            found.clear();
+            return false;
+        }
+        if (!found.push(c)) return false;
+        c = follow(f, c);
+    } while (!(c == start));
+    return true;
+}
+
+double flux(const Foliation& f, const double* weight, const Array<Crossing>& leaf) {
+    double sum = 0;
+    for (const Crossing& c : leaf) sum += weight[edge_of(c.half_edge)] * static_cast<double>(f.at(c.half_edge));
+    return sum;
+}
+
+hmf_status cylinder_areas(Foliation& f, Cylinders& cylinders, const double* weight, double* area, Call& call) {
+    const CriticalGraph& graph = cylinders.graph;
+    const Mesh& mesh = f.mesh;
+    for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
+    // A vertex within a cylinder knows it from an edge with a mark, or from a neighbour.
+    Array<uint32_t> of_vertex, queue;
+    queue.start(call.memory);
+    if (!of_vertex.allocate_filled(call.memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return call.out_of_memory();
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        Mark first;
+        const uint32_t v = mesh.origin[h];
+        if (of_vertex[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
+        of_vertex[v] = cylinders.of_boundary[first.boundary];
+        queue.push(v);
+    }
+    for (size_t at = 0; at < queue.size(); ++at) {
+        const uint32_t v = queue[at], start = mesh.out[v];
+        uint32_t h = start;
+        do {
+            const uint32_t w = mesh.target(h);
+            Mark first;
+            if (of_vertex[w] == NONE && !graph.mark_ahead(f, h, 0, first)) {
+                of_vertex[w] = of_vertex[v];
+                queue.push(w);
+            }
+            h = mesh.rotate_ccw(h);
+        } while (h != start);
+    }
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (f.value[e] == 0) continue;
+        const double pull = weight[e] * static_cast<double>(f.value[e]);
+        const uint32_t begin = graph.mark_offset[e], end = graph.mark_offset[e + 1];
+        int64_t from = 0; // half units; critical leaves lie half a unit beyond marks
+        uint32_t inside = of_vertex[mesh.origin[2 * e]];
+        for (uint32_t i = begin; i < end; ++i) {
+            const Mark& m = graph.marks[i];
+            const int64_t at = m.forward ? m.at - 1 : m.at + 1;
+            if (!m.forward) inside = cylinders.of_boundary[m.boundary];
+            if (inside != NONE && !m.forward) area[inside] += pull * static_cast<double>(at - from) / 2;
+            from = at;
+            inside = m.forward ? cylinders.of_boundary[m.boundary] : NONE;
+        }
+        if (begin == end) inside = inside != NONE ? inside : of_vertex[mesh.target(2 * e)];
+        if (inside != NONE) area[inside] += pull * static_cast<double>(width(f, 2 * e) - from) / 2;
+    }
+    return HMF_OK;
+}
+
+} // namespace hmf

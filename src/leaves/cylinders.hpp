@@ -1,0 +1,58 @@
+// The cylinders of a foliation: what is left of the surface without its
+// critical graph.  One for each loop of the class, as high as its weight.
+#pragma once
+
+#include "critical_graph.hpp"
+
+namespace hmf {
+
+// Part of a path across a cylinder: along half_edge from place `from` to place `to`.
+struct Piece {
+    uint32_t half_edge;
+    int64_t from, to;
+    int64_t height; // of its start above the lower boundary, half units
+};
+
+struct Cylinder {
+    uint32_t lower, upper; // boundaries
+    int64_t height;        // units: the distance of the critical leaves
+    uint64_t path_begin, path_end; // a path across, from the lower boundary leaf to the upper one
+};
+
+class Cylinders {
+public:
+    CriticalGraph graph;
+    Array<Cylinder> list;        // in the order of their lower boundaries
+    Array<uint32_t> of_boundary; // cylinder
+    Array<Piece> pieces;
+
+    hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+
+    // The leaf at a height (half units above the lower critical leaves, odd),
+    // where it crosses the path; it has the direction of the lower boundary leaf.
+    Crossing leaf_at(const Foliation& f, uint32_t cylinder, int64_t height, uint64_t* piece = nullptr) const;
+
+    // Which cylinder a leaf lies in, and how high (half units).
+    hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
+
+private:
+    // Across the leaves from place `at` ahead on half-edge h to the first
+    // boundary leaf; appends the way to `path` unless that is NULL.
+    hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance, Call& call);
+    uint32_t half_edge_ahead(Foliation& f, uint32_t back);
+    Array<uint32_t> circle_;
+};
+
+// A whole closed leaf, from c on, without repeating it.  False: out of memory,
+// or more than limit crossings (then found is empty).
+bool closed_leaf(const Foliation& f, const Crossing& c, uint64_t limit, Array<Crossing>& found);
+
+// The sum of weight * F over the edges that a closed leaf crosses: its length
+// in the conjugate direction.  All leaves of a cylinder have the same at the minimum.
+double flux(const Foliation& f, const double* weight, const Array<Crossing>& leaf);
+
+// Areas of the cylinders in the flat metric, the sum of weight * F * (part of F
+// in the cylinder): together the energy.  Squared units.
+hmf_status cylinder_areas(Foliation& f, Cylinders& cylinders, const double* weight, double* area, Call& call);
+
+} // namespace hmf

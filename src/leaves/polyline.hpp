@@ -1,0 +1,52 @@
+// Leaves as polylines on the surface in space.
+#pragma once
+
+#include "cylinders.hpp"
+
+namespace hmf {
+
+// A point of an edge, at its fraction; the same bits from both half-edges.
+void point_at(const Foliation& f, const double* position, const Crossing& c, double* point);
+
+// Where the prongs of a tripod meet: the mean of the branch points on the sides.
+void middle_of_tripod(const Foliation& f, const double* position, uint32_t h, double* point);
+
+double distance(const double* a, const double* b);
+
+// The places of an arc, without the middle of a tripod: half a unit left of
+// its side.  A place of full width is the vertex that the half-edge ends at;
+// each comes once.  False: out of memory.
+bool arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places);
+
+// As above for a closed boundary leaf without zeros (genus 1), not repeating the first place.
+bool closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places);
+
+class Lines {
+public:
+    Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call);
+
+    Array<hmf_line> list;
+    Array<uint64_t> offsets; // list.size() + 1
+    Array<double> points;    // 3 per point
+    Array<uint32_t> edges;   // per point, NONE in the middle of a tripod
+
+    bool start();
+    hmf_status add_levels(Cylinders& cylinders, double spacing);
+    hmf_status add_arcs(const CriticalGraph& graph);
+    // The leaf through the point with these barycentric coordinates for the
+    // corners of a triangle, of which h is side 0.
+    hmf_status add_point(Cylinders& cylinders, uint32_t h, const double* barycentric, uint32_t number);
+
+private:
+    // A leaf through a place, until it closes or is too long.
+    hmf_status add_leaf(const Crossing& c, hmf_line line);
+    bool add(const double* point, uint32_t edge);
+    bool end_line(const hmf_line& line);
+
+    Foliation& f_;
+    const double* position_;
+    double unit_, length_limit_;
+    Call& call_;
+};
+
+} // namespace hmf

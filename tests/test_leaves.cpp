@@ -1,0 +1,259 @@
+// Leaves, cylinders and quads against oracles that share no code with them.
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+using namespace test;
+
+namespace {
+
+struct Traced {
+    std::vector<hmf_line> lines;
+    std::vector<uint64_t> offsets;
+    std::vector<double> points;
+    std::vector<uint32_t> edges;
+    size_t size(size_t k) const { return static_cast<size_t>(offsets[k + 1] - offsets[k]); }
+};
+
+hmf_trace_options trace_options() {
+    hmf_trace_options options;
+    hmf_trace_options_init(&options);
+    return options;
+}
+
+Traced trace(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_trace_options& options) {
+    Traced t;
+    hmf_error error{};
+    size_t lines = 0, points = 0;
+    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &lines, &points, &error), HMF_OK)
+        << error.message;
+    t.lines.resize(lines);
+    t.offsets.resize(lines + 1);
+    t.points.resize(3 * points);
+    t.edges.resize(points);
+    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, t.lines.data(), lines, t.offsets.data(), lines + 1, t.points.data(),
+                        t.edges.data(), points, &lines, &points, &error), HMF_OK)
+        << error.message;
+    EXPECT_EQ(t.lines.size(), lines);
+    return t;
+}
+
+// Everything about lines that follows from what a leaf is: consecutive points
+// lie in one triangle and at the same distance from the corner between their
+// edges, and lines do not cross in any triangle.
+void expect_leaves(const LevelMesh& mesh, const std::vector<double>& values, const Traced& t) {
+    std::vector<std::vector<uint32_t>> triangles(mesh.edge_count);
+    for (uint32_t f = 0; f < mesh.triangle_count; ++f)
+        for (uint32_t s = 0; s < 3; ++s) triangles[mesh.triangle_edges[3 * f + s]].push_back(f);
+    // The part of an edge between its first vertex and a point on it.
+    const auto part = [&](uint32_t e, size_t p) {
+        const double* a = &mesh.positions[3 * mesh.edge_vertices[2 * e]];
+        const double* b = &mesh.positions[3 * mesh.edge_vertices[2 * e + 1]];
+        double ab = 0, ap = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            ab += (b[k] - a[k]) * (b[k] - a[k]);
+            ap += (b[k] - a[k]) * (t.points[3 * p + k] - a[k]);
+        }
+        return ap / ab;
+    };
+    const double largest = *std::max_element(values.begin(), values.end());
+    struct Segment { double from, to; }; // places on the rim of a triangle, 0 to 3
+    std::map<uint32_t, std::vector<Segment>> in_triangle;
+    size_t wrong = 0, apart = 0, crossing = 0;
+    for (size_t k = 0; k < t.lines.size(); ++k) {
+        const size_t begin = static_cast<size_t>(t.offsets[k]), n = t.size(k);
+        double length = 0;
+        for (size_t i = 0; i + !t.lines[k].closed < n; ++i) {
+            const size_t p = begin + i, q = begin + (i + 1) % n;
+            double square = 0;
+            for (size_t a = 0; a < 3; ++a) square += (t.points[3 * p + a] - t.points[3 * q + a]) * (t.points[3 * p + a] - t.points[3 * q + a]);
+            length += std::sqrt(square);
+            const uint32_t e = t.edges[p], f = t.edges[q];
+            if (e == HMF_NONE || f == HMF_NONE) continue; // in a zero
+            uint32_t common = HMF_NONE;
+            for (uint32_t x : triangles[e])
+                for (uint32_t y : triangles[f])
+                    if (x == y) common = x;
+            if (common == HMF_NONE) { ++apart; continue; }
+            if (e == f) continue; // along an edge of value 0
+            // The corner between both edges.
+            uint32_t corner = HMF_NONE;
+            for (size_t a = 0; a < 2; ++a)
+                for (size_t b = 0; b < 2; ++b)
+                    if (mesh.edge_vertices[2 * e + a] == mesh.edge_vertices[2 * f + b]) corner = mesh.edge_vertices[2 * e + a];
+            const double s = part(e, p), r = part(f, q);
+            const double at_e = (mesh.edge_vertices[2 * e] == corner ? s : 1 - s) * values[e], at_f = (mesh.edge_vertices[2 * f] == corner ? r : 1 - r) * values[f];
+            wrong += std::abs(at_e - at_f) > 1e-11 * largest;
+            double place[2];
+            for (size_t c = 0; c < 3; ++c) {
+                const uint32_t side = mesh.triangle_edges[3 * common + c];
+                const bool same = mesh.edge_vertices[2 * side] == mesh.triangle_vertices[3 * common + c];
+                if (side == e) place[0] = double(c) + (same ? s : 1 - s);
+                if (side == f) place[1] = double(c) + (same ? r : 1 - r);
+            }
+            in_triangle[common].push_back({std::min(place[0], place[1]), std::max(place[0], place[1])});
+        }
+        if (t.lines[k].end != HMF_END_LIMIT) { EXPECT_NEAR(length, t.lines[k].length, 1e-9 * length) << k; }
+    }
+    constexpr double eps = 1e-9;
+    for (const auto& entry : in_triangle)
+        for (size_t i = 0; i < entry.second.size(); ++i)
+            for (size_t j = i + 1; j < entry.second.size(); ++j) {
+                const Segment &a = entry.second[i], &b = entry.second[j];
+                const auto inside = [&](double x) { return x > a.from + eps && x < a.to - eps; };
+                const auto outside = [&](double x) { return x < a.from - eps || x > a.to + eps; };
+                crossing += (inside(b.from) && outside(b.to)) || (outside(b.from) && inside(b.to));
+            }
+    EXPECT_EQ(apart, 0u);
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_EQ(crossing, 0u);
+}
+
+std::vector<hmf_singularity> zeros_of(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values) {
+    size_t count = 0;
+    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, nullptr), HMF_OK);
+    std::vector<hmf_singularity> zeros(count);
+    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, zeros.data(), count, &count, nullptr), HMF_OK);
+    return zeros;
+}
+
+struct Sample {
+    const char* name;
+    TriMesh mesh;
+    std::vector<double> weights; // one per loop of the cut system
+};
+
+std::vector<Sample> samples() {
+    TorusOptions sheared;
+    sheared.jitter = 0.25;
+    sheared.seed = 7;
+    return {{"torus", torus(24, 12, 2, 1), {1}},
+            {"sheared torus", torus(40, 20, 2, 1, sheared), {0.7}},
+            {"pretzel 2", pretzel(2, 2), {1, 1}},
+            {"pretzel 3", pretzel(3, 2), {1, 2.5, 0.3}},
+            {"plate 2", plate(2), {1, 3}},
+            {"finger", torus_with_finger(24, 12, 8, 3), {1}},
+            {"bad triangles", with_bad_triangles(pretzel(2, 2), 12, 0.5, 3), {1, 1}}};
+}
+
+class Leaves : public testing::TestWithParam<size_t> {
+protected:
+    void SetUp() override {
+        sample = samples()[GetParam()];
+        hierarchy.reset(new Hierarchy(sample.mesh));
+        loops = library_loops(*hierarchy, hierarchy->coarsest());
+        loops.weights = sample.weights;
+        solution = solve(*hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-9));
+        ASSERT_LT(solution.status, HMF_ERROR_NULL);
+        mesh = read_level(*hierarchy, 0);
+    }
+    Sample sample;
+    std::unique_ptr<Hierarchy> hierarchy;
+    Loops loops;
+    Solution solution;
+    LevelMesh mesh;
+};
+
+TEST_P(Leaves, LevelSets) {
+    hmf_trace_options options = trace_options();
+    options.spacing = 0.21;
+    const Traced t = trace(*hierarchy, 0, solution.values, options);
+    size_t expected = 0;
+    for (double w : sample.weights) expected += static_cast<size_t>(std::max(1.0, std::floor(w / 0.21 + 0.5)));
+    EXPECT_EQ(t.lines.size(), expected);
+    for (const hmf_line& line : t.lines) {
+        EXPECT_EQ(line.kind, HMF_LINE_LEVEL);
+        EXPECT_EQ(line.closed, 1);
+        EXPECT_EQ(line.end, HMF_END_CLOSED);
+        EXPECT_LT(line.cylinder, sample.weights.size());
+    }
+    expect_leaves(mesh, solution.values, t);
+}
+
+TEST_P(Leaves, CriticalGraph) {
+    const Traced t = trace(*hierarchy, 0, solution.values, trace_options());
+    const std::vector<hmf_singularity> zeros = zeros_of(*hierarchy, 0, solution.values);
+    std::vector<int> ends(zeros.size(), 0);
+    int prongs = 0;
+    for (const hmf_singularity& zero : zeros) prongs += 2 - zero.index;
+    EXPECT_EQ(2 * t.lines.size(), static_cast<size_t>(prongs));
+    for (const hmf_line& line : t.lines) {
+        EXPECT_EQ(line.kind, HMF_LINE_CRITICAL);
+        ASSERT_LT(line.begin_zero, zeros.size());
+        ASSERT_LT(line.end_zero, zeros.size());
+        ++ends[line.begin_zero];
+        ++ends[line.end_zero];
+    }
+    for (size_t z = 0; z < zeros.size(); ++z) EXPECT_EQ(ends[z], 2 - zeros[z].index) << z;
+    expect_leaves(mesh, solution.values, t);
+}
+
+TEST_P(Leaves, ThroughPoints) {
+    Random random(5);
+    std::vector<uint32_t> triangles;
+    std::vector<double> barycentrics;
+    for (int i = 0; i < 40; ++i) {
+        triangles.push_back(static_cast<uint32_t>(random.below(mesh.triangle_count)));
+        const double a = random.unit(), b = random.unit() * (1 - a);
+        barycentrics.insert(barycentrics.end(), {a, b, 1 - a - b});
+    }
+    hmf_trace_options options = trace_options();
+    options.point_count = triangles.size();
+    options.point_triangles = triangles.data();
+    options.point_barycentrics = barycentrics.data();
+    const Traced t = trace(*hierarchy, 0, solution.values, options);
+    ASSERT_EQ(t.lines.size(), triangles.size());
+    expect_leaves(mesh, solution.values, t);
+    // The point lies on its leaf, unless it is in the middle of a triangle with a zero.
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        const hmf_line& line = t.lines[i];
+        EXPECT_EQ(line.source, i);
+        if (line.end == HMF_END_NOWHERE) continue;
+        EXPECT_EQ(line.closed, 1);
+        double F[3], point[3];
+        for (size_t s = 0; s < 3; ++s) F[s] = solution.values[mesh.triangle_edges[3 * triangles[i] + s]];
+        if (F[0] < F[1] + F[2] && F[1] < F[0] + F[2] && F[2] < F[0] + F[1]) continue;
+        for (size_t k = 0; k < 3; ++k) {
+            point[k] = 0;
+            for (size_t c = 0; c < 3; ++c) point[k] += barycentrics[3 * i + c] * mesh.positions[3 * mesh.triangle_vertices[3 * triangles[i] + c] + k];
+        }
+        double nearest = 1e300;
+        const size_t n = t.size(i);
+        for (size_t p = 0; p < n; ++p) {
+            const double* a = &t.points[3 * (t.offsets[i] + p)];
+            const double* b = &t.points[3 * (t.offsets[i] + (p + 1) % n)];
+            double ab = 0, ap = 0, d = 0;
+            for (size_t k = 0; k < 3; ++k) {
+                ab += (b[k] - a[k]) * (b[k] - a[k]);
+                ap += (b[k] - a[k]) * (point[k] - a[k]);
+            }
+            const double x = ab > 0 ? std::min(1.0, std::max(0.0, ap / ab)) : 0;
+            for (size_t k = 0; k < 3; ++k) d += (a[k] + x * (b[k] - a[k]) - point[k]) * (a[k] + x * (b[k] - a[k]) - point[k]);
+            nearest = std::min(nearest, std::sqrt(d));
+        }
+        EXPECT_LT(nearest, 1e-6) << i;
+    }
+}
+
+TEST_P(Leaves, LengthLimit) {
+    hmf_trace_options options = trace_options();
+    options.spacing = 0.5;
+    options.critical = 1;
+    options.length_limit = 0.8;
+    const Traced t = trace(*hierarchy, 0, solution.values, options);
+    expect_leaves(mesh, solution.values, t);
+    for (const hmf_line& line : t.lines) {
+        EXPECT_LE(line.length, (line.kind == HMF_LINE_CRITICAL ? 1 : 2) * 0.8 + 1e-12);
+        EXPECT_TRUE(line.closed || line.end == HMF_END_LIMIT || line.end == HMF_END_ZERO);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, Leaves, testing::Range(size_t{0}, samples().size()));
+
+} // namespace
