@@ -245,8 +245,8 @@ typedef struct hmf_level_info {
     uint64_t vertex_count;
     uint64_t edge_count;
     uint64_t triangle_count;
-    uint64_t non_delaunay_count; /* edges whose weight was below the floor and was raised to it; on level 0, the
-                                    intrinsic triangulation, only edges whose flip would join a vertex to itself */
+    uint64_t non_delaunay_count; /* edges whose weight was below the floor and was raised to it; 0 on level 0, the
+                                    intrinsic Delaunay triangulation */
 } hmf_level_info;
 
 /* Number of levels, at least 1; 0 for NULL. */

@@ -26,21 +26,27 @@ namespace hmf {
 
 bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
-        || !weight_sum.allocate(memory, mesh.vertex_count))
+        || !weight_sum.allocate(memory, mesh.vertex_count) || !monogons.find(mesh, memory))
         return false;
     uint32_t at = 0;
     max_degree = 0;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         offset[v] = at;
         double sum = 0;
-        const uint32_t first = mesh.out[v];
+        uint32_t first = mesh.out[v];
+        const bool host = is(v, Monogons::HOST);
+        while (host && monogons.edge[edge_of(first)]) first = mesh.rotate_ccw(first);
         uint32_t h = first;
         do {
-            side[at++] = {h, edge_of(mesh.next[h])};
+            uint32_t opposite = edge_of(mesh.next[h]);
             sum += weight[edge_of(h)];
-            // Both ends of an edge from v to v would move: such a vertex rests.
-            if (mesh.target(h) == v) sum = HUGE_VAL;
-            h = mesh.rotate_ccw(h);
+            uint32_t ahead = mesh.rotate_ccw(h);
+            if (host && monogons.edge[edge_of(ahead)]) {
+                opposite = edge_of(ahead); // 0: both neighbours are one
+                while (monogons.edge[edge_of(ahead)]) ahead = mesh.rotate_ccw(ahead);
+            }
+            side[at++] = {h, opposite};
+            h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
         if (at - offset[v] > max_degree) max_degree = at - offset[v];
@@ -121,8 +127,12 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
             if (F[t] == 0 || F[first_zero] != 0) continue;
             uint32_t u = first_zero;
-            while (F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
-            if (group[u] == group[t]) continue;
+            bool self_edge = false; // not of a monogon: different directions on its sides
+            while (F[u] == 0) {
+                self_edge |= mesh.target(side[u].half_edge) == v;
+                u = u + 1 < degree ? u + 1 : 0;
+            }
+            if (group[u] == group[t] || self_edge) continue;
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
             const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
             if (!part.complete) { star.decided = false; continue; }
@@ -199,6 +209,17 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         read_star(f, side, degree, weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         if (!(excess > 0)) return moved;
+        if (rings.is(v, Monogons::SELF_EDGE)) {
+            bool lands = false;
+            if (!star.decided || !move_with_self_edges(f, side, weight, star, lands, result.energy_change)) {
+                ++result.blocked;
+                return moved;
+            }
+            ++result.moves;
+            moved = true;
+            if (!lands) return true;
+            continue;
+        }
         const double best = excess / rings.weight_sum[v];
         if (best < 1) return moved;
         int64_t limit = INT64_MAX;

@@ -1,20 +1,24 @@
 // Whitehead moves: exact coordinate descent of the Dirichlet energy.
 #pragma once
 
+#include "../mesh/monogon.hpp"
 #include "foliation.hpp"
 
 namespace hmf {
 
 // One-rings of a mesh as flat arrays, for sweeps: side t of vertex v has the
-// half-edge to neighbour t and the edge between neighbours t and t+1.  Side 0 is
-// mesh.out[v]; counter-clockwise.
+// half-edge to neighbour t and the edge between neighbours t and t+1,
+// counter-clockwise.  What lies in a monogon at v is left out, as if its
+// boundary were contracted: all values there are 0 and stay so.
 struct Rings {
     struct Side { uint32_t half_edge, opposite; };
     Array<uint32_t> offset;    // vertex_count + 1
     Array<Side> side;          // 2 * edge_count
     Array<double> weight_sum;  // vertex_count, over the sides
+    Monogons monogons;
     uint32_t max_degree = 0;
     bool build(const Mesh& mesh, const double* weight, Memory& memory);
+    bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
 };
 
 // The directions of the tree at one vertex and their pulls.
@@ -47,6 +51,10 @@ struct SweepResult {
 // cancelled; fraction is what it reports.
 void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
            Call& call, double fraction);
+
+// Takes the image of a vertex that has edges to itself into star.best, as far as
+// is best and legal (self_edges.cpp).  false: it must wait.
+bool move_with_self_edges(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change);
 
 // One vertex, repeatedly, as in a sweep; true if it moved.
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result);

@@ -274,11 +274,11 @@ bool Builder::order_positions() {
 
 hmf_status Builder::make_delaunay() {
     Level& level = h_.levels[0];
-    Array<double> length;
-    if (!edge_lengths(h_.input, level.position, h_.memory, length)) return call_.out_of_memory();
+    Metric metric;
+    if (!measure(h_.input, level.position, h_.memory, metric)) return call_.out_of_memory();
     level.mesh = h_.input;
     if (!call_.tick(0.9)) return HMF_CANCELLED;
-    if (!is_delaunay(h_.input, length)) {
+    if (!is_delaunay(h_.input, metric)) {
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
         copy_prefix(h_.input, level.mesh);
         // A log that grows would need three times its room.  Few flips fit into
@@ -286,7 +286,7 @@ hmf_status Builder::make_delaunay() {
         Array<uint32_t> log;
         if (!log.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
         size_t& count = h_.intrinsic_flip_count;
-        hmf_status status = intrinsic_delaunay(level.mesh, length, log.data(), log.size(), count, call_, 0.91, 0.94);
+        hmf_status status = intrinsic_delaunay(level.mesh, metric, log.data(), log.size(), count, call_, 0.91, 0.94);
         if (status) return status;
         if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(count))) return call_.out_of_memory();
         if (count <= log.size()) {
@@ -294,13 +294,13 @@ hmf_status Builder::make_delaunay() {
         } else {
             const size_t capacity = count;
             copy_prefix(h_.input, level.mesh);
-            if (!edge_lengths(h_.input, level.position, h_.memory, length)) return call_.out_of_memory();
-            status = intrinsic_delaunay(level.mesh, length, h_.intrinsic_flips, capacity, count, call_, 0.94, 0.97);
+            if (!measure(h_.input, level.position, h_.memory, metric)) return call_.out_of_memory();
+            status = intrinsic_delaunay(level.mesh, metric, h_.intrinsic_flips, capacity, count, call_, 0.94, 0.97);
             if (status) return status;
         }
     }
     if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
-    level.raised_count = intrinsic_weights(level.mesh, length, level.weight);
+    level.raised_count = intrinsic_weights(level.mesh, metric, level.weight);
     return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
 }
 
@@ -363,7 +363,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t mesh = 24 * E + 4 * V;
     const uint64_t replaying = kept_input + maps + log + flips + levels + 4 * (V + E + F) + mesh + 8 * E + 28 * V
                                + (coarse ? 24 * V : mesh + 4 * E + 12 * V);
-    const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 24 * V + 12 * E
+    const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 8 * F + 24 * V + 12 * E
                                + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;
     const uint64_t stages[4] = {loading + work, coarsening + numbering, replaying, finishing};

@@ -7,8 +7,15 @@
 //        \ | /         edge is as long as the distance of k and l there.
 //          l
 //
-// A flip is always possible, unless both sides of the edge are one triangle;
-// such an edge is Delaunay already.  The weights are then >= 0 on any input.
+// An edge is Delaunay if cot(k) + cot(l) >= 0.  If it is not, the angles at i
+// and j are below 180 degrees, so the flip is possible; the other diagonal may
+// join two vertices that have an edge, or a vertex to itself.  An edge with one
+// triangle on both sides is Delaunay.  The weights are then >= 0 on any input.
+//
+// End: the sum of the cotangents of all angles is positive, and a flip lowers
+// it (by the tangency of the two circles; it is the harmonic index of [Musin
+// 1997]).  A flip is made only if the numbers, as they are computed and
+// stored, lower the part of the two triangles by a fixed share.
 #include "intrinsic.hpp"
 
 #include "weights.hpp"
@@ -19,67 +26,69 @@ namespace hmf {
 
 namespace {
 
-constexpr double TOLERANCE = -1e-9; // of the sum of cotangents
+constexpr double TOLERANCE = -1e-9; // of the sum of two cotangents
 constexpr double FAILURE = -1e-7;   // of the weight
+constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
 constexpr uint32_t NOT_WAITING = NONE - 1;
 
-// Four times the area, by the formula that does not cancel [Kahan 2000].
-// Lengths that break the triangle inequality by rounding give a thin triangle.
-double four_areas(double a, double b, double c) {
-    if (a < b) { const double x = a; a = b; b = x; }
-    if (b < c) { const double x = b; b = c; c = x; }
-    if (a < b) { const double x = a; a = b; b = x; }
-    const double rest = c - (a - b);
-    const double square = rest > 0 ? (a + (b + c)) * rest * (c + (a - b)) * (a + (b - c)) : 0;
-    const double least = 1e-15 * a * a;
-    const double area = std::sqrt(square);
-    return area > least ? area : least;
-}
+// b^2 + c^2 - a^2 without the cancellation of needles.
+double opposite_product(double a, double b, double c) { return b > c ? (b - a) * (b + a) + c * c : (c - a) * (c + a) + b * b; }
 
-// Cotangent of the angle opposite to a.
-double opposite_cotangent(double a, double b, double c) {
-    // (b^2 + c^2 - a^2) without the cancellation of needles.
-    const double numerator = b > c ? (b - a) * (b + a) + c * c : (c - a) * (c + a) + b * b;
-    return numerator / four_areas(a, b, c);
-}
-
+// An edge ij and its two triangles; areas are four areas.
 struct Quad {
-    double ij, jk, ki, il, lj;
+    double ij, jk, ki, il, lj, area_k, area_l;
+
+    Quad(const Mesh& mesh, const Metric& metric, uint32_t edge) {
+        const uint32_t h = 2 * edge, t = twin(h);
+        const uint32_t jk_side = mesh.next[h], il_side = mesh.next[t];
+        ij = metric.length[edge];
+        jk = metric.length[edge_of(jk_side)];
+        ki = metric.length[edge_of(mesh.next[jk_side])];
+        il = metric.length[edge_of(il_side)];
+        lj = metric.length[edge_of(mesh.next[il_side])];
+        area_k = metric.four_areas[mesh.face[h]];
+        area_l = metric.four_areas[mesh.face[t]];
+    }
+    double cotangent_sum() const { return opposite_product(ij, jk, ki) / area_k + opposite_product(ij, il, lj) / area_l; }
 };
-
-Quad quad(const Mesh& mesh, const Array<double>& length, uint32_t edge) {
-    const uint32_t h = 2 * edge, t = twin(h);
-    const uint32_t jk = mesh.next[h], ki = mesh.next[jk], il = mesh.next[t], lj = mesh.next[il];
-    return {length[edge], length[edge_of(jk)], length[edge_of(ki)], length[edge_of(il)], length[edge_of(lj)]};
-}
-
-double cotangent_sum(const Quad& q) { return opposite_cotangent(q.ij, q.jk, q.ki) + opposite_cotangent(q.ij, q.il, q.lj); }
-
-double other_diagonal(const Quad& q) {
-    // Foot of k and l on ij, measured from i.
-    const double x_k = 0.5 * (q.ij + (q.ki - q.jk) * ((q.ki + q.jk) / q.ij));
-    const double x_l = 0.5 * (q.ij + (q.il - q.lj) * ((q.il + q.lj) / q.ij));
-    const double y = (four_areas(q.ij, q.jk, q.ki) + four_areas(q.ij, q.il, q.lj)) / (2 * q.ij);
-    const double x = x_k - x_l;
-    return std::sqrt(x * x + y * y);
-}
 
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
-// An edge from a vertex to itself would tie the vertex to what it encloses (the
-// tip of a spike): such a flip is left out, its weight is raised instead.
-bool makes_loop(const Mesh& mesh, uint32_t edge) {
-    return mesh.origin[mesh.prev(2 * edge)] == mesh.origin[mesh.prev(2 * edge + 1)];
+bool needs_flip(const Mesh& mesh, const Metric& metric, uint32_t edge) {
+    return !one_triangle(mesh, edge) && Quad(mesh, metric, edge).cotangent_sum() < TOLERANCE;
 }
 
-bool needs_flip(const Mesh& mesh, const Array<double>& length, uint32_t edge) {
-    return !one_triangle(mesh, edge) && !makes_loop(mesh, edge) && cotangent_sum(quad(mesh, length, edge)) < TOLERANCE;
+// The other diagonal and the areas at i and j; false if it would be no gain.
+bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
+    // Feet of k and l on ij, measured from i and from j; heights.
+    const double shift_k = 0.5 * (q.ki - q.jk) * ((q.ki + q.jk) / q.ij), shift_l = 0.5 * (q.il - q.lj) * ((q.il + q.lj) / q.ij);
+    const double half = 0.5 * q.ij, y_k = q.area_k / (2 * q.ij), y_l = q.area_l / (2 * q.ij);
+    const double x = shift_k - shift_l, y = y_k + y_l;
+    kl = std::sqrt(x * x + y * y);
+    area_i = 2 * ((half + shift_k) * y_l + (half + shift_l) * y_k);
+    area_j = 2 * ((half - shift_k) * y_l + (half - shift_l) * y_k);
+    if (!(kl > 0 && area_i > 0 && area_j > 0)) return false;
+    const double ij = q.ij * q.ij, jk = q.jk * q.jk, ki = q.ki * q.ki, il = q.il * q.il, lj = q.lj * q.lj;
+    return (kl * kl + ki + il) / area_i + (kl * kl + lj + jk) / area_j < GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
 }
 
-} // namespace
+// Flips if that is needed and possible.
+bool flip_if_needed(Mesh& mesh, Metric& metric, uint32_t edge) {
+    if (one_triangle(mesh, edge)) return false;
+    const Quad q(mesh, metric, edge);
+    if (!(q.cotangent_sum() < TOLERANCE)) return false;
+    double kl = 0, area_i = 0, area_j = 0;
+    if (!other_diagonal(q, kl, area_i, area_j)) return false;
+    flip(mesh, edge); // its triangle on the left is then the one at i
+    metric.length[edge] = kl;
+    metric.four_areas[mesh.face[2 * edge]] = area_i;
+    metric.four_areas[mesh.face[2 * edge + 1]] = area_j;
+    return true;
+}
 
-bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Array<double>& length) {
-    if (!length.allocate(memory, mesh.edge_count)) return false;
+// A power of two that brings coordinates to a size whose squares are harmless,
+// so that the unit of the input has no influence.
+double metric_scale(const Mesh& mesh, const double* position) {
     double largest = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         const double *a = position + size_t{3} * mesh.origin[2 * e], *b = position + size_t{3} * mesh.origin[2 * e + 1];
@@ -88,25 +97,41 @@ bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Arra
             if (d > largest) largest = d;
         }
     }
-    // A power of two: exact, so that the unit of the input has no influence.
     double scale = 1;
     for (int n = 0; n < 1000 && largest * scale > 1; ++n) scale *= 0.5;
     for (int n = 0; n < 1000 && largest * scale < 0.5; ++n) scale *= 2;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double *a = position + size_t{3} * mesh.origin[2 * e], *b = position + size_t{3} * mesh.origin[2 * e + 1];
-        const double x = scale * (a[0] - b[0]), y = scale * (a[1] - b[1]), z = scale * (a[2] - b[2]);
-        length[e] = std::sqrt(x * x + y * y + z * z);
+    return scale;
+}
+
+} // namespace
+
+bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric) {
+    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
+    const double scale = metric_scale(mesh, position);
+    const auto difference = [&](uint32_t h, double* d) {
+        const double *a = position + size_t{3} * mesh.origin[h], *b = position + size_t{3} * mesh.target(h);
+        for (int c = 0; c < 3; ++c) d[c] = scale * (b[c] - a[c]);
+    };
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        double u[3];
+        difference(h, u);
+        if (!(h & 1)) metric.length[edge_of(h)] = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        if (h > mesh.next[h] || h > mesh.prev(h)) continue;
+        double v[3];
+        difference(mesh.next[h], v);
+        const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        metric.four_areas[mesh.face[h]] = 2 * std::sqrt(x * x + y * y + z * z);
     }
     return true;
 }
 
-bool is_delaunay(const Mesh& mesh, const Array<double>& length) {
+bool is_delaunay(const Mesh& mesh, const Metric& metric) {
     for (uint32_t e = 0; e < mesh.edge_count; ++e)
-        if (needs_flip(mesh, length, e)) return false;
+        if (needs_flip(mesh, metric, e)) return false;
     return true;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
                               double from, double to) {
     Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
     if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
@@ -117,12 +142,10 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips
         uint32_t e = first;
         for (;;) {
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
-            if (budget > 0 && needs_flip(mesh, length, e)) {
+            if (budget > 0 && flip_if_needed(mesh, metric, e)) {
                 --budget;
                 if (flip_count < capacity) flips[flip_count] = e;
                 ++flip_count;
-                length[e] = other_diagonal(quad(mesh, length, e));
-                flip(mesh, e);
                 const uint32_t h = 2 * e, t = twin(h);
                 const uint32_t round[4] = {mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)};
                 for (const uint32_t side : round) {
@@ -141,10 +164,10 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips
     return HMF_OK;
 }
 
-uint64_t intrinsic_weights(const Mesh& mesh, const Array<double>& length, double* weight) {
+uint64_t intrinsic_weights(const Mesh& mesh, const Metric& metric, double* weight) {
     uint64_t raised = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double w = 0.5 * cotangent_sum(quad(mesh, length, e));
+        const double w = 0.5 * Quad(mesh, metric, e).cotangent_sum();
         raised += w < FAILURE;
         weight[e] = w < INTRINSIC_WEIGHT_FLOOR ? INTRINSIC_WEIGHT_FLOOR : w > INTRINSIC_WEIGHT_CAP ? INTRINSIC_WEIGHT_CAP : w;
     }

@@ -6,23 +6,34 @@
 
 namespace hmf {
 
-// Each flip makes the Delaunay energy smaller, so the sequence ends; rounding
-// on hopeless triangles must not change that.
+// Bound of the flips of intrinsic_delaunay.  Each flip lowers a positive sum
+// (intrinsic.cpp), so that rounding cannot make an edge turn for ever; this
+// bounds the length of the log as well.
 constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
 
-// Lengths of the edges in space, scaled so that squares are harmless.
-bool edge_lengths(const Mesh& mesh, const double* position, Memory& memory, Array<double>& length);
+// A metric that is flat but for its vertices: lengths of the edges and areas
+// of the triangles, both scaled by a power of two so that squares are
+// harmless.  The area is kept beside the lengths because it cannot be had
+// from them in a needle or cap thinner than the square root of the precision.
+struct Metric {
+    Array<double> length;     // per edge
+    Array<double> four_areas; // per face
+};
+
+// The metric of the positions (3 per vertex).  false: out of memory.
+bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric);
 
 // Can every edge stay?
-bool is_delaunay(const Mesh& mesh, const Array<double>& length);
+bool is_delaunay(const Mesh& mesh, const Metric& metric);
 
-// Flips until every edge is Delaunay, and counts.  Writes the first `capacity`
-// of the flipped edges.  The same input gives the same sequence.
-hmf_status intrinsic_delaunay(Mesh& mesh, Array<double>& length, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
+// Flips until every edge is Delaunay, and counts.  Two vertices may get
+// several edges, a vertex edges to itself.  Writes the first `capacity` of the
+// flipped edges.  The same input gives the same sequence.
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
                               double from, double to);
 
-// Weights from lengths, raised to the floor and cut at the cap.  Returns the
+// Weights of the metric, raised to the floor and cut at the cap.  Returns the
 // number of weights that were negative beyond rounding.
-uint64_t intrinsic_weights(const Mesh& mesh, const Array<double>& length, double* weight);
+uint64_t intrinsic_weights(const Mesh& mesh, const Metric& metric, double* weight);
 
 } // namespace hmf

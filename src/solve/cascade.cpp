@@ -57,13 +57,55 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
 
 namespace {
 
+// Bits by which the unit must be finer for this residual: rounding to a unit
+// changes the pull of an edge by its weight.
+uint32_t bits_for_residual(const LevelWork& work, double residual) {
+    const Foliation& f = work.state.foliation;
+    const Rings& rings = work.rings;
+    double total = 0;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += 2 * work.level.weight[e] * static_cast<double>(f.value[e]);
+    const double floor = 0.01 * total / static_cast<double>(f.mesh.vertex_count);
+    double worst = 0;
+    for (uint32_t v = 0; v < f.mesh.vertex_count; ++v) {
+        double pull = 0, rounding = 0;
+        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+            const uint32_t e = edge_of(rings.side[t].half_edge);
+            pull += work.level.weight[e] * static_cast<double>(f.value[e]);
+            rounding += work.level.weight[e];
+        }
+        if (pull < floor) pull = floor;
+        if (rounding > worst * pull) worst = rounding / pull;
+    }
+    uint32_t bits = 0;
+    for (double error = 2 * worst; error > residual && bits < 52; error *= 0.5) ++bits;
+    return bits;
+}
+
+// Makes the unit finer, as far as a double has bits for the values, with a
+// factor of 4 for what is still to come.  Exact, as the factor is a power of two.
+bool refine_unit(State& state, Recorder& recorder, uint32_t bits) {
+    constexpr int64_t largest_value = int64_t{1} << 51;
+    Foliation& f = state.foliation;
+    int64_t largest = state.largest_input_value;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
+        if (f.value[e] > largest) largest = f.value[e];
+    while (bits > 0 && largest > largest_value >> bits) --bits;
+    if (bits == 0) return false;
+    const int64_t factor = int64_t{1} << bits;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] *= factor;
+    recorder.set_unit(recorder.unit() / static_cast<double>(factor));
+    return true;
+}
+
 hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, hmf_level_report& statistics) {
     const double start = call.seconds();
     LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
-    const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
-                                                                   : whitehead_level(work, options.tolerance);
+    hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
+                                                             : whitehead_level(work, options.tolerance);
+    if (status == HMF_LIMIT_STALLED && refine_unit(state, recorder, bits_for_residual(work, options.tolerance)))
+        status = newton_level(work, options.tolerance);
     statistics.iterations = work.statistics.iterations;
     statistics.linear_solves = work.statistics.linear_solves;
     statistics.optimize_seconds = call.seconds() - start;

@@ -71,6 +71,7 @@ public:
         near_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            if (w_.rings.is(v, Monogons::INSIDE)) continue;
             bool singular = model_.rests[v];
             for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && !singular; ++t) {
                 const uint32_t h = w_.rings.side[t].half_edge;
@@ -131,12 +132,13 @@ private:
             too_far_ = NONE;
             const bool sound = apply(factor);
             if (f_.out_of_memory || !go_on()) return stopped();
-            if (sound && energy_change() <= 1e-17 * before) {
+            if (sound) energy_change_ = energy_change();
+            if (sound && energy_change_ <= 1e-17 * before) {
                 accepted = factor;
                 return HMF_OK;
             }
             restore();
-            if (sound && close && solves < 2) {
+            if (sound && (close || energy_change_ < 1e-5 * before) && solves < 2) {
                 ++solves;
                 if (!solve_between_bounds(tolerance)) return stopped();
             } else if (too_far_ != NONE && attempt < 16) {
@@ -263,7 +265,7 @@ private:
         uint32_t closed = 0;
         const int64_t first = f_.value[edge_of(side[0].half_edge)];
         int64_t here = first;
-        bool zero = false;
+        bool zero = w_.rings.is(v, Monogons::HOST);
         for (uint32_t t = 0; t < degree; ++t) {
             const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
             const int64_t corner2 = here + ahead - f_.value[side[t].opposite];
@@ -309,7 +311,7 @@ private:
             int32_t closed = 0;
             const int64_t first = f_.value[edge_of(side[0].half_edge)];
             int64_t here = first;
-            bool zero = false;
+            bool zero = w_.rings.is(v, Monogons::HOST);
             for (uint32_t t = 0; t < degree; ++t) {
                 const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
                 zero |= here == 0;
@@ -341,6 +343,7 @@ private:
     Array<double> fixed_entry_, fixed_right_; // made when first needed
     Array<uint32_t> patch_, near_, suspect_, distance_;
     bool backward_ = false;
+    double energy_change_ = 0; // of the last step that was sound
     uint32_t too_far_ = NONE; // vertex where the last step could not be taken
 };
 

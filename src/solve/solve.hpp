@@ -23,6 +23,7 @@ public:
     void count_levels(size_t n);
     hmf_report* report() const { return report_; }
     double unit() const { return unit_; }
+    void set_unit(double unit) { unit_ = unit; }
 
 private:
     hmf_report* report_;

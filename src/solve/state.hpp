@@ -16,6 +16,7 @@ struct State {
     size_t level = 0;
     Side side = Side::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
+    int64_t largest_input_value = 0; // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
     bool allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);

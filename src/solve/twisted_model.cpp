@@ -17,8 +17,9 @@ namespace {
 bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int8_t* sign, bool& has_zero, uint32_t& closed) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    has_zero = false;
+    has_zero = rings.is(v, Monogons::HOST);
     closed = 0;
+    if (has_zero) return false;
     int8_t s = 1;
     int64_t here = f.value[edge_of(side[0].half_edge)];
     const int64_t first = here;
@@ -32,10 +33,12 @@ bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int
     return closed == 2;
 }
 
-// Signs round the cluster in f.members, which has index 0 and a disk's shape.
+// Signs round the cluster in f.members, which is regular: a disk with two
+// closed corners, or an annulus with none, whose two boundaries are the two
+// directions.
 void sign_regular_cluster(const Foliation& f, int8_t* sign) {
     const Mesh& mesh = f.mesh;
-    uint32_t start = NONE;
+    uint32_t closed_start = NONE;
     size_t sides = 0;
     for (uint32_t v : f.members) {
         const uint32_t first = mesh.out[v];
@@ -43,24 +46,41 @@ void sign_regular_cluster(const Foliation& f, int8_t* sign) {
         do {
             const uint32_t ahead = mesh.rotate_ccw(h);
             ++sides;
-            if (f.at(h) == 0) sign[h] = h & 1 ? -1 : 1;
-            else if (f.at(ahead) != 0 && f.corner2(h) == 0) start = ahead;
+            sign[h] = f.at(h) != 0 ? 0 : h & 1 ? -1 : 1;
+            if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) closed_start = ahead;
             h = ahead;
         } while (h != first);
     }
-    int8_t s = 1;
-    uint32_t g = start;
     // One turn round the boundary meets each side at most once per zero edge beside it.
-    for (size_t step = 0; step < 4 * sides; ++step) {
-        sign[g] = s;
-        const uint32_t ahead = mesh.rotate_ccw(g);
-        if (f.at(ahead) == 0) {
-            g = twin(mesh.next[g]);
-        } else {
-            if (f.corner2(g) == 0) s = static_cast<int8_t>(-s);
-            g = ahead;
+    const auto sign_boundary = [&](uint32_t start, int8_t s) {
+        uint32_t g = start;
+        for (size_t step = 0; step < 4 * sides; ++step) {
+            sign[g] = s;
+            const uint32_t ahead = mesh.rotate_ccw(g);
+            if (f.at(ahead) == 0) {
+                g = twin(mesh.next[g]);
+            } else {
+                if (f.corner2(g) == 0) s = static_cast<int8_t>(-s);
+                g = ahead;
+            }
+            if (g == start) return;
         }
-        if (g == start) return;
+    };
+    if (closed_start != NONE) {
+        sign_boundary(closed_start, 1);
+        return;
+    }
+    int8_t s = 1;
+    for (uint32_t v : f.members) {
+        const uint32_t first = mesh.out[v];
+        uint32_t h = first;
+        do {
+            if (f.at(h) != 0 && sign[h] == 0) {
+                sign_boundary(h, s);
+                s = -1;
+            }
+            h = mesh.rotate_ccw(h);
+        } while (h != first);
     }
 }
 
@@ -118,7 +138,7 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
             continue;
         }
         const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-        const bool regular = cluster.complete && cluster.euler == 1 && cluster.closed_corners == 2;
+        const bool regular = cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
         if (regular) sign_regular_cluster(f, sign.data());
         for (uint32_t u : f.members) {
             index[u] = 0;
@@ -128,6 +148,10 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
         }
         index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
     }
+    // A monogon moves with the vertex on which it hangs.
+    for (const uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
+    for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
+        if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
     align_signs(mesh, rings);
     if (call && !call->tick(0, true)) return;
 
@@ -151,6 +175,7 @@ void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weig
             int64_t bound = INT64_MAX;
             if (w == v) {
                 sum += rests[v] ? alpha : alpha * (s + back) * s;
+                if (!rests[v] && s == back) bound = F / 2;
             } else {
                 sum += alpha;
                 if (rests[v]) {
