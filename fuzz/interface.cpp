@@ -190,6 +190,25 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     loops.view(count);
 }
 
+// Refused with a reason, or cone angles that add up.
+void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_level_info& info, const std::vector<double>& values, bool memory_is_short) {
+    std::vector<double> uv(6 * info.triangle_count, 0);
+    std::vector<int32_t> cone(info.vertex_count);
+    hmf_parameterization out{};
+    out.struct_size = sizeof out;
+    out.vertex_capacity = info.vertex_count;
+    out.triangle_capacity = info.triangle_count;
+    out.corner_uv = uv.data();
+    out.cone = cone.data();
+    const hmf_status status = hmf_parameterize(h, level, values.data(), values.size(), nullptr, &out, nullptr);
+    FUZZ_ASSERT(status == HMF_OK || status == HMF_ERROR_VALUE_NOT_HARMONIC || status == HMF_ERROR_UNSUPPORTED || (memory_is_short && status / 100 == 2));
+    if (status != HMF_OK) return;
+    for (const double x : uv) FUZZ_ASSERT(x == x && x - x == 0);
+    int64_t sum = 0;
+    for (const int32_t c : cone) sum += 2 - c;
+    FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+}
+
 // Exact triangle inequalities, no pole, 4 - 4 g.
 void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
     hmf_level_info info{};
@@ -211,6 +230,7 @@ void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<do
         sum += list[i].index;
     }
     FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+    expect_parameterization(h, level, info, values, memory_is_short);
 }
 
 } // namespace

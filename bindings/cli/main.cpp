@@ -34,6 +34,8 @@ void check_outputs(const std::string& mesh, const SolveRequest& request) {
     std::vector<std::string> outputs = request.values;
     for (const std::string& path : {request.report, request.history, request.image, request.leaves})
         if (!path.empty()) outputs.push_back(path);
+    if (!request.obj.empty())
+        for (const char* extension : {".obj", ".mtl", ".png"}) outputs.push_back(with_extension(request.obj, extension));
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
         for (const std::string& input : {mesh, request.loops})
@@ -64,6 +66,7 @@ int demo(const std::string& folder) {
     request.history = in_folder("history.csv");
     request.image = in_folder("image.png");
     request.leaves = in_folder("leaves.obj");
+    request.obj = in_folder("textured.obj");
     const int status = solve(mesh, seconds_since(start), request);
     std::printf("The picture is in %s\n", request.image.c_str());
     return status;
@@ -89,7 +92,7 @@ int run(int argc, char** argv) {
     info_command->add_flag("--json", json, "print JSON");
 
     SolveRequest request;
-    std::string values, textured_obj;
+    std::string values;
     CLI::App* solve_command = app.add_subcommand("solve", "the harmonic foliation in the class of some loops");
     solve_command->add_option("MESH", mesh_path, ".obj .off .ply .stl (stl: equal points are joined)")->required();
     solve_command
@@ -117,11 +120,16 @@ int run(int argc, char** argv) {
     solve_command->add_option("--values", values, "F per edge: .csv (vertex,vertex,value) or .npy")->type_name("FILE");
     solve_command->add_option("--report", request.report, "numbers of the run, JSON")->type_name("FILE.json");
     solve_command->add_option("--history", request.history, "energy and residual over time")->type_name("FILE.csv");
-    solve_command->add_option("--obj", textured_obj)->group(""); // hidden
+    solve_command->add_option("--obj", request.obj, "mesh with (u, v) per corner as texture coordinates;\nFILE.mtl and FILE.png (a checkerboard) come with it")->type_name("FILE.obj");
     solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow")->type_name("FILE.png");
     solve_command->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")->type_name("FILE.obj");
     solve_command->add_option("--spacing", request.leaf_spacing, "distance of level sets, in the unit of the weights; default a tenth of the least weight")
         ->check(CLI::PositiveNumber);
+    std::string pattern = "stripes";
+    solve_command->add_option("--pattern", pattern, "of the picture; squares are (u, v)")
+        ->check(CLI::IsMember({"stripes", "checkerboard"}).description(""))
+        ->type_name("stripes|checkerboard")
+        ->capture_default_str();
 
     try {
         app.parse(argc, argv);
@@ -135,12 +143,14 @@ int run(int argc, char** argv) {
 
     if (request.loops == "handle" || request.loops == "pants")
         throw Failure(EXIT_USAGE, "--loops " + request.loops + " comes with a later version; use cut or a file of loops");
-    if (!textured_obj.empty()) throw Failure(EXIT_USAGE, "--obj comes with a later version; use --values and --image");
     expect_extension("--values", values, {".csv", ".npy"});
     expect_extension("--report", request.report, {".json"});
     expect_extension("--history", request.history, {".csv"});
     expect_extension("--image", request.image, {".png"});
     expect_extension("--leaves", request.leaves, {".obj"});
+    expect_extension("--obj", request.obj, {".obj"});
+    request.checkerboard = pattern == "checkerboard";
+    if (request.checkerboard && request.image.empty()) throw Failure(EXIT_USAGE, "--pattern says how --image looks; give --image FILE.png");
     if (!values.empty()) request.values = {values};
     if (!method.empty()) request.method = methods.at(method);
     if (!collapse.empty()) request.collapse = collapses.at(collapse);

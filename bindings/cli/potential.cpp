@@ -224,4 +224,21 @@ double root_mean_square_gradient(const Foliation& foliation, const Potential& po
     return area_sum > 0 ? std::sqrt(sum / area_sum) : 0;
 }
 
+double choose_period(const Foliation& foliation, const Potential& potential, double wanted) {
+    if (!(wanted > 0)) return potential.step;
+    const double exact = potential.step / std::max(1.0, std::round(potential.step / wanted));
+    if (potential.exact && exact > 0.6 * wanted) return exact;
+    double best = wanted, least = 1;
+    for (int i = 0; i <= 2000; ++i) {
+        const double period = wanted * (0.7 + 0.7 * i / 2000);
+        double worst = 0;
+        for (double weight : foliation.loop_weights) worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
+        if (worst < least) {
+            least = worst;
+            best = period;
+        }
+    }
+    return best;
+}
+
 } // namespace cli

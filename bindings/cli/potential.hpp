@@ -41,4 +41,8 @@ Potential local_potential(const Foliation& foliation);
 // does not fall much where limbs without leaves make up most of the area.
 double root_mean_square_gradient(const Foliation& foliation, const Potential& potential);
 
+// A period of u near the wanted one that divides all weights, so that an even
+// pattern has no seams; if there is none, the one that comes closest.
+double choose_period(const Foliation& foliation, const Potential& potential, double wanted);
+
 } // namespace cli

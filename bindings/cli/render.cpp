@@ -144,25 +144,6 @@ struct Corner {
     Vec position, normal; // in camera space
 };
 
-// A period close to the wanted one that divides all weights; if there is none,
-// the one that comes closest to dividing them, so that seams hardly show.
-double choose_period(const Foliation& foliation, const Potential& potential, double wanted) {
-    if (!(wanted > 0)) return potential.step;
-    const double exact = potential.step / std::max(1.0, std::round(potential.step / wanted));
-    if (potential.exact && exact > 0.6 * wanted) return exact;
-    double best = wanted, least = 1;
-    for (int i = 0; i <= 2000; ++i) {
-        const double period = wanted * (0.7 + 0.7 * i / 2000);
-        double worst = 0;
-        for (double weight : foliation.loop_weights) worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
-        if (worst < least) {
-            least = worst;
-            best = period;
-        }
-    }
-    return best;
-}
-
 // Box-filtered share of red of the even stripe pattern.
 double share_of_red(double u, double width, double period) {
     const double folded = std::fabs(u - period * std::round(u / period));
@@ -438,7 +419,18 @@ void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour 
 
 } // namespace
 
-Image render(const Foliation& foliation, const Potential& potential) {
+double pattern_period(const Foliation& foliation, const Potential& potential) {
+    double low[3] = {}, high[3] = {};
+    for (size_t i = 0; i < foliation.positions.size(); ++i) {
+        const double x = foliation.positions[i];
+        low[i % 3] = i < 3 ? x : std::min(low[i % 3], x);
+        high[i % 3] = i < 3 ? x : std::max(high[i % 3], x);
+    }
+    const double size = std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]) + (high[2] - low[2]) * (high[2] - low[2]));
+    return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
+}
+
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard) {
     std::vector<Vec> points(foliation.positions.size() / 3);
     for (size_t v = 0; v < points.size(); ++v)
         points[v] = {foliation.positions[3 * v], foliation.positions[3 * v + 1], foliation.positions[3 * v + 2]};
@@ -453,7 +445,14 @@ Image render(const Foliation& foliation, const Potential& potential) {
     std::vector<Vec> seen(points.size());
     for (size_t v = 0; v < points.size(); ++v) seen[v] = camera.to_camera(points[v]);
 
-    const double period = choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
+    const double period = pattern_period(foliation, potential);
+    // Share of red of the stripes of one linear function with these values at the corners.
+    const auto stripes = [&](double value, const double* slope, const double* right, const double* down) {
+        const double by_x = slope[0] * right[0] + slope[1] * right[1] + slope[2] * right[2];
+        const double by_y = slope[0] * down[0] + slope[1] * down[1] + slope[2] * down[2];
+        // A filter one and a half samples wide; the samples do the rest.
+        return share_of_red(value, 1.5 * std::sqrt(by_x * by_x + by_y * by_y), period);
+    };
 
     Canvas canvas(camera);
     for (size_t t = 0; t < foliation.triangle_count(); ++t) {
@@ -464,12 +463,18 @@ Image render(const Foliation& foliation, const Potential& potential) {
             corner[c].normal = {dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)};
         }
         canvas.triangle(corner[0], corner[1], corner[2], [&](const double* b, const double* right, const double* down) {
-            double slope[3] = {};
-            const double u = potential_at(potential.piece[t], potential.u[t], b, slope);
-            const double du_x = slope[0] * right[0] + slope[1] * right[1] + slope[2] * right[2];
-            const double du_y = slope[0] * down[0] + slope[1] * down[1] + slope[2] * down[2];
-            // A filter one and a half samples wide; the samples do the rest.
-            const double red = share_of_red(u, 1.5 * std::sqrt(du_x * du_x + du_y * du_y), period);
+            double red;
+            if (checkerboard) {
+                const double* uv = &checkerboard->corner_uv[6 * t];
+                const double u[3] = {uv[0], uv[2], uv[4]}, v[3] = {uv[1], uv[3], uv[5]};
+                const double over = stripes(b[0] * u[0] + b[1] * u[1] + b[2] * u[2], u, right, down);
+                const double along = stripes(b[0] * v[0] + b[1] * v[1] + b[2] * v[2], v, right, down);
+                red = over * (1 - along) + along * (1 - over);
+            } else {
+                double slope[3] = {};
+                const double u = potential_at(potential.piece[t], potential.u[t], b, slope);
+                red = stripes(u, slope, right, down);
+            }
             return red * RED + (1 - red) * WHITE;
         });
     }

@@ -1,9 +1,11 @@
-// A picture of a foliation: stripes along the leaves, zeros blue, poles yellow.
+// A picture of a foliation: stripes along the leaves or squares of the
+// parameterisation, zeros blue, poles yellow.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "parameterize.hpp"
 #include "potential.hpp"
 
 namespace cli {
@@ -13,6 +15,10 @@ struct Image {
     std::vector<uint8_t> rgb; // 3 per pixel, rows from the top
 };
 
-Image render(const Foliation& foliation, const Potential& potential);
+// Period of the stripes: about 22 pairs along the size of the object.
+double pattern_period(const Foliation& foliation, const Potential& potential);
+
+// checkerboard: squares of (u, v) in place of the stripes; NULL: stripes.
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard);
 
 } // namespace cli

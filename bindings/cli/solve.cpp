@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -186,7 +187,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path : {request.report, request.history, request.image, request.leaves})
+    for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.obj})
         if (!path.empty()) check_writable(path);
 
     InterruptGuard guard;
@@ -278,8 +279,27 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
-    if (!request.image.empty()) write_png(request.image, render(foliation, local_potential(foliation)));
     if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, name);
+    const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
+    // Asked for, or for the report, which tells how conformal the result is.
+    const bool asked = request.checkerboard || !request.obj.empty();
+    Parameterization parameterization;
+    std::exception_ptr no_parameterization;
+    if (asked || (!request.report.empty() && status == HMF_OK && request.method != HMF_METHOD_WHITEHEAD && request.method != HMF_METHOD_SINGLE_LEVEL)) {
+        progress.part("unfold", 0, 1);
+        try {
+            parameterization = parameterize(hierarchy.get(), foliation, Progress::callback, &progress, name);
+            summary.parameterized = true;
+            summary.parameterization = parameterization.numbers;
+        } catch (const Failure&) {
+            // The other results come first.
+            if (asked) no_parameterization = std::current_exception();
+        }
+        progress.clear();
+    }
+    if (!request.obj.empty() && summary.parameterized) write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
+    if (!request.image.empty())
+        write_png(request.image, render(foliation, potential, request.checkerboard && summary.parameterized ? &parameterization : nullptr));
     if (!request.report.empty()) write_report(request.report, summary);
 
     std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n", name.c_str(),
@@ -289,8 +309,9 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         std::fflush(stdout);
         std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(),
                      status == HMF_CANCELLED ? "interrupted" : hmf_status_string(status));
-        return EXIT_LIMIT;
+        if (!no_parameterization) return EXIT_LIMIT;
     }
+    if (no_parameterization) std::rethrow_exception(no_parameterization);
     return EXIT_SOLVED;
 }
 

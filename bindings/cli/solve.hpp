@@ -19,8 +19,9 @@ struct SolveRequest {
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves;
+    std::string report, history, image, leaves, obj;
     double leaf_spacing = 0;
+    bool checkerboard = false; // in the picture, instead of stripes
 };
 
 // Both print to standard output, and return an exit status or throw Failure.

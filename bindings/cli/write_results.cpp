@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -50,7 +51,7 @@ void write_report(const std::string& path, const Summary& summary) {
                           {"linear_solves", level.linear_solves},
                           {"optimize_seconds", level.optimize_seconds},
                           {"interpolate_seconds", level.interpolate_seconds}});
-    const nlohmann::ordered_json report = {
+    nlohmann::ordered_json report = {
         {"mesh", {{"vertices", summary.vertices}, {"edges", summary.edges}, {"triangles", summary.triangles}, {"genus", summary.genus}}},
         {"method", summary.method},
         {"levels", levels},
@@ -70,6 +71,18 @@ void write_report(const std::string& path, const Summary& summary) {
         {"converged", r.converged != 0},
         {"peak_memory_bytes", summary.peak_memory_bytes},
         {"leaves", summary.leaves}};
+    if (summary.parameterized) {
+        const hmf_parameterization& p = summary.parameterization;
+        report["dilatation_mean"] = p.dilatation_mean;
+        report["dilatation_median"] = p.dilatation_median;
+        // Not finite where more than a hundredth of the area is degenerate.
+        report["dilatation_p99"] = std::isfinite(p.dilatation_p99) ? nlohmann::ordered_json(p.dilatation_p99) : nlohmann::ordered_json();
+        report["flipped_triangles"] = p.flipped_triangles;
+        report["degenerate_triangles"] = p.degenerate_triangles;
+        report["seam_edges"] = p.seam_edge_count;
+        report["seam_length"] = p.seam_length;
+        report["parameterize_seconds"] = p.seconds;
+    }
     const std::string text = report.dump(2) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());
@@ -99,6 +112,59 @@ void write_png(const std::string& path, const Image& image) {
     Output output(path);
     if (!png_image_write_to_stdio(&png, output.file(), 0, image.rgb.data(), 0, nullptr))
         throw Failure(EXIT_RESOURCES, path + ": " + png.message);
+    output.close();
+}
+
+std::string with_extension(const std::string& path, const char* extension) {
+    return std::filesystem::path(path).replace_extension(extension).string();
+}
+
+void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization, double period) {
+    const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
+    Image tile;
+    tile.width = tile.height = 256;
+    for (unsigned y = 0; y < tile.height; ++y)
+        for (unsigned x = 0; x < tile.width; ++x) {
+            // Squares with thin lines; even in both directions, as the transitions ask.
+            const bool dark = (x < 64 || x >= 192) != (y < 64 || y >= 192);
+            const bool line = x % 64 == 0 || y % 64 == 0 || x % 64 == 63 || y % 64 == 63;
+            for (const unsigned c : dark ? std::array<unsigned, 3>{190, 40, 48} : std::array<unsigned, 3>{246, 243, 236})
+                tile.rgb.push_back(static_cast<uint8_t>(line ? c * 3 / 4 : c));
+        }
+    write_png(texture, tile);
+    {
+        Output output(material);
+        std::fprintf(output.file(), "newmtl checkerboard\nKd 1 1 1\nmap_Kd %s\n", std::filesystem::path(texture).filename().string().c_str());
+        output.close();
+    }
+    Output output(path);
+    std::FILE* file = output.file();
+    std::fprintf(file, "# vt = (u, v) / %.17g\nmtllib %s\n", period, std::filesystem::path(material).filename().string().c_str());
+    for (size_t v = 0; v < foliation.positions.size() / 3; ++v)
+        std::fprintf(file, "v %.9g %.9g %.9g\n", foliation.positions[3 * v], foliation.positions[3 * v + 1], foliation.positions[3 * v + 2]);
+    // One vt for all corners of a vertex with the same (u, v): a list per vertex.
+    constexpr uint32_t none = 0xffffffffu;
+    const std::vector<double>& uv = parameterization.corner_uv;
+    std::vector<uint32_t> head(foliation.positions.size() / 3, none), next, corner_of, number(foliation.triangles.size());
+    for (size_t k = 0; k < foliation.triangles.size(); ++k) {
+        uint32_t& first = head[foliation.triangles[k]];
+        uint32_t at = first;
+        while (at != none && (uv[2 * corner_of[at]] != uv[2 * k] || uv[2 * corner_of[at] + 1] != uv[2 * k + 1])) at = next[at];
+        if (at == none) {
+            at = static_cast<uint32_t>(corner_of.size());
+            corner_of.push_back(static_cast<uint32_t>(k));
+            next.push_back(first);
+            first = at;
+            std::fprintf(file, "vt %.9g %.9g\n", uv[2 * k] / period, uv[2 * k + 1] / period);
+        }
+        number[k] = at + 1;
+    }
+    std::fprintf(file, "usemtl checkerboard\n");
+    for (size_t t = 0; t < foliation.triangle_count(); ++t) {
+        std::fputc('f', file);
+        for (size_t k = 3 * t; k < 3 * t + 3; ++k) std::fprintf(file, " %u/%u", foliation.triangles[k] + 1, number[k]);
+        std::fputc('\n', file);
+    }
     output.close();
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../../include/hmf/hmf.h"
+#include "parameterize.hpp"
 #include "potential.hpp"
 #include "read_mesh.hpp"
 #include "render.hpp"
@@ -20,6 +21,8 @@ struct Summary {
     size_t leaves = 0; // lines written, 0 where not wanted
     hmf_report report{};
     std::vector<hmf_level_report> levels;
+    bool parameterized = false;
+    hmf_parameterization parameterization{};
 };
 
 void write_values_csv(const std::string& path, const Foliation& foliation);
@@ -27,6 +30,11 @@ void write_values_npy(const std::string& path, const std::vector<double>& values
 void write_report(const std::string& path, const Summary& summary);
 void write_history(const std::string& path, const std::vector<hmf_history_entry>& history);
 void write_png(const std::string& path, const Image& image);
+// The mesh with texture coordinates (u, v) / period, FILE.mtl and FILE.png (one
+// tile of a checkerboard) beside it.
+void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization, double period);
+// The names that write_textured_obj uses.
+std::string with_extension(const std::string& path, const char* extension);
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh);
 
 } // namespace cli

@@ -39,7 +39,7 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
     offset_[n] = at;
     const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
     if (multigrid_.setup(matrix, call.memory, &call)) return HMF_OK;
-    return call.out_of_memory();
+    return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
 }
 
 hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_tolerance, Call& call) {

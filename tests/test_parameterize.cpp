@@ -1,0 +1,438 @@
+// Parameterisation: against the known conformal modulus of a torus, exact
+// transitions and cone angles by independent sums, convergence under
+// refinement, invariance under intrinsic flips, scaling laws, refusals.
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+using namespace test;
+
+namespace {
+
+constexpr double PI = 3.14159265358979323846;
+
+struct Flat {
+    hmf_status status = HMF_ERROR_INTERNAL;
+    hmf_error error{};
+    hmf_parameterization numbers{};
+    std::vector<double> uv, transition, dilatation, differential;
+    std::vector<uint8_t> seam;
+    std::vector<int32_t> cone;
+};
+
+Flat parameterize(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_parameterize_options* options = nullptr) {
+    Flat flat;
+    hmf_level_info info{};
+    if (hmf_level_counts(hierarchy.get(), level, &info, nullptr) != HMF_OK) return flat;
+    flat.uv.assign(6 * info.triangle_count, -7);
+    flat.transition.assign(3 * info.edge_count, -7);
+    flat.seam.assign(info.edge_count, 7);
+    flat.cone.assign(info.vertex_count, -7);
+    flat.dilatation.assign(info.triangle_count, -7);
+    flat.differential.assign(2 * info.triangle_count, -7);
+    flat.numbers.struct_size = sizeof flat.numbers;
+    flat.numbers.vertex_capacity = info.vertex_count;
+    flat.numbers.edge_capacity = info.edge_count;
+    flat.numbers.triangle_capacity = info.triangle_count;
+    flat.numbers.corner_uv = flat.uv.data();
+    flat.numbers.transition = flat.transition.data();
+    flat.numbers.seam = flat.seam.data();
+    flat.numbers.cone = flat.cone.data();
+    flat.numbers.dilatation = flat.dilatation.data();
+    flat.numbers.differential = flat.differential.data();
+    flat.status = hmf_parameterize(hierarchy.get(), level, values.data(), values.size(), options, &flat.numbers, &flat.error);
+    return flat;
+}
+
+Solution harmonic(const Hierarchy& hierarchy, const Loops* loops = nullptr) {
+    Solution s = solve(hierarchy, loops, solve_options(HMF_METHOD_NEWTON, 1e-8));
+    EXPECT_EQ(s.status, HMF_OK) << s.error.message;
+    return s;
+}
+
+// Everything that holds for every parameterisation.  share: of the vertices, at least, whose triangles are all sound.
+void expect_flat_surface(const LevelMesh& mesh, const std::vector<double>& values, const Flat& flat, size_t genus,
+                         double share = 0.9) {
+    ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
+    // Transitions: the same points from both sides, to the bit; seams are where they are not the identity.
+    std::vector<size_t> first(mesh.edge_count, SIZE_MAX);
+    size_t seams = 0;
+    for (size_t t = 0; t < mesh.triangle_count; ++t)
+        for (size_t s = 0; s < 3; ++s) {
+            const size_t e = mesh.triangle_edges[3 * t + s], here = 3 * t + s;
+            if (first[e] == SIZE_MAX) {
+                first[e] = here;
+                continue;
+            }
+            const double* g = &flat.transition[3 * e];
+            ASSERT_TRUE(g[0] == 1 || g[0] == -1);
+            const size_t there = first[e];
+            const size_t ends[2][2] = {{there, 3 * t + (s + 1) % 3}, {3 * (there / 3) + (there % 3 + 1) % 3, here}};
+            for (const auto& end : ends)
+                for (size_t x = 0; x < 2; ++x)
+                    ASSERT_EQ(g[0] * flat.uv[2 * end[0] + x] + g[1 + x], flat.uv[2 * end[1] + x]) << "edge " << e;
+            seams += flat.seam[e];
+            if (!flat.seam[e]) {
+                ASSERT_TRUE(g[0] == 1 && g[1] == 0 && g[2] == 0) << "edge " << e;
+            }
+        }
+    EXPECT_EQ(seams, flat.numbers.seam_edge_count);
+    // Gauss and Bonnet.
+    long sum = 0;
+    for (const int32_t c : flat.cone) sum += 2 - c;
+    EXPECT_EQ(sum, 4 - 4 * static_cast<long>(genus));
+    // The angle in the plane is the cone angle where no triangle at the vertex is flipped; u is the foliation but near the zeros.
+    std::vector<double> angle(mesh.vertex_count, 0), area(mesh.vertex_count, 0);
+    std::vector<uint8_t> sound(mesh.vertex_count, 1);
+    double image = 0;
+    size_t flipped = 0;
+    for (size_t t = 0; t < mesh.triangle_count; ++t) {
+        const double* p = &flat.uv[6 * t];
+        const double twice = (p[2] - p[0]) * (p[5] - p[1]) - (p[4] - p[0]) * (p[3] - p[1]);
+        image += twice / 2;
+        flipped += flat.dilatation[t] < 0;
+        ASSERT_TRUE(std::fabs(flat.dilatation[t]) >= 1 - 1e-12);
+        for (size_t s = 0; s < 3; ++s) {
+            const double* a = p + 2 * s;
+            const double *b = p + 2 * ((s + 1) % 3), *c = p + 2 * ((s + 2) % 3);
+            const double x1 = b[0] - a[0], y1 = b[1] - a[1], x2 = c[0] - a[0], y2 = c[1] - a[1];
+            const uint32_t v = mesh.triangle_vertices[3 * t + s];
+            angle[v] += std::atan2(x1 * y2 - x2 * y1, x1 * x2 + y1 * y2);
+            if (!(flat.dilatation[t] > 0 && flat.dilatation[t] < 100)) sound[v] = 0;
+        }
+    }
+    EXPECT_EQ(flipped, flat.numbers.flipped_triangles);
+    EXPECT_NEAR(image, flat.numbers.area, 1e-9 * std::fabs(image));
+    size_t compared = 0;
+    for (size_t v = 0; v < mesh.vertex_count; ++v) {
+        if (!sound[v]) continue;
+        ++compared;
+        EXPECT_NEAR(angle[v], PI * flat.cone[v], 1e-6) << "vertex " << v;
+    }
+    EXPECT_GT(static_cast<double>(compared), share * static_cast<double>(mesh.vertex_count));
+    double difference = 0, total = 0;
+    for (size_t e = 0; e < mesh.edge_count; ++e) {
+        const size_t k = first[e], n = 3 * (k / 3) + (k % 3 + 1) % 3;
+        difference += std::fabs(std::fabs(flat.uv[2 * k] - flat.uv[2 * n]) - values[e]);
+        total += values[e];
+    }
+    EXPECT_LT(difference, 0.02 * total);
+}
+
+} // namespace
+
+// A torus of radii R, r is conformal to the rectangle of 2 pi by 2 pi r / sqrt(R^2 - r^2).
+TEST(Parameterize, ModulusOfATorus) {
+    const double R = 2, r = 0.8, modulus = r / std::sqrt(R * R - r * r);
+    double before = 1;
+    for (const size_t n : {24, 48, 96}) {
+        const Hierarchy hierarchy(torus(2 * n, n, R, r), 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = meridian(hierarchy, hierarchy.coarsest());
+        const Solution s = harmonic(hierarchy, &loops);
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        const Flat flat = parameterize(hierarchy, 0, s.values);
+        expect_flat_surface(mesh, s.values, flat, 1);
+        // The period of u round the axis is 1, and the area the modulus.
+        const double error = std::fabs(flat.numbers.area / modulus - 1);
+        EXPECT_LT(error, 0.35 * before) << n; // second order: a quarter
+        before = error;
+        EXPECT_EQ(flat.numbers.flipped_triangles, 0u);
+        for (const int32_t c : flat.cone) EXPECT_EQ(c, 2);
+    }
+    EXPECT_LT(before, 2e-3);
+}
+
+TEST(Parameterize, SurfacesOfSeveralGenera) {
+    for (const size_t genus : {1, 2, 3, 5}) {
+        SCOPED_TRACE(genus);
+        const Hierarchy hierarchy(pretzel(genus, 3), 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        const Solution s = harmonic(hierarchy);
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        const Flat flat = parameterize(hierarchy, 0, s.values);
+        expect_flat_surface(mesh, s.values, flat, genus);
+        EXPECT_LT(flat.numbers.dilatation_mean, 1.2);
+        EXPECT_NEAR(flat.numbers.area, s.report.energy, 2e-3 * s.report.energy);
+        // The map is injective beside the zeros: flips only in triangles near one.
+        std::vector<uint8_t> near(mesh.vertex_count, 0);
+        for (size_t v = 0; v < mesh.vertex_count; ++v) near[v] = flat.cone[v] != 2;
+        for (int ring = 0; ring < 2; ++ring) {
+            const std::vector<uint8_t> inner = near;
+            for (size_t e = 0; e < mesh.edge_count; ++e)
+                for (size_t x = 0; x < 2; ++x) near[mesh.edge_vertices[2 * e + x]] |= inner[mesh.edge_vertices[2 * e + 1 - x]];
+        }
+        for (size_t t = 0; t < mesh.triangle_count; ++t) {
+            if (flat.dilatation[t] < 0) {
+                EXPECT_TRUE(near[mesh.triangle_vertices[3 * t]]) << "triangle " << t;
+            }
+        }
+    }
+}
+
+// Conformal in the limit (the same shape at three resolutions, [W] Fig. 13).
+TEST(Parameterize, DilatationFallsUnderRefinement) {
+    TriMesh mesh = pretzel(2, 2);
+    double mean = 10, median = 10;
+    for (int round = 0; round < 3; ++round) {
+        const Hierarchy hierarchy(mesh, 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = library_loops(hierarchy, hierarchy.coarsest());
+        const Flat flat = parameterize(hierarchy, 0, harmonic(hierarchy, &loops).values);
+        ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
+        EXPECT_LT(flat.numbers.dilatation_median - 1, 0.7 * (median - 1)) << round;
+        EXPECT_LT(flat.numbers.dilatation_mean - 1, 0.9 * (mean - 1)) << round;
+        mean = flat.numbers.dilatation_mean;
+        median = flat.numbers.dilatation_median;
+        mesh = smooth(subdivide(mesh), 2);
+    }
+    EXPECT_LT(median, 1.05);
+}
+
+// The quadratic differential has the directions and the size of the map: exact for a conformal one.
+TEST(Parameterize, DifferentialOfTheMap) {
+    const Hierarchy hierarchy(torus(96, 48, 2, 0.8), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = meridian(hierarchy, hierarchy.coarsest());
+    const Flat flat = parameterize(hierarchy, 0, harmonic(hierarchy, &loops).values);
+    ASSERT_EQ(flat.status, HMF_OK);
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    for (size_t t = 0; t < mesh.triangle_count; ++t) {
+        // Along side 0: (du + i dv)^2 = phi dx^2 up to the dilatation.
+        const double* p = &flat.uv[6 * t];
+        double square = 0;
+        for (size_t x = 0; x < 3; ++x) {
+            const double d = mesh.positions[3 * mesh.triangle_vertices[3 * t + 1] + x] - mesh.positions[3 * mesh.triangle_vertices[3 * t] + x];
+            square += d * d;
+        }
+        const double du = p[2] - p[0], dv = p[3] - p[1];
+        const double re = (du * du - dv * dv) / square, im = 2 * du * dv / square;
+        const double size = std::hypot(flat.differential[2 * t], flat.differential[2 * t + 1]);
+        EXPECT_LT(std::hypot(re - flat.differential[2 * t], im - flat.differential[2 * t + 1]), 0.15 * size) << t;
+    }
+}
+
+// The same surface with other diagonals in its flat parts has the same intrinsic
+// triangulation, up to co-circular points; the map is carried back to each.
+TEST(Parameterize, BadTriangulationsGiveTheSameMap) {
+    const TriMesh good = subdivide(subdivide(subdivide(plate(2))));
+    const TriMesh bad = with_random_flips(good, 20000, 1 - 1e-12, 3);
+    ASSERT_NE(good.triangles, bad.triangles);
+    double area[2], energy[2];
+    for (int i = 0; i < 2; ++i) {
+        const Hierarchy hierarchy(i ? bad : good, 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = plate_loops(hierarchy, 0, 2);
+        const Solution s = harmonic(hierarchy, &loops);
+        const Flat flat = parameterize(hierarchy, 0, s.values);
+        expect_flat_surface(read_level(hierarchy, 0), s.values, flat, 2, i ? 0.5 : 0.9);
+        area[i] = flat.numbers.area;
+        energy[i] = s.report.energy;
+    }
+    EXPECT_NEAR(energy[0], energy[1], 1e-9 * energy[0]);
+    EXPECT_NEAR(area[0], area[1], 1e-3 * area[0]); // a zero may take another corner
+}
+
+TEST(Parameterize, CoarseLevelsToo) {
+    const Hierarchy hierarchy(pretzel(2, 4), 0.5, 400);
+    ASSERT_TRUE(hierarchy);
+    const Solution fine = harmonic(hierarchy);
+    for (size_t level = 1; level < hierarchy.levels(); ++level) {
+        SCOPED_TRACE(level);
+        hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-8);
+        options.stop_level = level;
+        const Solution s = solve(hierarchy, nullptr, options);
+        ASSERT_EQ(s.status, HMF_OK);
+        const LevelMesh mesh = read_level(hierarchy, level);
+        const std::vector<double> values(s.values.begin(), s.values.begin() + static_cast<std::ptrdiff_t>(mesh.edge_count));
+        expect_flat_surface(mesh, values, parameterize(hierarchy, level, values), 2);
+    }
+}
+
+TEST(Parameterize, Scaling) {
+    const TriMesh mesh = pretzel(2, 3);
+    const Hierarchy one(mesh, 0.5, 300), eight(scaled(mesh, 8), 0.5, 300);
+    Loops loops = library_loops(one, one.coarsest());
+    loops.weights.assign(loops.count(), 1);
+    const Flat a = parameterize(one, 0, harmonic(one, &loops).values);
+    const Flat b = parameterize(eight, 0, harmonic(eight, &loops).values);
+    loops.weights.assign(loops.count(), 4);
+    const Flat c = parameterize(one, 0, harmonic(one, &loops).values);
+    ASSERT_EQ(a.status, HMF_OK);
+    EXPECT_EQ(a.uv, b.uv);
+    EXPECT_EQ(a.seam, b.seam);
+    ASSERT_EQ(a.uv.size(), c.uv.size());
+    for (size_t i = 0; i < a.uv.size(); ++i) ASSERT_EQ(4 * a.uv[i], c.uv[i]);
+}
+
+TEST(Parameterize, SeamsPreferTheEdgesGiven) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Solution s = harmonic(hierarchy);
+    const Flat plain = parameterize(hierarchy, 0, s.values);
+    ASSERT_EQ(plain.status, HMF_OK);
+    // Every third edge, by a rule that has nothing to do with the seams.
+    std::vector<uint32_t> wanted;
+    for (uint32_t e = 0; e < plain.seam.size(); ++e)
+        if (e % 3 != 0) wanted.push_back(e);
+    hmf_parameterize_options options;
+    hmf_parameterize_options_init(&options);
+    options.seam_edges = wanted.data();
+    options.seam_edge_count = wanted.size();
+    const Flat guided = parameterize(hierarchy, 0, s.values, &options);
+    expect_flat_surface(read_level(hierarchy, 0), s.values, guided, 2);
+    const auto off = [](const Flat& flat) {
+        size_t count = 0;
+        for (size_t e = 0; e < flat.seam.size(); e += 3) count += flat.seam[e];
+        return count;
+    };
+    EXPECT_LT(off(guided), off(plain) / 4);
+}
+
+// A limb that no loop goes round: what is known there is less than rounding.
+TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
+    const Hierarchy hierarchy(torus_with_finger(40, 20, 60, 30), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Solution s = harmonic(hierarchy);
+    const Flat flat = parameterize(hierarchy, 0, s.values);
+    ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
+    EXPECT_GT(flat.numbers.degenerate_triangles, 100u);
+    EXPECT_TRUE(std::isfinite(flat.numbers.dilatation_mean));
+    long sum = 0;
+    for (const int32_t c : flat.cone) sum += 2 - c;
+    EXPECT_EQ(sum, 0);
+}
+
+TEST(Parameterize, Refusals) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Solution s = harmonic(hierarchy);
+    std::vector<double> initial(hierarchy.edges(0));
+    const Loops loops = library_loops(hierarchy, 0);
+    const hmf_loop_set set = loops.view();
+    ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, initial.data(), initial.size(), nullptr), HMF_OK);
+    const auto untouched = [](const Flat& flat) {
+        for (const double x : flat.uv) EXPECT_EQ(x, -7);
+        for (const double x : flat.dilatation) EXPECT_EQ(x, -7);
+        for (const int32_t x : flat.cone) EXPECT_EQ(x, -7);
+    };
+    Flat flat = parameterize(hierarchy, 0, initial);
+    EXPECT_EQ(flat.status, HMF_ERROR_VALUE_NOT_HARMONIC);
+    EXPECT_EQ(flat.error.element, HMF_ELEMENT_VERTEX);
+    untouched(flat);
+    std::vector<double> broken = s.values;
+    for (double& x : broken) x *= x;
+    EXPECT_EQ(parameterize(hierarchy, 0, broken).status, HMF_ERROR_VALUE_NOT_CLOSED);
+    broken = s.values;
+    broken.pop_back();
+    EXPECT_EQ(parameterize(hierarchy, 0, broken).status, HMF_ERROR_CAPACITY);
+    EXPECT_EQ(parameterize(hierarchy, hierarchy.levels(), s.values).status, HMF_ERROR_INTERNAL); // not even called
+
+    hmf_parameterize_options options;
+    hmf_parameterize_options_init(&options);
+    const uint32_t edge = static_cast<uint32_t>(hierarchy.edges(0));
+    options.seam_edges = &edge;
+    options.seam_edge_count = 1;
+    flat = parameterize(hierarchy, 0, s.values, &options);
+    EXPECT_EQ(flat.status, HMF_ERROR_OPTIONS);
+    EXPECT_EQ(flat.error.index, edge);
+    untouched(flat);
+    options.seam_edges = nullptr;
+    EXPECT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_ERROR_OPTIONS);
+    hmf_parameterize_options_init(&options);
+    options.tolerance = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_ERROR_OPTIONS);
+
+    hmf_parameterization out{};
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, nullptr, nullptr), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_parameterize(nullptr, 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_NULL);
+    // Numbers only.
+    out.struct_size = sizeof out;
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_OK);
+    EXPECT_GT(out.area, 0);
+    double uv[6];
+    out.corner_uv = uv;
+    out.triangle_capacity = 1;
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_CAPACITY);
+}
+
+TEST(Parameterize, CancelledAtEachCall) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Solution s = harmonic(hierarchy);
+    struct Counter {
+        int calls = 0, stop = -1;
+        double last = 0;
+        static int32_t call(void* user, double fraction) {
+            Counter& c = *static_cast<Counter*>(user);
+            EXPECT_GE(fraction, c.last);
+            EXPECT_LE(fraction, 1.0);
+            c.last = fraction;
+            return c.calls++ == c.stop ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
+        }
+    };
+    hmf_parameterize_options options;
+    hmf_parameterize_options_init(&options);
+    options.progress = Counter::call;
+    Counter all;
+    options.progress_user = &all;
+    ASSERT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_OK);
+    EXPECT_GT(all.calls, 5);
+    EXPECT_EQ(all.last, 1);
+    for (int n = 0; n + 1 < all.calls; ++n) {
+        Counter counter;
+        counter.stop = n;
+        options.progress_user = &counter;
+        const Flat flat = parameterize(hierarchy, 0, s.values, &options);
+        EXPECT_EQ(flat.status, HMF_CANCELLED) << n;
+        EXPECT_EQ(counter.calls, n + 1);
+        EXPECT_EQ(flat.uv[0], -7);
+    }
+}
+
+TEST(Parameterize, EveryAllocationMayFail) {
+    struct Failing {
+        int calls = 0, stop = -1;
+        size_t used = 0;
+        static void* take(void* user, size_t size) {
+            Failing& f = *static_cast<Failing*>(user);
+            if (f.calls++ == f.stop) return nullptr;
+            f.used += size;
+            return std::malloc(size);
+        }
+        static void give(void* user, void* block, size_t size) {
+            static_cast<Failing*>(user)->used -= size;
+            std::free(block);
+        }
+    } failing;
+    hmf_build_options options;
+    hmf_build_options_init(&options);
+    options.coarsest = 300;
+    options.allocate = Failing::take;
+    options.release = Failing::give;
+    options.allocator_user = &failing;
+    const Hierarchy hierarchy(pretzel(2, 2), options);
+    ASSERT_TRUE(hierarchy);
+    const Solution s = harmonic(hierarchy);
+    const size_t held = failing.used;
+    failing.calls = 0;
+    ASSERT_EQ(parameterize(hierarchy, 0, s.values).status, HMF_OK);
+    const int calls = failing.calls;
+    EXPECT_GT(calls, 30);
+    for (int n = 0; n < calls; ++n) {
+        failing.calls = 0;
+        failing.stop = n;
+        const Flat flat = parameterize(hierarchy, 0, s.values);
+        ASSERT_EQ(flat.status, HMF_ERROR_MEMORY) << "allocation " << n << " of " << calls;
+        ASSERT_EQ(flat.uv[0], -7);
+        ASSERT_EQ(flat.dilatation[0], -7);
+        ASSERT_EQ(failing.used, held) << "allocation " << n << " of " << calls;
+    }
+    failing.stop = -1;
+}
