@@ -1,5 +1,5 @@
 // hmf.h: loops, initialize, solve, relax.
-#include "../loops/loops.hpp"
+#include "../loops/library_loops.hpp"
 #include "../solve/solve.hpp"
 #include "values.hpp"
 
@@ -8,15 +8,6 @@
 using namespace hmf;
 
 namespace {
-
-// The mesh on which loops of a level are given: level 0 is the caller's.
-const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) { return level == 0 ? h.input : h.levels[level].mesh; }
-
-// The library's own loops, crossings of half-edges.
-hmf_status make_loops(const hmf_hierarchy& h, size_t level, Call& call, Loops& loops) {
-    const Mesh& mesh = loop_mesh(h, level);
-    return cut_system(mesh, h.levels[level].position, call, loops);
-}
 
 // Level of the caller's loops; of the library's own where set is NULL.
 size_t loop_level(const hmf_loop_set* set, size_t own) { return set ? static_cast<size_t>(set->level) : own; }
@@ -27,7 +18,7 @@ hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t le
                       Array<int64_t>& weights, double& unit) {
     const double* given_weights = nullptr;
     if (!set) {
-        if (make_loops(h, level, call, loops)) return call.status();
+        if (library_loops(h, level, HMF_LOOPS_CUT, call, loops)) return call.status();
     } else {
         hmf_loop_set all;
         if (!copy_options(set, all))
@@ -173,10 +164,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     if (check_level(hierarchy, level, call)) return call.status();
     if (!loop_count || !element_count)
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "loop_count and element_count must not be NULL.");
-    if (kind != HMF_LOOPS_CUT)
-        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_CUT.", static_cast<int>(kind));
     Loops loops;
-    if (make_loops(*hierarchy, level, call, loops)) return call.status();
+    if (library_loops(*hierarchy, level, kind, call, loops)) return call.status();
     const size_t count = loops.count(), size = loops.crossings.size();
     if (offsets && check_capacity(offset_capacity, count + 1, "offsets", call)) return call.status();
     if (elements && check_capacity(element_capacity, size, "elements", call)) return call.status();

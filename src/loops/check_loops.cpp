@@ -11,7 +11,7 @@
 //      loop c  (   annulus   )  loop d      c and d are freely homotopic,
 //                                           unless c = d (on a torus)
 #include "cut_surface.hpp"
-#include "heap_sort.hpp"
+#include "disjoint.hpp"
 
 namespace hmf {
 
@@ -21,96 +21,6 @@ using Long = unsigned long long;
 
 hmf_status cancelled(Call& call) {
     return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-}
-
-// Where the least rotation of a cyclic sequence begins; linear time.
-size_t least_rotation(const uint32_t* s, size_t n) {
-    size_t i = 0, j = 1, k = 0;
-    while (i < n && j < n && k < n) {
-        const size_t p = i + k < n ? i + k : i + k - n, q = j + k < n ? j + k : j + k - n;
-        if (s[p] == s[q]) { ++k; continue; }
-        if (s[p] > s[q]) i += k + 1;
-        else j += k + 1;
-        if (i == j) ++j;
-        k = 0;
-    }
-    return i < j ? i : j;
-}
-
-// Sequences in a form that neither the start nor the direction changes.
-struct Canonical {
-    Array<uint32_t> sequence;
-    Array<uint64_t> offsets;
-    Array<uint32_t> order; // of the sequences, sorted
-
-    bool less(uint32_t a, uint32_t b) const {
-        const uint64_t n = offsets[a + 1] - offsets[a], m = offsets[b + 1] - offsets[b];
-        if (n != m) return n < m;
-        const uint32_t* const s = sequence.data() + offsets[a];
-        const uint32_t* const t = sequence.data() + offsets[b];
-        for (uint64_t i = 0; i < n; ++i)
-            if (s[i] != t[i]) return s[i] < t[i];
-        return a < b;
-    }
-
-    // Loops first .. last - 1.  False: out of memory.
-    bool build(const Loops& loops, size_t first, size_t last, Memory& memory) {
-        const uint64_t begin = loops.offsets[first], total = loops.offsets[last] - begin;
-        Array<uint32_t> reversed;
-        if (!sequence.allocate(memory, total) || !reversed.allocate(memory, total) || !offsets.allocate(memory, last - first + 1) ||
-            !order.allocate(memory, last - first))
-            return false;
-        offsets[0] = 0;
-        for (size_t c = first; c < last; ++c) {
-            const uint32_t* const s = loops.crossings.data() + loops.offsets[c];
-            const size_t n = loops.offsets[c + 1] - loops.offsets[c];
-            uint32_t* const r = reversed.data();
-            for (size_t i = 0; i < n; ++i) r[i] = twin(s[n - 1 - i]);
-            const size_t at_s = least_rotation(s, n), at_r = least_rotation(r, n);
-            bool forward = true;
-            for (size_t i = 0; i < n; ++i) {
-                const uint32_t x = s[(at_s + i) % n], y = r[(at_r + i) % n];
-                if (x != y) { forward = x < y; break; }
-            }
-            const uint32_t* const chosen = forward ? s : r;
-            const size_t at = forward ? at_s : at_r;
-            uint32_t* const to = sequence.data() + offsets[c - first];
-            for (size_t i = 0; i < n; ++i) to[i] = chosen[(at + i) % n];
-            offsets[c - first + 1] = offsets[c - first] + n;
-            order[c - first] = static_cast<uint32_t>(c - first);
-        }
-        heap_sort(order.data(), order.size(), [this](uint32_t a, uint32_t b) { return less(a, b); });
-        return true;
-    }
-
-    bool same(size_t a, const Canonical& other, size_t b) const {
-        const uint64_t n = offsets[a + 1] - offsets[a];
-        if (n != other.offsets[b + 1] - other.offsets[b]) return false;
-        for (uint64_t i = 0; i < n; ++i)
-            if (sequence[offsets[a] + i] != other.sequence[other.offsets[b] + i]) return false;
-        return true;
-    }
-};
-
-enum class Answer { yes, no, out_of_memory };
-
-// Are loops first .. last - 1 simple and disjoint?  Leaves their multicurve
-// in `curves`, and the loop (from 0) of each component in loop_of, if wanted.
-Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves, Array<uint32_t>* loop_of, Memory& memory) {
-    curves.clear();
-    if (!curves.add(loops.crossings.data() + loops.offsets[first], loops.offsets[last] - loops.offsets[first])) return Answer::out_of_memory;
-    if (!curves.is_normal(mesh)) return Answer::no;
-    if (!curves.trace(mesh, memory)) return Answer::out_of_memory;
-    const size_t n = last - first;
-    if (curves.components.count() != n) return Answer::no;
-    Canonical given, traced;
-    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory)) return Answer::out_of_memory;
-    if (loop_of && !loop_of->allocate(memory, n)) return Answer::out_of_memory;
-    for (size_t i = 0; i < n; ++i) {
-        if (!given.same(given.order[i], traced, traced.order[i])) return Answer::no;
-        if (loop_of) (*loop_of)[traced.order[i]] = given.order[i];
-    }
-    return Answer::yes;
 }
 
 // Names the first loop that meets itself or, if there is none, the first one

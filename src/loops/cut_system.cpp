@@ -21,6 +21,7 @@
 //  3. Cutting only makes loops longer, so the length found at a root is a lower
 //     bound for it later: roots are tried in that order, and mostly few.
 #include "cut_surface.hpp"
+#include "dual_length.hpp"
 #include "heap_sort.hpp"
 
 #include <cmath>
@@ -53,8 +54,10 @@ public:
         out.crossings.start(memory_);
         loop_.start(memory_);
         try_.start(memory_);
-        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !measure(position) || !roots_.allocate(memory_, mesh_.face_count))
+        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) || !roots_.allocate(memory_, mesh_.face_count))
             return call_.out_of_memory();
+        const DualLength length(mesh_, position);
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         spread_roots();
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 8e6 + 20 * faces;
@@ -84,40 +87,6 @@ private:
     struct Entry { double distance; uint32_t region; };
 
     hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
-
-    // Length of each dual edge: from centre to centre over the middle of the edge.
-    bool measure(const double* position) {
-        if (!length_.allocate(memory_, mesh_.edge_count)) return false;
-        double largest = 0;
-        for (size_t i = 0; i < 3 * size_t{mesh_.vertex_count}; ++i) {
-            const double x = position[i] < 0 ? -position[i] : position[i];
-            if (x > largest) largest = x;
-        }
-        if (!(largest > 0)) largest = 1;
-        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
-            double middle[3], sum = 0;
-            for (uint32_t a = 0; a < 3; ++a)
-                middle[a] = (position[3 * size_t{mesh_.origin[2 * e]} + a] / largest + position[3 * size_t{mesh_.origin[2 * e + 1]} + a] / largest) / 2;
-            for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
-                const uint32_t corner = mesh_.origin[mesh_.prev(h)];
-                double square = 0;
-                for (uint32_t a = 0; a < 3; ++a) {
-                    // The centre lies a third of the way from the middle to the corner.
-                    const double d = (position[3 * size_t{corner} + a] / largest - middle[a]) / 3;
-                    square += d * d;
-                }
-                sum += std::sqrt(square);
-            }
-            // Two faces that share several edges: a loop of triangles does not
-            // say which of them it crosses, so such edges are avoided.
-            const uint32_t h = 2 * e;
-            const uint32_t f = mesh_.face[h], g = mesh_.face[h + 1];
-            const auto borders = [&](uint32_t k) { return k != h && k != h + 1 && mesh_.face[twin(k)] == g; };
-            const bool ambiguous = f == g || borders(mesh_.next[h]) || borders(mesh_.prev(h));
-            length_[e] = ambiguous ? 8 * sum : sum;
-        }
-        return true;
-    }
 
     // All faces, in an order whose beginnings are spread over the mesh.
     void spread_roots() {

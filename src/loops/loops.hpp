@@ -20,6 +20,10 @@ struct Loops {
 // that is found one after another.  position: 3 per vertex of the mesh.
 hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 
+// Shortens simple disjoint loops within their classes; they stay disjoint, in
+// their order and with their directions.
+hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops);
+
 // Loops of the caller: elements are faces (element_kind HMF_LOOP_TRIANGLES)
 // or vertices (HMF_LOOP_VERTICES) of mesh.  Removes backtracking.  Checks
 // indices and closedness only; error indices are loop numbers.

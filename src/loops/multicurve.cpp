@@ -34,6 +34,15 @@ bool Multicurve::is_normal(const Mesh& mesh) const {
     return true;
 }
 
+void Multicurve::step(const Mesh& mesh, uint32_t& h, uint32_t& p) const {
+    const uint32_t n = count[edge_of(h)], k = twin(h), at = n - 1 - p;
+    const uint32_t right = mesh.next[k], left = mesh.prev(k);
+    const uint32_t n_right = count[edge_of(right)], n_left = count[edge_of(left)];
+    const uint32_t round_origin = static_cast<uint32_t>((uint64_t{n} + n_left - n_right) / 2);
+    h = at < round_origin ? left : right;
+    p = at < round_origin ? n_left - 1 - at : n - 1 - at;
+}
+
 bool Multicurve::trace(const Mesh& mesh, Memory& memory) {
     uint32_t next_first = 0;
     for (uint32_t e : edges) {
@@ -57,12 +66,7 @@ bool Multicurve::trace(const Mesh& mesh, Memory& memory) {
                 if (mark != NONE) break;
                 mark = 2 * component + (h & 1u);
                 components.crossings.push(h); // within the reserve
-                const uint32_t k = twin(h), at = n - 1 - p;
-                const uint32_t right = mesh.next[k], left = mesh.prev(k);
-                const uint32_t n_right = count[edge_of(right)], n_left = count[edge_of(left)];
-                const uint32_t round_origin = static_cast<uint32_t>((uint64_t{n} + n_left - n_right) / 2);
-                if (at < round_origin) { h = left; p = n_left - 1 - at; }
-                else { h = right; p = n - 1 - at; }
+                step(mesh, h, p);
             }
             if (!components.offsets.push(components.crossings.size())) return false;
             ++component;

@@ -34,6 +34,8 @@ struct Multicurve {
     void clear();
     bool is_normal(const Mesh& mesh) const;         // corner counts are integers >= 0
     bool trace(const Mesh& mesh, Memory& memory);   // needs is_normal; false: out of memory
+    // From the crossing at place p (from the origin of half-edge h) that leaves through h to the next one.
+    void step(const Mesh& mesh, uint32_t& h, uint32_t& p) const;
 };
 
 } // namespace hmf

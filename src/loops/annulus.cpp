@@ -1,0 +1,241 @@
+#include "annulus.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// The search leaves the turn in which it starts by no more than this.
+constexpr uint32_t TURNS = 6, FIRST_TURN = 2;
+
+} // namespace
+
+// The region on the left of the place: two places, or three in the middle of a triangle.
+bool Annulus::add_copy(Place entry, double distance) {
+    const uint32_t h = entry.half_edge, k = mesh_.next[h], l = mesh_.next[k];
+    const uint64_t n = count(h), m = count(k), q = count(l);
+    const uint32_t at_origin = static_cast<uint32_t>((n + q - m) / 2), at_target = static_cast<uint32_t>((n + m - q) / 2);
+    const uint32_t at_apex = static_cast<uint32_t>((m + q - n) / 2);
+    Copy copy{};
+    copy.side[0] = entry;
+    copy.sides = 2;
+    if (entry.position < at_origin) {
+        copy.side[1] = {l, static_cast<uint32_t>(q) - entry.position};
+    } else if (entry.position > at_origin) {
+        copy.side[1] = {k, static_cast<uint32_t>(n) - entry.position};
+    } else {
+        copy.sides = 3;
+        copy.side[1] = {k, at_target};
+        copy.side[2] = {l, at_apex};
+    }
+    for (uint32_t& to : copy.to) to = NONE;
+    copy.distance = distance;
+    return copies_.push(copy);
+}
+
+bool Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) { return border_.push({link, before, after}); }
+
+bool Annulus::push(Entry entry) {
+    if (!heap_.push(entry)) return false;
+    size_t i = heap_.size() - 1;
+    const auto less = [](const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); };
+    for (; i && less(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
+    heap_[i] = entry;
+    return true;
+}
+
+Annulus::Entry Annulus::pop() {
+    const auto less = [](const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); };
+    const Entry top = heap_[0], entry = heap_.back();
+    heap_.pop();
+    const size_t n = heap_.size();
+    if (n == 0) return top;
+    size_t i = 0;
+    for (size_t child = 1; child < n; child = 2 * i + 1) {
+        if (child + 1 < n && less(heap_[child + 1], heap_[child])) ++child;
+        if (!less(heap_[child], entry)) break;
+        heap_[i] = heap_[child];
+        i = child;
+    }
+    heap_[i] = entry;
+    return top;
+}
+
+// Copy i is the region between the places i and i + 1 of the loop.
+bool Annulus::build_strip(const Array<Place>& loop) {
+    const uint32_t n = static_cast<uint32_t>(loop.size());
+    for (uint32_t i = 0; i < n; ++i)
+        if (!add_copy(other(loop[i]), 0)) return false;
+    Array<uint32_t> exit;
+    if (!exit.allocate(call_.memory, n)) return false;
+    for (uint32_t i = 0; i < n; ++i) {
+        const Place leave = loop[i + 1 < n ? i + 1 : 0];
+        exit[i] = NONE;
+        for (uint32_t s = 1; s < copies_[i].sides; ++s)
+            if (copies_[i].side[s].half_edge == leave.half_edge && copies_[i].side[s].position == leave.position) exit[i] = s;
+        assert(exit[i] != NONE);
+        if (exit[i] == NONE) return false;
+    }
+    for (uint32_t i = 0; i < n; ++i) {
+        const uint32_t j = i + 1 < n ? i + 1 : 0;
+        copies_[i].to[exit[i]] = 4 * j;
+        copies_[j].to[0] = 4 * i + exit[i];
+        copies_[i].turns[exit[i]] = j == 0;
+        copies_[j].turns[0] = j == 0 ? -1 : 0;
+    }
+    // Third sides: on the right of the loop (exit 2) the border runs along with
+    // it, on the left (exit 1) against it.
+    for (uint32_t right = 0; right < 2; ++right) {
+        const uint32_t first = static_cast<uint32_t>(border_.size());
+        for (uint32_t k = 0; k < n; ++k) {
+            const uint32_t i = right ? k : n - 1 - k;
+            if (copies_[i].sides != 3 || exit[i] != 1 + right) continue;
+            const uint32_t at = static_cast<uint32_t>(border_.size());
+            if (!push_border(4 * i + (right ? 1 : 2), at - 1, at + 1)) return false;
+        }
+        const uint32_t end = static_cast<uint32_t>(border_.size());
+        if (end == first) continue;
+        border_[first].before = end - 1;
+        border_[end - 1].after = first;
+    }
+    return true;
+}
+
+// Side a of the border and the next one, if they are one segment that begins at a vertex.
+void Annulus::close_up(uint32_t a) {
+    for (;;) {
+        const uint32_t b = border_[a].after;
+        if (b == a || border_[b].after == a) return;
+        const uint32_t link_a = border_[a].link, link_b = border_[b].link;
+        const Place place_a = copies_[link_a / 4].side[link_a % 4], place_b = copies_[link_b / 4].side[link_b % 4];
+        if (place_b.half_edge != twin(place_a.half_edge) || place_b.position != 0 || place_a.position != count(place_a.half_edge)) return;
+        int turns = 0;
+        uint32_t at = link_a;
+        for (;;) { // round the vertex, from a to b
+            const Copy& copy = copies_[at / 4];
+            const uint32_t s = at % 4 + 1 < copy.sides ? at % 4 + 1 : 0;
+            if (at - at % 4 + s == link_b) break;
+            turns += copy.turns[s];
+            at = copy.to[s];
+        }
+        copies_[link_a / 4].to[link_a % 4] = link_b;
+        copies_[link_b / 4].to[link_b % 4] = link_a;
+        copies_[link_a / 4].turns[link_a % 4] = turns;
+        copies_[link_b / 4].turns[link_b % 4] = -turns;
+        const uint32_t before = border_[a].before, after = border_[b].after;
+        border_[a].link = border_[b].link = NONE;
+        border_[before].after = after;
+        border_[after].before = before;
+        a = before;
+    }
+}
+
+bool Annulus::grow(size_t capacity) {
+    heap_.clear();
+    const auto enqueue = [&](uint32_t b) {
+        const uint32_t link = border_[b].link;
+        const Copy& copy = copies_[link / 4];
+        return push({copy.distance + length_(edge_of(copy.side[link % 4].half_edge)), b});
+    };
+    // Vertices that the loop itself goes all the way round do not exist: it is
+    // tight.  So the first borders do not close up by themselves.
+    for (uint32_t b = 0; b < border_.size(); ++b)
+        if (!enqueue(b)) return false;
+    while (!heap_.empty() && copies_.size() < capacity) {
+        const Entry top = pop();
+        const uint32_t b = top.item, link = border_[b].link;
+        if (link == NONE) continue;
+        if (copies_.size() % 8192 == 0 && !call_.tick(0, true)) return false;
+        const uint32_t copy = static_cast<uint32_t>(copies_.size());
+        if (!add_copy(other(copies_[link / 4].side[link % 4]), top.distance)) return false;
+        copies_[link / 4].to[link % 4] = 4 * copy;
+        copies_[copy].to[0] = link;
+        // Its other sides take the place of b.
+        border_[b].link = 4 * copy + 1;
+        uint32_t last = b;
+        if (copies_[copy].sides == 3) {
+            last = static_cast<uint32_t>(border_.size());
+            const uint32_t after = border_[b].after;
+            if (!push_border(4 * copy + 2, b, after)) return false;
+            border_[after].before = last;
+            border_[b].after = last;
+        }
+        if (!enqueue(b) || (last != b && !enqueue(last))) return false;
+        const uint32_t before = border_[b].before;
+        close_up(last);
+        if (border_[b].link != NONE && border_[b].after == last) close_up(b);
+        if (border_[before].link != NONE && border_[before].after == b) close_up(before);
+    }
+    return true;
+}
+
+bool Annulus::search(Array<uint32_t>& out) {
+    const size_t states = copies_.size() * TURNS;
+    if (!distance_.allocate(call_.memory, states) || !from_.allocate(call_.memory, states) || !stamp_.allocate_filled(call_.memory, states, 0u)) return false;
+    double best = HUGE_VAL;
+    uint32_t epoch = 0, work = 0;
+    for (uint32_t root = 0; root < copies_.size(); ++root) {
+        bool counts = false;
+        for (uint32_t s = 0; s < copies_[root].sides; ++s) counts |= copies_[root].to[s] != NONE && copies_[root].turns[s] > 0;
+        if (!counts) continue;
+        // State copy * TURNS + FIRST_TURN + turn; stamp 2 epoch: reached, 2 epoch + 1: settled.
+        ++epoch;
+        heap_.clear();
+        const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
+        distance_[start] = 0;
+        from_[start] = NONE;
+        stamp_[start] = 2 * epoch;
+        if (!push({0, start})) return false;
+        bool arrived = false;
+        while (!heap_.empty()) {
+            const Entry top = pop();
+            const uint32_t state = top.item;
+            if (stamp_[state] == 2 * epoch + 1) continue;
+            if (top.distance >= best) break;
+            stamp_[state] = 2 * epoch + 1;
+            if (state == goal) { arrived = true; break; }
+            if (++work % 16384 == 0 && !call_.tick(0, true)) return false;
+            const Copy& copy = copies_[state / TURNS];
+            for (uint32_t s = 0; s < copy.sides; ++s) {
+                if (copy.to[s] == NONE) continue;
+                const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
+                if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
+                const uint32_t to = copy.to[s] / 4 * TURNS + static_cast<uint32_t>(turn);
+                const double d = top.distance + length_(edge_of(copy.side[s].half_edge));
+                if (stamp_[to] >= 2 * epoch && !(d < distance_[to])) continue;
+                stamp_[to] = 2 * epoch;
+                distance_[to] = d;
+                from_[to] = 4 * (state / TURNS) + s;
+                if (!push({d, to})) return false;
+            }
+        }
+        if (!arrived) continue;
+        best = distance_[goal];
+        out.clear();
+        for (uint32_t state = goal; state != start;) {
+            const uint32_t link = from_[state];
+            const Copy& copy = copies_[link / 4];
+            if (!out.push(copy.side[link % 4].half_edge)) return false;
+            state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
+        }
+        for (size_t i = 0, j = out.size(); i + 1 < j; ++i) {
+            --j;
+            const uint32_t h = out[i];
+            out[i] = out[j];
+            out[j] = h;
+        }
+    }
+    return true;
+}
+
+bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, Array<uint32_t>& out) {
+    count_ = &count;
+    copies_.start(call_.memory);
+    border_.start(call_.memory);
+    heap_.start(call_.memory);
+    out.start(call_.memory);
+    return build_strip(loop) && grow(capacity) && search(out);
+}
+
+} // namespace hmf

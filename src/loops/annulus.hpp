@@ -1,0 +1,70 @@
+// The shortest loop homotopic to a given one on a cut surface, searched in a
+// strip of its annular cover, where a class is a number of turns.
+//
+// The strip begins with the regions that the loop runs through and grows at
+// its nearest border.  A region of the surface may come in several copies; two
+// sides that meet in a vertex and are the same segment close up there:
+//
+//      \ new /  |                     \     /
+//       \   /   | same segment   ->    \ | /       the vertex is inside now
+//    ----\-/----+                  -----\|/
+//         v                              v
+//
+// so that turns round a vertex do not count, and turns round the strip do.
+// Links carry 0 or 1 turn; a shortest path from a copy to itself one turn on,
+// least over the copies where turns are counted, is the shortest loop.
+#pragma once
+
+#include "dual_length.hpp"
+#include "multicurve.hpp"
+
+namespace hmf {
+
+class Annulus {
+public:
+    Annulus(const Mesh& mesh, const DualLength& length, Call& call) : mesh_(mesh), length_(length), call_(call) {}
+
+    // A place on an edge: between two of the curves, from the origin of the half-edge.
+    struct Place { uint32_t half_edge, position; };
+
+    // The surface is cut along the curves with `count` crossings per edge; the
+    // loop leaves regions at the given places.  Copies are at most `capacity`
+    // (at least those of the loop).  On success `out` is the loop found, a
+    // shortest one within the strip, in the same direction.  False: out of
+    // memory or cancelled.
+    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, Array<uint32_t>& out);
+
+private:
+    struct Copy {
+        Place side[3];      // counter-clockwise
+        uint32_t to[3];     // 4 * copy + side, or NONE at the border
+        int32_t turns[3];
+        uint32_t sides;
+        double distance;    // from the loop
+    };
+    struct Border { uint32_t link, before, after; }; // link: 4 * copy + side
+    struct Entry { double distance; uint32_t item; };
+
+    uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
+    Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
+    bool add_copy(Place entry, double distance);
+    bool push_border(uint32_t link, uint32_t before, uint32_t after);
+    bool build_strip(const Array<Place>& loop);
+    bool grow(size_t capacity);
+    void close_up(uint32_t a);
+    bool search(Array<uint32_t>& out);
+    bool push(Entry entry);
+    Entry pop();
+
+    const Mesh& mesh_;
+    const DualLength& length_;
+    Call& call_;
+    const Array<uint32_t>* count_ = nullptr;
+    Array<Copy> copies_;
+    Array<Border> border_;
+    Array<Entry> heap_;
+    Array<double> distance_;
+    Array<uint32_t> from_, stamp_;
+};
+
+} // namespace hmf

@@ -1,0 +1,177 @@
+#include "carry_loops.hpp"
+
+#include "disjoint.hpp"
+
+namespace hmf {
+
+bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops, Memory& memory) {
+    hierarchy_ = &hierarchy;
+    level_ = level;
+    const Mesh& from = level == 0 ? hierarchy.input : hierarchy.levels[level].mesh;
+    const Mesh& room = hierarchy.levels[finest].mesh;
+    entries_.start(memory);
+    scratch_.start(memory);
+    free_ = NONE;
+    if (!origin_.allocate(memory, size_t{2} * room.edge_count) || !next_.allocate(memory, size_t{2} * room.edge_count) ||
+        !face_.allocate(memory, size_t{2} * room.edge_count) || !out_.allocate(memory, room.vertex_count) ||
+        !head_.allocate_filled(memory, room.edge_count, NONE))
+        return false;
+    std::memcpy(origin_.data(), from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(next_.data(), from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(face_.data(), from.face, size_t{2} * from.edge_count * sizeof(uint32_t));
+    std::memcpy(out_.data(), from.out, from.vertex_count * sizeof(uint32_t));
+    mesh_ = from;
+    mesh_.origin = origin_.data();
+    mesh_.next = next_.data();
+    mesh_.face = face_.data();
+    mesh_.out = out_.data();
+    return replace(loops);
+}
+
+bool LoopCarrier::replace(const Loops& loops) {
+    for (uint32_t e = 0; e < mesh_.edge_count; ++e) head_[e] = NONE;
+    entries_.clear();
+    free_ = NONE;
+    loop_count_ = loops.count();
+    for (size_t c = 0; c < loop_count_; ++c)
+        for (uint64_t i = loops.offsets[c]; i < loops.offsets[c + 1]; ++i) {
+            const uint32_t h = loops.crossings[i];
+            if (!add(edge_of(h), static_cast<uint32_t>(c), 1, h & 1u ? -1 : 1)) return false;
+        }
+    return true;
+}
+
+const LoopCarrier::Entry* LoopCarrier::find(uint32_t edge, uint32_t loop) const {
+    for (uint32_t i = head_[edge]; i != NONE; i = entries_[i].next)
+        if (entries_[i].loop == loop) return &entries_[i];
+    return nullptr;
+}
+
+bool LoopCarrier::add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count) {
+    if (const Entry* found = find(edge, loop)) {
+        Entry& entry = entries_[static_cast<size_t>(found - entries_.data())];
+        entry.count += count;
+        entry.signed_count += signed_count;
+        return true;
+    }
+    uint32_t at = free_;
+    if (at != NONE) {
+        free_ = entries_[at].next;
+    } else {
+        at = static_cast<uint32_t>(entries_.size());
+        if (!entries_.push({})) return false;
+    }
+    entries_[at] = {loop, count, signed_count, head_[edge]};
+    head_[edge] = at;
+    return true;
+}
+
+void LoopCarrier::drop_edge(uint32_t edge) {
+    while (head_[edge] != NONE) {
+        const uint32_t at = head_[edge];
+        head_[edge] = entries_[at].next;
+        entries_[at].next = free_;
+        free_ = at;
+    }
+}
+
+void LoopCarrier::copy_edge(uint32_t from, uint32_t to, bool reversed) {
+    for (uint32_t i = head_[from]; i != NONE;) {
+        const Entry entry = entries_[i]; // the array may move
+        if (!add(to, entry.loop, entry.count, reversed ? -entry.signed_count : entry.signed_count)) out_of_memory_ = true;
+        i = entry.next;
+    }
+}
+
+void LoopCarrier::unflip_edge(uint32_t edge) {
+    const uint32_t h = 2 * edge, t = twin(h);
+    const uint32_t a = mesh_.next[h], b = mesh_.prev(h), c = mesh_.next[t], d = mesh_.prev(t);
+    const uint32_t around[5] = {edge, edge_of(a), edge_of(b), edge_of(c), edge_of(d)};
+    bool any = false;
+    for (uint32_t e : around) any |= head_[e] != NONE;
+    if (!any) { unflip(mesh_, edge); return; }
+    scratch_.clear();
+    for (uint32_t e : around)
+        for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) {
+            bool known = false;
+            for (const Entry& entry : scratch_) known |= entry.loop == entries_[i].loop;
+            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) { out_of_memory_ = true; return; }
+        }
+    // After the reversal h is followed by d and a (as seen from the right, see mesh.hpp).
+    unflip(mesh_, edge);
+    const uint32_t left[2] = {mesh_.next[h], mesh_.prev(h)};
+    for (Entry& entry : scratch_) {
+        const auto count = [&](uint32_t e) -> int64_t { const Entry* f = find(e, entry.loop); return f ? f->count : 0; };
+        const auto flow = [&](uint32_t side) -> int32_t { // out of the triangle of the side
+            const Entry* f = find(edge_of(side), entry.loop);
+            return f ? (side & 1u ? -f->signed_count : f->signed_count) : 0;
+        };
+        const int64_t ac = count(edge_of(a)) + count(edge_of(c)), bd = count(edge_of(b)) + count(edge_of(d));
+        entry.count = static_cast<uint32_t>((ac > bd ? ac : bd) - count(edge));
+        entry.signed_count = -flow(left[0]) - flow(left[1]); // as much goes in as goes out
+    }
+    drop_edge(edge);
+    for (const Entry& entry : scratch_)
+        if ((entry.count || entry.signed_count) && !add(edge, entry.loop, entry.count, entry.signed_count)) out_of_memory_ = true;
+}
+
+bool LoopCarrier::refine(Call& call) {
+    const Level& finer = hierarchy_->levels[level_ - 1];
+    for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
+        if (i % 16384 == 0 && !call.tick(0, true)) return false;
+        unflip_edge(hierarchy_->flips[i]);
+    }
+    for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
+        if (i % 16384 == 0 && !call.tick(0, true)) return false;
+        const Collapse& c = hierarchy_->collapses[i];
+        split(mesh_, c);
+        head_[edge_of(c.h)] = head_[edge_of(c.jk)] = head_[edge_of(c.lj)] = NONE;
+        // ki and jk both lead to or from k: k -> i beside j -> k; i -> l beside l -> j.
+        if (head_[edge_of(c.ki)] != NONE) copy_edge(edge_of(c.ki), edge_of(c.jk), !((c.ki ^ c.jk) & 1u));
+        if (head_[edge_of(c.il)] != NONE) copy_edge(edge_of(c.il), edge_of(c.lj), !((c.il ^ c.lj) & 1u));
+    }
+    --level_;
+    mesh_.vertex_count = finer.mesh.vertex_count;
+    mesh_.edge_count = finer.mesh.edge_count;
+    mesh_.face_count = finer.mesh.face_count;
+    return true;
+}
+
+bool LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
+    out.offsets.start(memory);
+    out.crossings.start(memory);
+    if (out_of_memory_ || !out.offsets.push(0)) return false;
+    // One loop after another, each from its crossing numbers.
+    Array<uint32_t> edge, begin; // of all loops, sorted by loop
+    Multicurve curve;
+    if (!begin.allocate_filled(memory, loop_count_ + 2, 0u) || !curve.allocate(mesh_, memory)) return false;
+    for (uint32_t e = 0; e < mesh_.edge_count; ++e)
+        for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) ++begin[entries_[i].loop + 2];
+    for (size_t c = 0; c < loop_count_; ++c) begin[c + 2] += begin[c + 1];
+    if (!edge.allocate(memory, begin[loop_count_ + 1])) return false;
+    for (uint32_t e = 0; e < mesh_.edge_count; ++e)
+        for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) edge[begin[entries_[i].loop + 1]++] = e;
+    for (size_t c = first; c < last; ++c) {
+        curve.clear();
+        uint32_t oriented = NONE;
+        for (uint32_t i = begin[c]; i < begin[c + 1]; ++i) {
+            const Entry& entry = *find(edge[i], static_cast<uint32_t>(c));
+            if (oriented == NONE && entry.signed_count) oriented = edge[i];
+            curve.count[edge[i]] = entry.count;
+            curve.total += entry.count;
+            if (entry.count && !curve.edges.push(edge[i])) return false;
+        }
+        if (!curve.trace(mesh_, memory)) return false;
+        int64_t sum = 0;
+        for (uint32_t h : curve.components.crossings)
+            if (edge_of(h) == oriented) sum += h & 1u ? -1 : 1;
+        const bool reversed = oriented != NONE && sum != find(oriented, static_cast<uint32_t>(c))->signed_count;
+        const size_t n = curve.components.crossings.size();
+        for (size_t i = 0; i < n; ++i)
+            if (!out.crossings.push(reversed ? twin(curve.components.crossings[n - 1 - i]) : curve.components.crossings[i])) return false;
+        if (!out.offsets.push(out.crossings.size())) return false;
+    }
+    return true;
+}
+
+} // namespace hmf

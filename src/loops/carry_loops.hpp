@@ -1,0 +1,62 @@
+// Loops of a coarse level on the finer ones, each in its isotopy class.
+//
+// For each loop an edge has the number of its crossings and their sum with
+// signs.  A split puts the new vertex beside the old one, away from all loops:
+//
+//          k                     k
+//          |                   / | \        both numbers of jk are those of ik,
+//       .. i ..     ->     .. i--+--j ..    those of lj are those of il,
+//          |                   \ | /        those of ij are 0
+//          l                     l
+//
+// The flip of a diagonal of a quadrilateral with sides a, b, c, d (in turn)
+// gives crossings max(a + c, b + d) - diagonal, since the loops are tight.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+class LoopCarrier {
+public:
+    // Loops on `level`, each of them simple; they may cross each other.
+    // Room for the levels down to `finest`.  False: out of memory.
+    bool load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops, Memory& memory);
+    // To the next finer level; level 0 is reached on the mesh of the caller.
+    // False: cancelled.  Failures of memory show in read().
+    bool refine(Call& call);
+    // Loops first .. last - 1, which must be disjoint, with their directions.
+    // False: out of memory.
+    bool read(size_t first, size_t last, Loops& out, Memory& memory);
+    // Other loops in their place: same number, same level.
+    bool replace(const Loops& loops);
+
+    const Mesh& mesh() const { return mesh_; }
+    size_t level() const { return level_; }
+
+private:
+    struct Entry {
+        uint32_t loop, count;
+        int32_t signed_count; // positive: from the left of half-edge 2e to its right
+        uint32_t next;
+    };
+
+    bool add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count);
+    const Entry* find(uint32_t edge, uint32_t loop) const;
+    void copy_edge(uint32_t from, uint32_t to, bool reversed);
+    void unflip_edge(uint32_t edge);
+    void drop_edge(uint32_t edge);
+
+    const hmf_hierarchy* hierarchy_ = nullptr;
+    size_t level_ = 0, loop_count_ = 0;
+    Mesh mesh_;
+    Array<uint32_t> origin_, next_, face_, out_;
+    Array<uint32_t> head_; // first entry of each edge, or NONE
+    Array<Entry> entries_;
+    Array<Entry> scratch_;
+    uint32_t free_ = NONE;
+    bool out_of_memory_ = false;
+};
+
+} // namespace hmf

@@ -1,0 +1,99 @@
+// Disjoint simple loops without backtracking form a normal multicurve, which
+// its crossing numbers determine.  So add the crossing numbers, trace the
+// multicurve that has them, and compare: its components must be the loops.
+#include "disjoint.hpp"
+
+#include "heap_sort.hpp"
+
+namespace hmf {
+
+size_t least_rotation(const uint32_t* s, size_t n) {
+    size_t i = 0, j = 1, k = 0;
+    while (i < n && j < n && k < n) {
+        const size_t p = i + k < n ? i + k : i + k - n, q = j + k < n ? j + k : j + k - n;
+        if (s[p] == s[q]) { ++k; continue; }
+        if (s[p] > s[q]) i += k + 1;
+        else j += k + 1;
+        if (i == j) ++j;
+        k = 0;
+    }
+    return i < j ? i : j;
+}
+
+namespace {
+
+// Sequences in a form that neither the start nor the direction changes.
+struct Canonical {
+    Array<uint32_t> sequence;
+    Array<uint64_t> offsets;
+    Array<uint32_t> order; // of the sequences, sorted
+
+    bool less(uint32_t a, uint32_t b) const {
+        const uint64_t n = offsets[a + 1] - offsets[a], m = offsets[b + 1] - offsets[b];
+        if (n != m) return n < m;
+        const uint32_t* const s = sequence.data() + offsets[a];
+        const uint32_t* const t = sequence.data() + offsets[b];
+        for (uint64_t i = 0; i < n; ++i)
+            if (s[i] != t[i]) return s[i] < t[i];
+        return a < b;
+    }
+
+    // Loops first .. last - 1.  False: out of memory.
+    bool build(const Loops& loops, size_t first, size_t last, Memory& memory) {
+        const uint64_t begin = loops.offsets[first], total = loops.offsets[last] - begin;
+        Array<uint32_t> reversed;
+        if (!sequence.allocate(memory, total) || !reversed.allocate(memory, total) || !offsets.allocate(memory, last - first + 1) ||
+            !order.allocate(memory, last - first))
+            return false;
+        offsets[0] = 0;
+        for (size_t c = first; c < last; ++c) {
+            const uint32_t* const s = loops.crossings.data() + loops.offsets[c];
+            const size_t n = loops.offsets[c + 1] - loops.offsets[c];
+            uint32_t* const r = reversed.data();
+            for (size_t i = 0; i < n; ++i) r[i] = twin(s[n - 1 - i]);
+            const size_t at_s = least_rotation(s, n), at_r = least_rotation(r, n);
+            bool forward = true;
+            for (size_t i = 0; i < n; ++i) {
+                const uint32_t x = s[(at_s + i) % n], y = r[(at_r + i) % n];
+                if (x != y) { forward = x < y; break; }
+            }
+            const uint32_t* const chosen = forward ? s : r;
+            const size_t at = forward ? at_s : at_r;
+            uint32_t* const to = sequence.data() + offsets[c - first];
+            for (size_t i = 0; i < n; ++i) to[i] = chosen[(at + i) % n];
+            offsets[c - first + 1] = offsets[c - first] + n;
+            order[c - first] = static_cast<uint32_t>(c - first);
+        }
+        heap_sort(order.data(), order.size(), [this](uint32_t a, uint32_t b) { return less(a, b); });
+        return true;
+    }
+
+    bool same(size_t a, const Canonical& other, size_t b) const {
+        const uint64_t n = offsets[a + 1] - offsets[a];
+        if (n != other.offsets[b + 1] - other.offsets[b]) return false;
+        for (uint64_t i = 0; i < n; ++i)
+            if (sequence[offsets[a] + i] != other.sequence[other.offsets[b] + i]) return false;
+        return true;
+    }
+};
+
+} // namespace
+
+Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves, Array<uint32_t>* loop_of, Memory& memory) {
+    curves.clear();
+    if (!curves.add(loops.crossings.data() + loops.offsets[first], loops.offsets[last] - loops.offsets[first])) return Answer::out_of_memory;
+    if (!curves.is_normal(mesh)) return Answer::no;
+    if (!curves.trace(mesh, memory)) return Answer::out_of_memory;
+    const size_t n = last - first;
+    if (curves.components.count() != n) return Answer::no;
+    Canonical given, traced;
+    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory)) return Answer::out_of_memory;
+    if (loop_of && !loop_of->allocate(memory, n)) return Answer::out_of_memory;
+    for (size_t i = 0; i < n; ++i) {
+        if (!given.same(given.order[i], traced, traced.order[i])) return Answer::no;
+        if (loop_of) (*loop_of)[traced.order[i]] = given.order[i];
+    }
+    return Answer::yes;
+}
+
+} // namespace hmf

@@ -1,0 +1,41 @@
+// Loops of the library: found where the mesh is coarse, then carried to the
+// level that is asked for.  A search there would take 20 s on a million
+// triangles; carried loops are as short, as they are shortened on the way.
+#include "library_loops.hpp"
+
+#include "carry_loops.hpp"
+
+namespace hmf {
+
+namespace {
+
+// On the coarsest level.
+hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& out) {
+    const size_t coarsest = h.level_count - 1;
+    const Mesh& mesh = loop_mesh(h, coarsest);
+    const double* position = h.levels[coarsest].position;
+    switch (kind) {
+    case HMF_LOOPS_CUT: return cut_system(mesh, position, call, out);
+    default: return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.", static_cast<int>(kind));
+    }
+}
+
+} // namespace
+
+hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
+    hmf_status status = find_loops(h, kind, call, out);
+    const size_t coarsest = h.level_count - 1;
+    if (status || level == coarsest) return status;
+    LoopCarrier carrier;
+    if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
+    while (carrier.level() > level) {
+        if (!carrier.refine(call)) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        if (!carrier.read(0, out.count(), out, call.memory)) return call.out_of_memory();
+        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, call, out);
+        if (status) return status;
+        if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+} // namespace hmf

@@ -1,0 +1,132 @@
+// Shorter loops in the same classes.  One after another, each as short as it
+// gets in a strip round it that the others do not enter (annulus.hpp), until
+// none gains.
+#include "annulus.hpp"
+#include "disjoint.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr size_t STRIP = 14;     // triangles across the strip
+constexpr int ROUNDS = 6;        // strips for one loop
+constexpr double GAIN = 1e-9;    // relative, what counts as shorter
+
+class Shortener {
+public:
+    Shortener(const Mesh& mesh, const double* position, Loops& loops, Call& call)
+        : mesh_(mesh), call_(call), loops_(loops), length_(mesh, position), annulus_(mesh, length_, call) {}
+
+    hmf_status run() {
+        const size_t n = loops_.count();
+        if (!curves_.allocate(mesh_, call_.memory)) return call_.out_of_memory();
+        const Answer answer = disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory);
+        if (answer == Answer::out_of_memory) return call_.out_of_memory();
+        if (answer == Answer::no)
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "Carried loops are not disjoint. Please report this.");
+        // A loop may gain from room that another one has left: twice.
+        for (int pass = 0; pass < 2; ++pass) {
+            bool gained = false;
+            for (size_t c = 0; c < n; ++c)
+                for (int round = 0; round < ROUNDS; ++round) {
+                    bool shorter = false;
+                    const hmf_status status = shorten(c, shorter);
+                    if (status) return status;
+                    gained |= shorter;
+                    if (!shorter) break;
+                }
+            if (!gained || n == 1) break;
+        }
+        return HMF_OK;
+    }
+
+private:
+    hmf_status stopped() {
+        return call_.cancelled() ? call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.") : call_.out_of_memory();
+    }
+
+    // Where loop c passes between the other loops, in its own direction.
+    bool find_places(size_t c) {
+        uint32_t component = 0;
+        while (loop_of_[component] != c) ++component;
+        const uint64_t first = curves_.components.offsets[component], end = curves_.components.offsets[component + 1];
+        const uint32_t* const traced = curves_.components.crossings.data() + first;
+        const uint32_t* const given = loops_.crossings.data() + loops_.offsets[c];
+        const size_t n = static_cast<size_t>(end - first);
+        const size_t i = least_rotation(traced, n), j = least_rotation(given, n);
+        bool same = true;
+        for (size_t k = 0; k < n && same; ++k) same = traced[(i + k) % n] == given[(j + k) % n];
+        if (!places_.allocate(call_.memory, n)) return false;
+        uint32_t h = traced[0], p = curves_.begin[component] - curves_.first[edge_of(h)];
+        if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
+        for (size_t k = 0; k < n; ++k) {
+            const uint32_t e = edge_of(h), all = curves_.count[e];
+            uint32_t before = 0, others = 0; // others between the origin and the loop; all others
+            for (uint32_t q = 0; q < all; ++q) {
+                if (curves_.strand[curves_.first[e] + (h & 1u ? all - 1 - q : q)] / 2 == component) continue;
+                ++others;
+                before += q < p;
+            }
+            places_[same ? k : n - 1 - k] = same ? Annulus::Place{h, before} : Annulus::Place{twin(h), others - before};
+            curves_.step(mesh_, h, p);
+        }
+        return true;
+    }
+
+    double length(const uint32_t* crossings, size_t n) const {
+        double sum = 0;
+        for (size_t i = 0; i < n; ++i) sum += length_(edge_of(crossings[i]));
+        return sum;
+    }
+
+    hmf_status shorten(size_t c, bool& shorter) {
+        const uint64_t first = loops_.offsets[c], end = loops_.offsets[c + 1];
+        const size_t n = static_cast<size_t>(end - first);
+        if (!find_places(c)) return call_.out_of_memory();
+        for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
+        const bool searched = annulus_.shortest(curves_.count, places_, STRIP * n + 512, found_);
+        for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
+        if (!searched) return stopped();
+        const double before = length(loops_.crossings.data() + first, n), after = length(found_.data(), found_.size());
+        if (found_.empty() || !(after < before * (1 - GAIN))) return HMF_OK;
+        // The new loop in place of the old one, if the loops stay simple and disjoint.
+        Loops changed;
+        changed.offsets.start(call_.memory);
+        changed.crossings.start(call_.memory);
+        if (!changed.offsets.push(0)) return call_.out_of_memory();
+        for (size_t k = 0; k < loops_.count(); ++k) {
+            const uint32_t* const from = k == c ? found_.data() : loops_.crossings.data() + loops_.offsets[k];
+            const size_t m = k == c ? found_.size() : static_cast<size_t>(loops_.offsets[k + 1] - loops_.offsets[k]);
+            for (size_t i = 0; i < m; ++i)
+                if (!changed.crossings.push(from[i])) return call_.out_of_memory();
+            if (!changed.offsets.push(changed.crossings.size())) return call_.out_of_memory();
+        }
+        Answer answer = disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory);
+        shorter = answer == Answer::yes;
+        if (shorter) {
+            loops_.offsets.swap(changed.offsets);
+            loops_.crossings.swap(changed.crossings);
+        } else if (answer == Answer::no) {
+            answer = disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_.memory);
+        }
+        return answer == Answer::out_of_memory ? call_.out_of_memory() : HMF_OK;
+    }
+
+    const Mesh& mesh_;
+    Call& call_;
+    Loops& loops_;
+    DualLength length_;
+    Annulus annulus_;
+    Multicurve curves_;
+    Array<uint32_t> loop_of_, found_;
+    Array<Annulus::Place> places_;
+};
+
+} // namespace
+
+hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops) {
+    Shortener shortener(mesh, position, loops, call);
+    return shortener.run();
+}
+
+} // namespace hmf
