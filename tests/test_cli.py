@@ -98,7 +98,6 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--ratio", "x")
         self.refused(2, "solve", self.mesh, "--ratio", "3", says=["ratio"])
         self.refused(2, "solve", self.mesh, "--unknown")
-        self.refused(2, "solve", self.mesh, "--loops", "handle", says=["later version"])
         self.refused(2, "solve", self.mesh, "--loops", "pants", says=["later version"])
         self.refused(2, "solve", self.mesh, "--weights", "1,2,3", says=["--weights", "1 loops"])
         self.refused(2, "solve", self.mesh, "--values", self.path("a.txt"), says=[".csv or .npy"])
@@ -297,6 +296,16 @@ class Solve(Case):
             self.assertAlmostEqual(energy / energies[0], 1, 3)
         self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", meridian), "--weights", "2", "--report", report)
         self.assertAlmostEqual(json.loads(self.read("r.json").decode())["energy"] / energies[0], 4, 2)
+
+    def test_library_loops(self):
+        # On a torus of revolution: round the tube, and round the hole.
+        energy = {}
+        for kind in ("cut", "handle", "tunnel"):
+            self.run_tool("solve", self.mesh, "--loops", kind, "--report", self.path("r.json"))
+            with open(self.path("r.json")) as file:
+                energy[kind] = json.load(file)["energy"]
+        self.assertEqual(energy["cut"], energy["handle"])
+        self.assertNotAlmostEqual(energy["handle"], energy["tunnel"])
 
     def test_loops_through_levels(self):
         points, quads = torus(90, 40)

@@ -97,9 +97,10 @@ int run(int argc, char** argv) {
     solve_command->add_option("MESH", mesh_path, ".obj .off .ply .stl (stl: equal points are joined)")->required();
     solve_command
         ->add_option("--loops", request.loops,
-                     "cut, or FILE: one loop a line, vertex indices from 0 (closed edge path)\n"
-                     "or t: and triangle indices")
-        ->type_name("cut|FILE")
+                     "cut: as many as the genus, together they cut the surface into one planar piece;\n"
+                     "handle, tunnel: such that bound inside, outside; or FILE: one loop a line,\n"
+                     "vertex indices from 0 (closed edge path) or t: and triangle indices")
+        ->type_name("cut|handle|tunnel|FILE")
         ->capture_default_str();
     solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")->delimiter(',')->type_name("W,W,...");
     std::string method, collapse;
@@ -141,7 +142,7 @@ int run(int argc, char** argv) {
     const Clock::time_point start = Clock::now();
     if (*info_command) return info(read_mesh(mesh_path), mesh_path, json);
 
-    if (request.loops == "handle" || request.loops == "pants")
+    if (request.loops == "pants")
         throw Failure(EXIT_USAGE, "--loops " + request.loops + " comes with a later version; use cut or a file of loops");
     expect_extension("--values", values, {".csv", ".npy"});
     expect_extension("--report", request.report, {".json"});

@@ -119,7 +119,15 @@ Hierarchy build(const TriangleMesh& mesh, const std::string& name, const hmf_bui
     return Hierarchy(raw);
 }
 
-LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, const std::string& name) {
+// HMF_LOOPS_* of a name, 0 for the name of a file.
+int32_t loop_kind(const std::string& name) {
+    if (name == "cut") return HMF_LOOPS_CUT;
+    if (name == "handle") return HMF_LOOPS_HANDLE;
+    if (name == "tunnel") return HMF_LOOPS_TUNNEL;
+    return 0;
+}
+
+LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind, const std::string& name) {
     LoopList loops;
     hmf_error error{};
     hmf_level_info counts{};
@@ -130,10 +138,10 @@ LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, const std::
     for (int round = 0; round < 2; ++round) {
         loops.offsets.resize(count + 1);
         loops.elements.resize(element_count);
-        status = hmf_loops(hierarchy, level, HMF_LOOPS_CUT, loops.offsets.data(), loops.offsets.size(), loops.elements.data(),
+        status = hmf_loops(hierarchy, level, kind, loops.offsets.data(), loops.offsets.size(), loops.elements.data(),
                            loops.elements.size(), &count, &element_count, &error);
         if (status != HMF_ERROR_CAPACITY) break;
-        status = hmf_loops(hierarchy, level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &element_count, &error);
+        status = hmf_loops(hierarchy, level, kind, nullptr, 0, nullptr, 0, &count, &element_count, &error);
         if (status != HMF_OK) break;
     }
     if (status != HMF_OK) fail_with(status, error, name);
@@ -183,7 +191,8 @@ Foliation collect(const hmf_hierarchy* hierarchy, const TriangleMesh& mesh, std:
 int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& request) {
     const std::string& name = request.mesh_name;
     const Clock::time_point start = Clock::now();
-    const bool own_loops = request.loops != "cut";
+    const int32_t kind = loop_kind(request.loops);
+    const bool own_loops = kind == 0;
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
@@ -215,7 +224,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     // method knows no other; the library's own are cheapest where it is coarse.
     const size_t loop_level = own_loops || request.method == HMF_METHOD_SINGLE_LEVEL ? 0 : level_count - 1;
     const Clock::time_point loops_start = Clock::now();
-    if (!own_loops) loops = library_loops(hierarchy.get(), loop_level, name);
+    if (!own_loops) loops = library_loops(hierarchy.get(), loop_level, kind, name);
     summary.loops_seconds = seconds_since(loops_start);
 
     std::vector<double> weights = request.loop_weights;

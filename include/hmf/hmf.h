@@ -112,6 +112,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
 #define HMF_ERROR_MESH_GENUS 311 /* genus 0: a sphere carries no measured foliation */
+#define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 
 /* loops and weights */
 #define HMF_ERROR_LOOP_COUNT 400 /* no loops */
@@ -291,6 +292,8 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 
 /* Which loops to make. */
 #define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece */
+#define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
+#define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
 
 /* A set of closed curves on a level, as flat arrays. */
 typedef struct hmf_loop_set {
@@ -304,9 +307,18 @@ typedef struct hmf_loop_set {
 } hmf_loop_set;
 
 /*
- * Loops made by the library on a level, as triangle loops.
+ * Loops made by the library on a level, as triangle loops: simple, disjoint,
+ * essential, pairwise not freely homotopic, and short.  They are found on the
+ * coarsest level and carried to the finer ones, shortened on each, so that
+ * loop c is in the same class on every level.
  *
- *   kind           HMF_LOOPS_*
+ *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking
+ *                  numbers in space on level 0, exactly, with positions
+ *                  rounded to 1e-10 of the size of the object: each loop is
+ *                  null-homologous inside, or outside.  Inside is where
+ *                  the surface encloses volume, whichever way the triangles
+ *                  turn.  A surface that meets itself may have no such loops:
+ *                  HMF_ERROR_MESH_NOT_EMBEDDED.
  *   loop_count, element_count   set in every call that succeeds
  *   offsets        loop_count + 1 values, or NULL
  *   elements       element_count triangle indices of the level, or NULL

@@ -29,6 +29,7 @@ bool Annulus::add_copy(Place entry, double distance) {
         copy.side[1] = {k, at_target};
         copy.side[2] = {l, at_apex};
     }
+    for (uint32_t s = 0; s < copy.sides; ++s) copy.length[s] = length_(edge_of(copy.side[s].half_edge));
     for (uint32_t& to : copy.to) to = NONE;
     copy.distance = distance;
     return copies_.push(copy);
@@ -136,7 +137,7 @@ bool Annulus::grow(size_t capacity) {
     const auto enqueue = [&](uint32_t b) {
         const uint32_t link = border_[b].link;
         const Copy& copy = copies_[link / 4];
-        return push({copy.distance + length_(edge_of(copy.side[link % 4].half_edge)), b});
+        return push({copy.distance + copy.length[link % 4], b});
     };
     // Vertices that the loop itself goes all the way round do not exist: it is
     // tight.  So the first borders do not close up by themselves.
@@ -202,7 +203,7 @@ bool Annulus::search(Array<uint32_t>& out) {
                 const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
                 if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
                 const uint32_t to = copy.to[s] / 4 * TURNS + static_cast<uint32_t>(turn);
-                const double d = top.distance + length_(edge_of(copy.side[s].half_edge));
+                const double d = top.distance + copy.length[s];
                 if (stamp_[to] >= 2 * epoch && !(d < distance_[to])) continue;
                 stamp_[to] = 2 * epoch;
                 distance_[to] = d;

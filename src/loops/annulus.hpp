@@ -37,6 +37,7 @@ public:
 private:
     struct Copy {
         Place side[3];      // counter-clockwise
+        double length[3];   // to the region beyond
         uint32_t to[3];     // 4 * copy + side, or NONE at the border
         int32_t turns[3];
         uint32_t sides;

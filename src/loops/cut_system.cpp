@@ -18,9 +18,12 @@
 //  2. Dijkstra from a root, to half the length of the best loop so far.  A link
 //     between two reached regions closes a cycle; the shortest with a signature
 //     is the shortest non-separating loop through the root.
+//     With labels the search runs in the covering where they add up to 0 round
+//     each loop: its nodes, states, are regions with a sum of labels.
 //  3. Cutting only makes loops longer, so the length found at a root is a lower
 //     bound for it later: roots are tried in that order, and mostly few.
 #include "cut_surface.hpp"
+#include "disjoint.hpp"
 #include "dual_length.hpp"
 #include "heap_sort.hpp"
 
@@ -31,6 +34,7 @@ namespace hmf {
 namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
+constexpr size_t MOST_STATES = 256; // per region
 
 uint64_t mix(uint64_t x) { // splitmix64
     x += 0x9e3779b97f4a7c15u;
@@ -46,15 +50,16 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, Call& call) : mesh_(mesh), call_(call), memory_(call.memory) {}
+    CutSystem(const Mesh& mesh, const uint64_t* label, Call& call) : mesh_(mesh), edge_label_(label), call_(call), memory_(call.memory) {}
 
     hmf_status run(const double* position, Loops& out) {
         const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
+        out_ = &out;
         out.offsets.start(memory_);
         out.crossings.start(memory_);
         loop_.start(memory_);
         try_.start(memory_);
-        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) || !roots_.allocate(memory_, mesh_.face_count))
+        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) || !roots_.allocate(memory_, mesh_.face_count) || (edge_label_ && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -69,7 +74,14 @@ public:
             found_ = false;
             best_ = UNREACHED;
             const double part = static_cast<double>(k + 1) / genus;
-            if (!search_roots(budget * (0.3 + 0.7 * part), k == 0)) return cancelled();
+            bool searched = search_roots(budget * (0.3 + 0.7 * part), k == 0);
+            // A loop that winds a lot needs more room in its covering.
+            while (searched && !found_ && starved_ && states_per_region_ < MOST_STATES) {
+                states_per_region_ *= 4;
+                if (!prepare_search()) return call_.out_of_memory();
+                searched = search_roots(budget * (0.3 + 0.7 * part), k == 0);
+            }
+            if (!searched) return cancelled();
             if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
             tighten();
             if (call_.cancelled()) return cancelled();
@@ -84,7 +96,7 @@ public:
     }
 
 private:
-    struct Entry { double distance; uint32_t region; };
+    struct Entry { double distance; uint32_t state; };
 
     hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
 
@@ -171,15 +183,54 @@ private:
         const size_t n = cut_.region_count;
         heap_.start(memory_);
         epoch_ = 0;
-        return distance_.allocate(memory_, n) && from_.allocate(memory_, n) && label_.allocate(memory_, n) &&
-               stamp_.allocate_filled(memory_, n, 0u) && heap_.reserve(3 * n + 1) && loop_.reserve(n + 1) && try_.reserve(n + 1);
+        starved_ = false;
+        const size_t states = edge_label_ ? states_per_region_ * n : n;
+        return distance_.allocate(memory_, states) && from_.allocate(memory_, states) && label_.allocate(memory_, states) &&
+               stamp_.allocate_filled(memory_, states, 0u) && heap_.reserve(3 * states + 1) && loop_.reserve(states + 1) && try_.reserve(states + 1) &&
+               before_.allocate(memory_, states) && sum_.allocate(memory_, states) && next_.allocate(memory_, states) &&
+               region_.allocate(memory_, states) && visited_.allocate_filled(memory_, n, 0u);
+    }
+
+    // The state of a region with a sum of labels, NONE if there is no room.  A
+    // region is its own first state; others follow in a list.
+    uint32_t find_state(uint32_t region, uint64_t sum) {
+        uint32_t s = region;
+        if (!reached(s)) {
+            region_[s] = region;
+            sum_[s] = sum;
+            next_[s] = NONE;
+            return s;
+        }
+        while (sum_[s] != sum) {
+            if (next_[s] == NONE) {
+                if (state_count_ == region_.size()) {
+                    starved_ = true;
+                    return NONE;
+                }
+                const uint32_t made = state_count_++;
+                next_[s] = made;
+                region_[made] = region;
+                sum_[made] = sum;
+                next_[made] = NONE;
+                stamp_[made] = 0;
+            }
+            s = next_[s];
+        }
+        return s;
+    }
+
+    // Sum of labels after a link.
+    uint64_t sum_after(uint64_t sum, uint32_t link) const {
+        if (!edge_label_) return sum;
+        const uint64_t label = edge_label_[cut_.segment_edge[link >> 1]];
+        return link & 1u ? sum - label : sum + label;
     }
 
     // 2 * epoch: reached, 2 * epoch + 1: settled.
     bool reached(uint32_t r) const { return stamp_[r] >= 2 * epoch_; }
     bool settled(uint32_t r) const { return stamp_[r] > 2 * epoch_; }
 
-    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.region < b.region); }
+    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.state < b.state); }
 
     void heap_push(Entry entry) {
         heap_.push(entry); // within the reserve: at most one for each link
@@ -210,61 +261,66 @@ private:
     double search(uint32_t root) {
         ++epoch_;
         heap_.clear();
+        state_count_ = cut_.region_count;
+        find_state(root, 0);
         distance_[root] = 0;
         from_[root] = NONE;
         label_[root] = 0;
         stamp_[root] = 2 * epoch_;
         heap_push({0, root});
         double shortest = best_;
-        uint32_t closing = NONE;
+        uint32_t closing = NONE, closing_from = NONE, closing_to = NONE;
         while (!heap_.empty()) {
             const Entry entry = heap_pop();
-            const uint32_t r = entry.region;
-            if (settled(r)) continue;
+            const uint32_t s = entry.state, r = region_[s];
+            if (settled(s)) continue;
             if (2 * entry.distance >= shortest) break;
-            stamp_[r] = 2 * epoch_ + 1;
+            stamp_[s] = 2 * epoch_ + 1;
             if (++work_ % 16384 == 0 && !call_.tick(0, true)) return best_;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{r} + i];
                 if (link == NONE) break;
-                const uint32_t to = cut_.region[link ^ 1u];
+                const uint32_t to = find_state(cut_.region[link ^ 1u], sum_after(sum_[s], link));
+                if (to == NONE) continue;
                 const double d = entry.distance + length_[cut_.segment_edge[link >> 1]];
-                const uint64_t label = label_[r] ^ signature_[link >> 1];
+                const uint64_t label = label_[s] ^ signature_[link >> 1];
                 if (!settled(to)) {
                     if (reached(to) && !(d < distance_[to])) continue;
                     stamp_[to] = 2 * epoch_;
                     distance_[to] = d;
                     from_[to] = link;
+                    before_[to] = s;
                     label_[to] = label;
                     heap_push({d, to});
                 } else if (label != label_[to] && d + distance_[to] < shortest) {
                     shortest = d + distance_[to];
                     closing = link;
+                    closing_from = s;
+                    closing_to = to;
                 }
             }
         }
         if (closing == NONE) return shortest;
-        strip(closing);
+        strip(closing, closing_from, closing_to);
         return shortest;
     }
 
     // The cycle of a link in the search tree:  root ---- o===r
     //                                                     \\  | closing
     //                                                       `=to
-    void strip(uint32_t closing) {
-        const uint32_t r = cut_.region[closing], to = cut_.region[closing ^ 1u];
+    void strip(uint32_t closing, uint32_t r, uint32_t to) {
         ++epoch_; // marks the way from r to the root
         uint32_t meet = r;
         for (;;) {
             stamp_[meet] = 2 * epoch_;
             if (from_[meet] == NONE) break;
-            meet = cut_.region[from_[meet]];
+            meet = before_[meet];
         }
         meet = to;
-        while (!reached(meet)) meet = cut_.region[from_[meet]];
+        while (!reached(meet)) meet = before_[meet];
         try_.clear();
         double total = length_[cut_.segment_edge[closing >> 1]];
-        for (uint32_t at = r; at != meet; at = cut_.region[from_[at]]) try_.push(from_[at]);
+        for (uint32_t at = r; at != meet; at = before_[at]) try_.push(from_[at]);
         for (size_t i = 0, j = try_.size(); i + 1 < j; ++i) {
             --j;
             const uint32_t link = try_[i];
@@ -272,13 +328,37 @@ private:
             try_[j] = link;
         }
         try_.push(closing);
-        for (uint32_t at = to; at != meet; at = cut_.region[from_[at]]) try_.push(from_[at] ^ 1u);
+        for (uint32_t at = to; at != meet; at = before_[at]) try_.push(from_[at] ^ 1u);
         for (uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
         total -= length_[cut_.segment_edge[closing >> 1]];
         if (found_ && !(total < best_)) return;
+        if (edge_label_ && !is_simple()) return;
         found_ = true;
         best_ = total;
         loop_.swap(try_);
+    }
+
+    // A loop is simple in the covering; is it so here?  It may run through a
+    // region twice as long as it can be pushed apart.
+    bool is_simple() {
+        const Loops& earlier = *out_;
+        bool once = true;
+        for (uint32_t link : try_) {
+            uint32_t& visited = visited_[cut_.region[link]];
+            once = once && visited != epoch_;
+            visited = epoch_;
+        }
+        if (once) return true;
+        Loops all;
+        all.offsets.start(memory_);
+        all.crossings.start(memory_);
+        for (const uint64_t at : earlier.offsets)
+            if (!all.offsets.push(at)) return false;
+        for (const uint32_t h : earlier.crossings)
+            if (!all.crossings.push(h)) return false;
+        for (const uint32_t link : try_)
+            if (!all.crossings.push(cut_.half_edge(link))) return false;
+        return all.offsets.push(all.crossings.size()) && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_) == Answer::yes;
     }
 
     // Step 3.  The first time the roots are only those that a quarter of the
@@ -293,6 +373,7 @@ private:
                 if (first) root_count_ = i;
                 break;
             }
+            if (starved_ && !found_ && i >= 4 && states_per_region_ < MOST_STATES) break;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             const double bound = search(cut_.region_first[roots_[i].face]);
             if (call_.cancelled()) return false;
@@ -312,16 +393,25 @@ private:
     }
 
     const Mesh& mesh_;
+    const uint64_t* edge_label_; // or NULL
     Call& call_;
     Memory& memory_;
-    Multicurve curves_;
+    const Loops* out_ = nullptr; // the loops so far
+    Multicurve curves_, test_;
     CutSurface cut_;
     Array<double> length_;       // per edge
     Array<Root> roots_;
     size_t root_count_ = 0;
     Array<uint64_t> signature_;  // per segment
-    Array<double> distance_;     // per region, as all below
+    Array<double> distance_;     // per state, as all below
     Array<uint32_t> from_;       // the half-segment it was reached through, seen from the region before
+    Array<uint32_t> before_;     // the state before
+    Array<uint64_t> sum_;        // of labels on the way from the root
+    Array<uint32_t> region_, next_;
+    Array<uint32_t> visited_;    // per region
+    uint32_t state_count_ = 0;
+    size_t states_per_region_ = 4;
+    bool starved_ = false;       // the states did not suffice
     Array<uint64_t> label_;      // signatures on the way from the root
     Array<uint32_t> stamp_;
     uint32_t epoch_ = 0;
@@ -334,8 +424,8 @@ private:
 
 } // namespace
 
-hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out) {
-    CutSystem system(mesh, call);
+hmf_status cut_system(const Mesh& mesh, const double* position, const uint64_t* label, Call& call, Loops& out) {
+    CutSystem system(mesh, label, call);
     return system.run(position, out);
 }
 

@@ -20,6 +20,13 @@ size_t least_rotation(const uint32_t* s, size_t n) {
     return i < j ? i : j;
 }
 
+bool same_cycle(const uint32_t* a, const uint32_t* b, size_t n) {
+    const size_t i = least_rotation(a, n), j = least_rotation(b, n);
+    for (size_t k = 0; k < n; ++k)
+        if (a[(i + k) % n] != b[(j + k) % n]) return false;
+    return true;
+}
+
 namespace {
 
 // Sequences in a form that neither the start nor the direction changes.

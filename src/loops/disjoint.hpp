@@ -15,4 +15,7 @@ Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last,
 // Where the least rotation of a cyclic sequence begins; linear time.
 size_t least_rotation(const uint32_t* sequence, size_t n);
 
+// Are two cyclic sequences of length n the same, wherever they begin?
+bool same_cycle(const uint32_t* a, const uint32_t* b, size_t n);
+
 } // namespace hmf

@@ -4,6 +4,7 @@
 #include "library_loops.hpp"
 
 #include "carry_loops.hpp"
+#include "handle_system.hpp"
 
 namespace hmf {
 
@@ -15,7 +16,9 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
     const Mesh& mesh = loop_mesh(h, coarsest);
     const double* position = h.levels[coarsest].position;
     switch (kind) {
-    case HMF_LOOPS_CUT: return cut_system(mesh, position, call, out);
+    case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, call, out);
+    case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);
+    case HMF_LOOPS_TUNNEL: return handle_system(h, false, call, out);
     default: return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.", static_cast<int>(kind));
     }
 }

@@ -18,7 +18,14 @@ struct Loops {
 
 // genus many disjoint simple loops, jointly non-separating, each the shortest
 // that is found one after another.  position: 3 per vertex of the mesh.
-hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
+// label, if not NULL: one number per edge, read with a minus from half-edge
+// 2e + 1.  The labels along a loop must then add up to 0.
+hmf_status cut_system(const Mesh& mesh, const double* position, const uint64_t* label, Call& call, Loops& out);
+
+// Loops that each cross one of the disjoint loops that they are given, and for
+// the others only earlier ones: disjoint as well, and with them a basis of the
+// homology.
+hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
 
 // Shortens simple disjoint loops within their classes; they stay disjoint, in
 // their order and with their directions.
@@ -29,6 +36,10 @@ hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, L
 // indices and closedness only; error indices are loop numbers.
 hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
                       const uint32_t* elements, Call& call, Loops& out);
+
+// Removes neighbours of a cyclic sequence that cancel; what is left is
+// sequence[begin], .., sequence[end - 1].
+void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);
 
 // Simple, disjoint, essential, pairwise not freely homotopic; each defect
 // with its status and the number of the loop.

@@ -13,11 +13,6 @@
 
 namespace hmf {
 
-namespace {
-
-using Long = unsigned long long;
-
-// Removes neighbours that cancel, cyclically: sequence[begin, end) afterwards.
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) {
     size_t n = 0;
     for (size_t i = 0; i < sequence.size(); ++i) {
@@ -28,6 +23,10 @@ void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) 
     end = n;
     while (end - begin >= 2 && sequence[begin] == twin(sequence[end - 1])) { ++begin; --end; }
 }
+
+namespace {
+
+using Long = unsigned long long;
 
 // Two consecutive path edges as fewer: 0, 1 (in `one`), or 2 if nothing is to gain.
 int shorten(const Mesh& mesh, uint32_t g, uint32_t h, uint32_t& one) {

@@ -51,11 +51,8 @@ private:
         while (loop_of_[component] != c) ++component;
         const uint64_t first = curves_.components.offsets[component], end = curves_.components.offsets[component + 1];
         const uint32_t* const traced = curves_.components.crossings.data() + first;
-        const uint32_t* const given = loops_.crossings.data() + loops_.offsets[c];
         const size_t n = static_cast<size_t>(end - first);
-        const size_t i = least_rotation(traced, n), j = least_rotation(given, n);
-        bool same = true;
-        for (size_t k = 0; k < n && same; ++k) same = traced[(i + k) % n] == given[(j + k) % n];
+        const bool same = same_cycle(traced, loops_.crossings.data() + loops_.offsets[c], n);
         if (!places_.allocate(call_.memory, n)) return false;
         uint32_t h = traced[0], p = curves_.begin[component] - curves_.first[edge_of(h)];
         if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;

@@ -98,15 +98,15 @@ hmf_loop_set Loops::view() const {
     return set;
 }
 
-Loops library_loops(const Hierarchy& hierarchy, size_t level) {
+Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
     Loops loops;
     loops.level = level;
     size_t count = 0, total = 0;
     hmf_error error{};
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
     loops.offsets.assign(count + 1, 0);
     loops.elements.resize(total);
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, HMF_LOOPS_CUT, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error),
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error),
               HMF_OK)
         << error.message;
     return loops;

@@ -51,7 +51,7 @@ struct Loops {
     void add(const std::vector<uint32_t>& loop);
     hmf_loop_set view() const;
 };
-Loops library_loops(const Hierarchy& hierarchy, size_t level);
+Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind = HMF_LOOPS_CUT);
 
 // --- Loops by construction ---------------------------------------------------
 

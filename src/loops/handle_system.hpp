@@ -1,0 +1,13 @@
+// Handle and tunnel loops of a surface in space.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+// On the coarsest level: a cut system of loops that bound inside the surface
+// (null-homologous there), or outside of it.
+hmf_status handle_system(const hmf_hierarchy& hierarchy, bool inside, Call& call, Loops& out);
+
+} // namespace hmf

@@ -1,0 +1,252 @@
+// Loops that the library makes: handle and tunnel loops against linking
+// integrals, lengths against a search on the level itself.
+#include "support/read_obj.hpp"
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "../src/loops/disjoint.hpp"
+#include "../src/loops/library_loops.hpp"
+
+using namespace test;
+
+namespace {
+
+using Point = std::array<double, 3>;
+Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Point operator*(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; }
+double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Point cross(const Point& a, const Point& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Point unit(const Point& a) { return (1 / std::sqrt(dot(a, a))) * a; }
+
+// A loop as a polygon over centres of triangles and middles of edges; pushed
+// off by `offset` times the shortest height of the triangles along it.
+std::vector<Point> polygon(const LevelMesh& mesh, const Loops& loops, size_t c, double offset) {
+    const auto position = [&](uint32_t v) { return Point{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]}; };
+    const auto corner = [&](uint32_t t, size_t s) { return position(mesh.triangle_vertices[3 * t + s]); };
+    const std::vector<uint32_t> edges = crossed_edges(mesh, loops, c);
+    std::vector<Point> points;
+    double height = 1e300;
+    const size_t first = loops.offsets[c], n = edges.size();
+    const auto normal = [&](uint32_t t) { return unit(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0))); };
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t t = loops.elements[first + i];
+        const Point n2 = cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+        for (size_t s = 0; s < 3; ++s) {
+            const Point side = corner(t, (s + 1) % 3) - corner(t, s);
+            height = std::min(height, std::sqrt(dot(n2, n2) / dot(side, side)));
+        }
+    }
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t t = loops.elements[first + i], next = loops.elements[first + (i + 1) % n], e = edges[i];
+        points.push_back(1.0 / 3 * (corner(t, 0) + corner(t, 1) + corner(t, 2)) + (offset * height) * normal(t));
+        const Point middle = 0.5 * (position(mesh.edge_vertices[2 * e]) + position(mesh.edge_vertices[2 * e + 1]));
+        points.push_back(middle + (offset * height) * unit(normal(t) + normal(next)));
+    }
+    return points;
+}
+
+// Solid angle over 4 pi of two segments (Gauss), summed.
+double linking_integral(const std::vector<Point>& a, const std::vector<Point>& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i)
+        for (size_t j = 0; j < b.size(); ++j) {
+            const Point p = a[i], q = a[(i + 1) % a.size()], r = b[j], s = b[(j + 1) % b.size()];
+            // Signed area of the spherical quadrilateral of the directions from one segment to the other.
+            const Point v[4] = {unit(r - p), unit(s - p), unit(s - q), unit(r - q)};
+            const auto triangle = [](const Point& x, const Point& y, const Point& z) {
+                return 2 * std::atan2(dot(x, cross(y, z)), 1 + dot(x, y) + dot(y, z) + dot(z, x));
+            };
+            sum += triangle(v[0], v[1], v[2]) + triangle(v[0], v[2], v[3]);
+        }
+    return sum / (4 * 3.14159265358979323846);
+}
+
+double volume(const LevelMesh& mesh) {
+    double sum = 0;
+    for (size_t t = 0; t < mesh.triangle_count; ++t) {
+        Point p[3];
+        for (size_t s = 0; s < 3; ++s)
+            for (size_t k = 0; k < 3; ++k) p[s][k] = mesh.positions[3 * mesh.triangle_vertices[3 * t + s] + k];
+        sum += dot(p[0], cross(p[1], p[2]));
+    }
+    return sum;
+}
+
+double determinant(std::vector<std::vector<double>> m) {
+    double result = 1;
+    for (size_t k = 0; k < m.size(); ++k) {
+        size_t pivot = k;
+        for (size_t i = k; i < m.size(); ++i)
+            if (std::fabs(m[i][k]) > std::fabs(m[pivot][k])) pivot = i;
+        if (m[pivot][k] == 0) return 0;
+        if (pivot != k) result = -result;
+        std::swap(m[pivot], m[k]);
+        result *= m[k][k];
+        for (size_t i = k + 1; i < m.size(); ++i)
+            for (size_t j = m.size(); j-- > k;) m[i][j] -= m[i][k] / m[k][k] * m[k][j];
+    }
+    return result;
+}
+
+double length(const LevelMesh& mesh, const Loops& loops) {
+    double sum = 0;
+    for (size_t c = 0; c < loops.count(); ++c) {
+        const std::vector<Point> p = polygon(mesh, loops, c, 0);
+        for (size_t i = 0; i < p.size(); ++i) {
+            const Point d = p[(i + 1) % p.size()] - p[i];
+            sum += std::sqrt(dot(d, d));
+        }
+    }
+    return sum;
+}
+
+void expect_accepted(const Hierarchy& hierarchy, const Loops& loops) {
+    std::vector<double> values(hierarchy.edges(loops.level));
+    hmf_error error{};
+    const hmf_loop_set set = loops.view();
+    EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_OK) << error.message;
+}
+
+// Every handle loop bounds inside: its linking number with everything pushed
+// outside is 0.  Handle and tunnel loops together span the homology, so that
+// is enough to try; and pushed inside the linking matrix of the two must be
+// invertible over the integers.
+void expect_handles(const TriMesh& mesh) {
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const LevelMesh fine = read_level(hierarchy, 0);
+    const Loops handle = library_loops(hierarchy, 0, HMF_LOOPS_HANDLE), tunnel = library_loops(hierarchy, 0, HMF_LOOPS_TUNNEL);
+    const size_t g = mesh.genus;
+    ASSERT_EQ(handle.count(), g);
+    ASSERT_EQ(tunnel.count(), g);
+    expect_accepted(hierarchy, handle);
+    expect_accepted(hierarchy, tunnel);
+    const double out = volume(fine) > 0 ? 0.01 : -0.01;
+    std::vector<std::vector<Point>> h, t, h_out, h_in, t_out, t_in;
+    for (size_t c = 0; c < g; ++c) {
+        h.push_back(polygon(fine, handle, c, 0));
+        h_out.push_back(polygon(fine, handle, c, out));
+        h_in.push_back(polygon(fine, handle, c, -out));
+        t.push_back(polygon(fine, tunnel, c, 0));
+        t_out.push_back(polygon(fine, tunnel, c, out));
+        t_in.push_back(polygon(fine, tunnel, c, -out));
+    }
+    std::vector<std::vector<double>> linked(g, std::vector<double>(g));
+    for (size_t i = 0; i < g; ++i)
+        for (size_t j = 0; j < g; ++j) {
+            EXPECT_NEAR(linking_integral(h[i], h_out[j]), 0, 1e-3) << i << " " << j;
+            EXPECT_NEAR(linking_integral(h[i], t_out[j]), 0, 1e-3) << i << " " << j;
+            EXPECT_NEAR(linking_integral(t[i], t_in[j]), 0, 1e-3) << i << " " << j;
+            EXPECT_NEAR(linking_integral(t[i], h_in[j]), 0, 1e-3) << i << " " << j;
+            linked[i][j] = linking_integral(h[i], t_in[j]);
+            EXPECT_NEAR(linked[i][j], std::round(linked[i][j]), 1e-3);
+            linked[i][j] = std::round(linked[i][j]);
+        }
+    EXPECT_NEAR(std::fabs(determinant(linked)), 1, 1e-6);
+}
+
+TriMesh flipped(TriMesh mesh) { // inside out
+    for (size_t t = 0; t < mesh.triangle_count(); ++t) std::swap(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+    return mesh;
+}
+
+TEST(HandleLoops, Torus) {
+    expect_handles(torus(40, 16, 3, 1));
+    // Longer round the tube than round the hole.
+    expect_handles(torus(16, 40, 3, 2.7));
+}
+
+TEST(HandleLoops, InsideOut) { expect_handles(flipped(torus(40, 16, 3, 1))); }
+
+TEST(HandleLoops, ShortestAreTheWrongOnes) {
+    // A tall tube wall: the way through the hole is shorter than round the wall.
+    const TriMesh mesh = torus(16, 40, 3, 2.7);
+    const Hierarchy hierarchy(mesh);
+    const LevelMesh fine = read_level(hierarchy, 0);
+    EXPECT_LT(length(fine, library_loops(hierarchy, 0)), 0.9 * length(fine, library_loops(hierarchy, 0, HMF_LOOPS_HANDLE)));
+}
+
+TEST(HandleLoops, Plates) {
+    for (size_t g : {1, 2, 5}) expect_handles(plate(g));
+    expect_handles(pretzel(3, 2));
+}
+
+TEST(HandleLoops, Trefoil) { expect_handles(trefoil(160, 10, 0.4)); }
+
+TEST(HandleLoops, SurfaceThatMeetsItself) {
+    // Two tori joined by a tube; one of them is pushed through the other.
+    TriMesh mesh = joined_tori(24, 12, 8, 10);
+    for (size_t v = 0; v < mesh.vertex_count(); ++v)
+        if (mesh.positions[3 * v] > 4) mesh.positions[3 * v] -= 5.5;
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    size_t count = 0, total = 0;
+    hmf_error error{};
+    const hmf_status status = hmf_loops(hierarchy.get(), 0, HMF_LOOPS_HANDLE, nullptr, 0, nullptr, 0, &count, &total, &error);
+    EXPECT_TRUE(status == HMF_OK || status == HMF_ERROR_MESH_NOT_EMBEDDED) << error.message;
+}
+
+// Carried loops against a search on the fine level itself.
+TEST(CarriedLoops, AsShortAsSearched) {
+    for (const TriMesh& mesh : {pretzel(2, 3), torus(120, 48, 3, 1), trefoil(300, 16, 0.4)}) {
+        const Hierarchy hierarchy(mesh, 0.5, 200), alone(mesh, 0, mesh.vertex_count());
+        ASSERT_EQ(alone.levels(), 1u);
+        ASSERT_GT(hierarchy.levels(), 3u);
+        const LevelMesh fine = read_level(hierarchy, 0);
+        // The first loop of a coarse level is not always the shortest on the fine one.
+        EXPECT_LT(length(fine, library_loops(hierarchy, 0)), 1.05 * length(fine, library_loops(alone, 0)));
+    }
+}
+
+TEST(CarriedLoops, SameClassOnEveryLevel) {
+    const TriMesh mesh = pretzel(3, 3);
+    const Hierarchy hierarchy(mesh, 0.5, 200);
+    ASSERT_GT(hierarchy.levels(), 3u);
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
+        double first = 0;
+        for (size_t level = 0; level < hierarchy.levels(); ++level) {
+            Loops loops = library_loops(hierarchy, level, kind);
+            expect_accepted(hierarchy, loops);
+            for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(1 + 0.25 * static_cast<double>(c));
+            const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-10));
+            ASSERT_LT(solution.status, HMF_CANCELLED) << solution.error.message;
+            if (level == 0) first = solution.report.energy;
+            EXPECT_NEAR(solution.report.energy, first, 1e-10 * first) << "level " << level << " kind " << kind;
+        }
+    }
+}
+
+TEST(CarriedLoops, Deterministic) {
+    const Hierarchy a(pretzel(2, 3)), b(pretzel(2, 3));
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
+        const Loops x = library_loops(a, 0, kind), y = library_loops(b, 0, kind);
+        EXPECT_EQ(x.offsets, y.offsets);
+        EXPECT_EQ(x.elements, y.elements);
+    }
+}
+
+class RealHandles : public testing::TestWithParam<const char*> {};
+
+TEST_P(RealHandles, LinkingIntegrals) {
+    const char* folder = std::getenv("HMF_MESHES");
+    const std::string path = std::string(folder ? folder : "") + "/" + GetParam() + ".obj";
+    TriMesh mesh;
+    if (!folder || !read_obj(path, mesh)) GTEST_SKIP() << "skipped: no " << path;
+    expect_handles(mesh);
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, RealHandles,
+                         testing::Values("fertility_9.0k", "botijo_23k", "rocker-arm_5.0k", "kitten_16k", "heptoroid_36k", "entangled-double-torus_35k", "knot1_6.4k"),
+                         [](const testing::TestParamInfo<const char*>& info) {
+                             std::string name = info.param;
+                             for (char& c : name)
+                                 if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+                             return name;
+                         });
+
+} // namespace
