@@ -102,7 +102,7 @@ export interface Level {
     positions(): Float64Array;
 }
 
-export type LoopsKind = "cut";
+export type LoopsKind = "cut" | "handle" | "tunnel";
 
 /** Disjoint closed curves on a level. */
 export interface LoopSet {

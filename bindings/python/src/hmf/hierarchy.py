@@ -31,7 +31,7 @@ from .foliation import Foliation, Method, optimise
 from .loops import Loops, as_loops
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
-LoopsKind = Literal["cut"]
+LoopsKind = Literal["cut", "handle", "tunnel"]
 
 # Share of the build in the progress of hmf.solve, about its share of the time.
 _BUILD_SHARE = 0.25
@@ -218,8 +218,9 @@ class Hierarchy:
 
         Parameters
         ----------
-        kind : "cut"
-            genus many, which together cut the surface into one planar piece.
+        kind : "cut", "handle" or "tunnel"
+            genus many, which together cut the surface into one planar piece;
+            those of "handle" bound inside the surface, those of "tunnel" outside.
         level : int, optional
             Default: the coarsest, where they are found fastest.
         """

@@ -78,6 +78,8 @@ statuses! {
     ERROR_MESH_COMPONENTS = HMF_ERROR_MESH_COMPONENTS;
     /// Genus 0: a sphere carries no measured foliation.
     ERROR_MESH_GENUS = HMF_ERROR_MESH_GENUS;
+    /// The surface meets itself, so that inside and outside have no meaning.
+    ERROR_MESH_NOT_EMBEDDED = HMF_ERROR_MESH_NOT_EMBEDDED;
     /// No loops.
     ERROR_LOOP_COUNT = HMF_ERROR_LOOP_COUNT;
     /// A loop names an element that does not exist on its level.

@@ -20,12 +20,18 @@ pub enum LoopsKind {
     /// As many as the genus; together they cut the surface into one planar piece.
     #[default]
     Cut,
+    /// The same, and they bound inside the surface: they go round the handles.
+    Handle,
+    /// The same, and they bound outside: they go round the holes.
+    Tunnel,
 }
 
 impl LoopsKind {
     fn code(self) -> i32 {
         match self {
             LoopsKind::Cut => sys::HMF_LOOPS_CUT,
+            LoopsKind::Handle => sys::HMF_LOOPS_HANDLE,
+            LoopsKind::Tunnel => sys::HMF_LOOPS_TUNNEL,
         }
     }
 }
