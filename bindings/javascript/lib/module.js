@@ -15,7 +15,9 @@ async function compile(source) {
     if (source instanceof URL) {
         // fetch of Node reads no file: addresses.
         if (source.protocol === 'file:') {
-            const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:fs/promises');
+            // Not a literal, so that bundlers for browsers leave it alone.
+            const files = 'node:fs/promises';
+            const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ files);
             source = await readFile(source);
         } else {
             source = await fetch(source);
