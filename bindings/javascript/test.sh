@@ -82,6 +82,7 @@ skip() { echo "skip javascript-$1 (skipped: $2)"; }
 echo "ok javascript-build"
 group results 120 node --test test/results.test.js
 group errors 120 node --test test/errors.test.js
+group parameterize 120 node --test test/parameterize.test.js
 group memory 120 node --test test/memory.test.js
 group load 120 node --test test/load.test.js
 group drift 120 node --test test/drift.test.js

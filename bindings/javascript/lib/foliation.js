@@ -1,6 +1,7 @@
 // Foliation: one value for each edge of a level, and what can be asked of it.
 import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
+import { PARAMETERIZE_OPTIONS, parameterize } from './parameterization.js';
 import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
 
 const singularityKinds = namesOf('HMF_SINGULAR_').byValue;
@@ -78,5 +79,11 @@ export class Foliation {
                 vertexCluster: frame.result(Uint32Array, cluster, vertexCount),
             };
         });
+    }
+
+    parameterize(options) {
+        const given = optionsOf(options, 'options', PARAMETERIZE_OPTIONS);
+        return this.hierarchy.perform((frame, address) => frame.module.withProgress(given.progress,
+            fields => parameterize(frame, address, this.#counts, this.values, given, fields)));
     }
 }

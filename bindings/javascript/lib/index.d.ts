@@ -152,6 +152,50 @@ export interface Foliation {
     /** Violation of harmonicity at each vertex; 0 everywhere means: this is the unique minimum. */
     residuals(): Float64Array;
     singularities(): Singularities;
+    /** A global conformal parameterisation (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
+    parameterize(options?: ParameterizeOptions): Parameterization;
+}
+
+export interface ParameterizeOptions {
+    /** Largest residual of the foliation; default 1e-2. */
+    tolerance?: number;
+    /** Edges where seams cost nothing, so that they run there if they can. */
+    seamEdges?: ArrayLike<number>;
+    progress?: Progress;
+}
+
+/**
+ * The surface is cut along short seams through the zeros; in the cut surface
+ * every corner has one (u, v).  Of a point of an edge, (u, v) in the second of
+ * its triangles (the one with the higher number) is exactly
+ * sign * (u, v) + (du, dv) of the first.
+ */
+export interface Parameterization {
+    /** u and v of each corner: six numbers for each triangle. */
+    cornerUv: Float64Array;
+    /** sign (1 or -1), du and dv of each edge; 1, 0, 0 off the seams. */
+    transition: Float64Array;
+    /** 1 for each edge where the layout is cut. */
+    seam: Uint8Array;
+    /** Cone angle of each vertex as a multiple of pi; 2 = regular. */
+    cone: Int32Array;
+    /** Ratio of the singular values of the map of each triangle: at least 1, negative where the image is flipped, infinite where it is degenerate. */
+    dilatation: Float64Array;
+    /** Real and imaginary part of the quadratic differential of each triangle, in the frame with x along its side 0 and y to the left. */
+    differential: Float64Array;
+    /** Of the absolute value, weighted by area, without degenerate triangles. */
+    dilatationMean: number;
+    dilatationMedian: number;
+    dilatationP99: number;
+    flippedTriangles: number;
+    degenerateTriangles: number;
+    seamEdgeCount: number;
+    /** In the unit of the positions. */
+    seamLength: number;
+    /** Of the image: the energy, up to discretisation. */
+    area: number;
+    linearIterations: number;
+    seconds: number;
 }
 
 export interface Singularities {

@@ -19,6 +19,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     const coarse: Float64Array = foliation.interpolate(hierarchy.levels.length - 1).relax({ method: "whitehead" }).values;
     const numbers: number = foliation.energy() + hierarchy.genus + hmf.memory.inUse + zeros.length + (last ?? 0) + bytes.memoryEstimate(7, 14);
 
+    const uv: Float64Array = foliation.parameterize({ seamEdges: [1, 2, 3], tolerance: 1e-3 }).cornerUv;
+
     // @ts-expect-error: positions are doubles
     new hmf.Hierarchy(new Float32Array(3), triangles);
     // @ts-expect-error: no such option
@@ -35,7 +37,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse);
+    return Float64Array.of(numbers, ...coarse, ...uv);
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {
