@@ -47,7 +47,7 @@ function readHeader() {
     }
     const constants = [];
     for (const line of compile(['-x', 'c', '-E', '-dM', header]).split('\n')) {
-        const found = /^#define (HMF_[A-Z0-9_]+) (\d+)$/.exec(line.trim());
+        const found = /^#define (HMF_[A-Z0-9_]+) (\d+|0x[0-9a-f]+)u?$/.exec(line.trim());
         if (found) constants.push([found[1], Number(found[2])]);
     }
     constants.sort((a, b) => (a[0] < b[0] ? -1 : 1));

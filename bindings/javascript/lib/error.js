@@ -30,7 +30,7 @@ export class HmfError extends Error {
         this.status = status;
         this.statusName = statusName(status);
         this.element = element ? elements.get(element) ?? null : null;
-        this.index = this.element ? index : null;
+        this.index = index;
         this.advice = advice;
     }
 }

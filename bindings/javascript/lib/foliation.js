@@ -2,6 +2,7 @@
 import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
 import { PARAMETERIZE_OPTIONS, parameterize } from './parameterization.js';
+import { TRACE_OPTIONS, trace } from './trace.js';
 import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
 
 const singularityKinds = namesOf('HMF_SINGULAR_').byValue;
@@ -85,5 +86,10 @@ export class Foliation {
         const given = optionsOf(options, 'options', PARAMETERIZE_OPTIONS);
         return this.hierarchy.perform((frame, address) => frame.module.withProgress(given.progress,
             fields => parameterize(frame, address, this.#counts, this.values, given, fields)));
+    }
+
+    trace(options) {
+        const given = optionsOf(options, 'options', TRACE_OPTIONS);
+        return this.hierarchy.perform((frame, address) => trace(frame, address, this.level, this.values, given));
     }
 }

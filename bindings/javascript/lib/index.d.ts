@@ -154,6 +154,8 @@ export interface Foliation {
     singularities(): Singularities;
     /** A global conformal parameterisation (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
     parameterize(options?: ParameterizeOptions): Parameterization;
+    /** Leaves as polylines; without options those between zeros. */
+    trace(options?: TraceOptions): Line[];
 }
 
 export interface ParameterizeOptions {
@@ -196,6 +198,42 @@ export interface Parameterization {
     area: number;
     linearIterations: number;
     seconds: number;
+}
+
+export interface TraceOptions {
+    /** All leaves between zeros. */
+    critical?: boolean;
+    /** Level sets, about so far apart, in the unit of the values. */
+    spacing?: number;
+    /** Where a leaf stops, in each direction from where it starts, in the unit of the positions; default 0, no limit. */
+    lengthLimit?: number;
+    /** Leaves through points: a triangle each, and three barycentric coordinates that add up to 1. */
+    through?: { triangles: ArrayLike<number>; barycentrics: ArrayLike<number> };
+}
+
+/** A leaf.  Consecutive points lie in one triangle; no two leaves cross. */
+export interface Line {
+    /** A closed leaf at a height of its cylinder, a leaf between two zeros, the leaf through a given point. */
+    kind: "level" | "critical" | "point";
+    /** The last point joins the first, which is not repeated. */
+    closed: boolean;
+    /** How it begins and ends: "nowhere" if the given point lies where the foliation is 0. */
+    begin: "closed" | "zero" | "limit" | "nowhere";
+    end: "closed" | "zero" | "limit" | "nowhere";
+    /** Which zero, in the list of `singularities()`. */
+    beginZero: number | null;
+    endZero: number | null;
+    cylinder: number | null;
+    /** Number of the point; of the level from the lower side of its cylinder; of the critical leaf. */
+    source: number;
+    /** Above the lower side of the cylinder, in the unit of the values. */
+    height: number;
+    /** In the unit of the positions. */
+    length: number;
+    /** Three coordinates for each point. */
+    points: Float64Array;
+    /** The edge that each point lies on; 0xffffffff for the middle of a zero in a triangle. */
+    edges: Uint32Array;
 }
 
 export interface Singularities {
@@ -274,8 +312,8 @@ export class HmfError extends Error {
     readonly statusName: string;
     /** What the error is about, or null. */
     readonly element: "vertex" | "edge" | "triangle" | "loop" | "level" | "option" | null;
-    /** Of the element, or null. */
-    readonly index: number | null;
+    /** Of the element; without one, of what the advice names (a point of `trace`, say), else 0. */
+    readonly index: number;
     /** What is wrong and what to do. */
     readonly advice: string;
 }

@@ -29,9 +29,10 @@ test('every structure of the header has its fields in order, and JavaScript know
     assert.deepEqual(declared.map(([, name]) => name).sort(), Object.keys(structures).sort(), 'the build is out of date: npm run build');
     // Of C alone; arrays of JavaScript know their length.
     const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'progress_user', 'reserved'];
-    const otherwise = ['hmf_report.level_count', 'hmf_report.values_written', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements'];
+    const otherwise = ['hmf_report.level_count', 'hmf_report.values_written', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
+        'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics'];
     for (const [, name, body] of declared) {
-        const fields = body.split(';').map(field => /([a-z_0-9]+)(\[\d+\])?\s*$/.exec(field.trim())?.[1]).filter(Boolean);
+        const fields = body.split(/[;,]/).map(field => /([a-z_0-9]+)(\[\d+\])?\s*$/.exec(field.trim())?.[1]).filter(Boolean);
         assert.deepEqual(Object.keys(structures[name].fields), fields, name);
         let end = 0;
         for (const { offset } of Object.values(structures[name].fields)) {
@@ -47,11 +48,11 @@ test('every structure of the header has its fields in order, and JavaScript know
 });
 
 test('every constant of the header has its value, and the types list its name', () => {
-    const declared = [...header.matchAll(/^#define (HMF_[A-Z0-9_]+) (\d+)\s*$/gm)].map(([, name, value]) => [name, Number(value)]);
+    const declared = [...header.matchAll(/^#define (HMF_[A-Z0-9_]+) (\d+|0x[0-9a-f]+)u?\s*$/gm)].map(([, name, value]) => [name, Number(value)]);
     assert.deepEqual(constants, Object.fromEntries(declared.sort(([a], [b]) => (a < b ? -1 : 1))), 'the build is out of date: npm run build');
-    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_LOOP_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_'];
+    const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_LOOP_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_'];
     for (const [name] of declared) {
-        if (/^HMF_(VERSION|ERROR|LIMIT)_|^HMF_(OK|CANCELLED|ELEMENT_NONE)$/.test(name)) continue;
+        if (/^HMF_(VERSION|ERROR|LIMIT)_|^HMF_(OK|CANCELLED|NONE|ELEMENT_NONE)$/.test(name)) continue;
         const prefix = prefixes.find(start => name.startsWith(start));
         assert.ok(prefix, `${name} belongs to no group that JavaScript knows`);
         const value = name.slice(prefix.length).toLowerCase().replaceAll('_', '-');

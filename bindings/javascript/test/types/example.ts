@@ -21,6 +21,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     const uv: Float64Array = foliation.parameterize({ seamEdges: [1, 2, 3], tolerance: 1e-3 }).cornerUv;
 
+    const leaves: Float64Array[] = foliation.trace({ spacing: 0.1, through: { triangles: [0], barycentrics: [1, 0, 0] } }).map(line => line.points);
+
     // @ts-expect-error: positions are doubles
     new hmf.Hierarchy(new Float32Array(3), triangles);
     // @ts-expect-error: no such option
@@ -37,7 +39,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv);
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length);
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {
@@ -47,7 +49,7 @@ export async function automatic(positions: Float64Array, triangles: Uint32Array)
         return hierarchy.solve().report?.status ?? "";
     } catch (error) {
         if (!(error instanceof HmfError)) throw error;
-        const where: string = error.index === null ? "" : `${error.element} ${error.index}`;
+        const where: string = error.element === null ? "" : `${error.element} ${error.index}`;
         return `${error.statusName} ${error.status} ${where} ${error.advice}`;
     }
 }
