@@ -102,6 +102,11 @@ export interface Level {
     positions(): Float64Array;
 }
 
+/**
+ * All are cut systems: together they cut the surface into one planar piece.
+ * "handle": loops that bound inside the surface; "tunnel": loops that bound
+ * outside.  Both need a surface that does not meet itself.
+ */
 export type LoopsKind = "cut" | "handle" | "tunnel";
 
 /** Disjoint closed curves on a level. */

@@ -104,6 +104,27 @@ test('initialize gives the weights of the loops that cross an edge', () => {
     hierarchy.dispose();
 });
 
+test('handle loops go round no hole of a plate, tunnel loops do', () => {
+    const { positions, triangles } = pretzel(2, 2), holes = [-1, 1]; // their axes are parallel to z, at these x and y = 0
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 }), triangleEdges = hierarchy.levels[0].triangleEdges();
+    const sides = t => [...triangleEdges.subarray(3 * t, 3 * t + 3)];
+    const centre = t => [0, 1].map(k => [0, 1, 2].reduce((sum, c) => sum + positions[3 * triangles[3 * t + c] + k] / 3, 0));
+    const turns = (loop, x) => Math.round(loop.reduce((sum, t, i) => {
+        const [a, b] = [centre(t), centre(loop[(i + 1) % loop.length])].map(([px, py]) => [px - x, py]);
+        return sum + Math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    }, 0) / (2 * Math.PI));
+    for (const kind of ['cut', 'handle', 'tunnel']) {
+        const { loops, elementKind, level } = hierarchy.loops({ kind, level: 0 });
+        assert.deepEqual([elementKind, level, loops.length], ['triangles', 0, 2]);
+        for (const loop of loops) {
+            loop.forEach((t, i) => assert.ok(sides(t).some(e => sides(loop[(i + 1) % loop.length]).includes(e)), 'a closed chain'));
+            const round = holes.map(x => turns(loop, x));
+            if (kind !== 'cut') assert.equal(round.some(n => n !== 0), kind === 'tunnel', `${kind}: ${round}`);
+        }
+    }
+    hierarchy.dispose();
+});
+
 test('values go down to a coarse level and up again, relax brings them back', () => {
     const { positions, triangles } = pretzel(2, 2);
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
