@@ -121,44 +121,51 @@ AffineMap map_of(const State& state, const Layout& layout, uint32_t side, double
     return map;
 }
 
-// Dilatations of all triangles and their statistics.
-bool measure(const State& state, const Layout& layout, const Array<uint32_t>& side, double unit, hmf_parameterization& out, Memory& memory) {
-    const Mesh& mesh = state.foliation.mesh;
-    Array<uint32_t> order, key;
-    Array<double> area;
-    if (!order.allocate(memory, mesh.face_count) || !key.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count)) return false;
-    double sum = 0, weighted = 0, visible = 0, image = 0;
-    out.flipped_triangles = out.degenerate_triangles = 0;
-    for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        const AffineMap map = map_of(state, layout, side[t], unit);
-        order[t] = t;
-        key[t] = key_of(map.dilatation);
-        area[t] = map.area;
-        sum += map.area;
-        image += map.determinant * map.area;
-        const bool degenerate = map.dilatation == HUGE_VAL;
-        out.degenerate_triangles += degenerate;
-        out.flipped_triangles += !degenerate && map.determinant < 0;
-        if (!degenerate) {
-            weighted += map.area * map.dilatation;
-            visible += map.area;
+// Dilatations of all triangles, and their statistics.
+class Measure {
+public:
+    bool allocate(size_t triangles, Memory& memory) { return by_dilatation_.allocate(memory, triangles) && area_.allocate(memory, triangles); }
+
+    void add(size_t t, const AffineMap& map) {
+        by_dilatation_.item[t] = static_cast<uint32_t>(t);
+        by_dilatation_.key[t] = key_of(map.dilatation);
+        area_[t] = map.area;
+        sum_ += map.area;
+        image_ += map.determinant * map.area;
+        if (map.dilatation == HUGE_VAL) {
+            ++degenerate_;
+            return;
         }
+        flipped_ += map.determinant < 0;
+        weighted_ += map.area * map.dilatation;
+        visible_ += map.area;
     }
-    out.area = image;
-    out.dilatation_mean = visible > 0 ? weighted / visible : HUGE_VAL;
-    if (!sort_falling(order, key, memory)) return false;
-    const auto quantile = [&](double part) {
+
+    void finish(hmf_parameterization& out) {
+        out.flipped_triangles = flipped_;
+        out.degenerate_triangles = degenerate_;
+        out.area = image_;
+        out.dilatation_mean = visible_ > 0 ? weighted_ / visible_ : HUGE_VAL;
+        by_dilatation_.sort_falling();
+        out.dilatation_median = quantile(0.5);
+        out.dilatation_p99 = quantile(0.99);
+    }
+
+private:
+    double quantile(double part) const {
         double above = 0;
         size_t i = 0;
-        while (i + 1 < order.size() && above + area[order[i]] < (1 - part) * sum) above += area[order[i++]];
+        while (i + 1 < area_.size() && above + area_[by_dilatation_.item[i]] < (1 - part) * sum_) above += area_[by_dilatation_.item[i++]];
         float x;
-        std::memcpy(&x, &key[i], sizeof x);
+        std::memcpy(&x, &by_dilatation_.key[i], sizeof x);
         return static_cast<double>(x);
-    };
-    out.dilatation_median = quantile(0.5);
-    out.dilatation_p99 = quantile(0.99);
-    return true;
-}
+    }
+
+    KeyedItems by_dilatation_;
+    Array<double> area_;
+    double sum_ = 0, weighted_ = 0, visible_ = 0, image_ = 0;
+    uint64_t flipped_ = 0, degenerate_ = 0;
+};
 
 } // namespace
 
@@ -223,16 +230,17 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         return call.out_of_memory();
     if (!call.tick(0.95)) return cancelled(call);
 
+    Measure measure;
+    Array<uint8_t> met;
+    if (!measure.allocate(mesh.face_count, memory) || !met.allocate_filled(memory, mesh.edge_count, 0)) return call.out_of_memory();
     hmf_parameterization result = *out;
-    if (!measure(state, layout, side, unit, result, memory)) return call.out_of_memory();
     result.seam_edge_count = 0;
     result.seam_length = 0;
-    Array<uint8_t> met;
-    if (!met.allocate_filled(memory, mesh.edge_count, 0)) return call.out_of_memory();
     // From here on nothing fails, and the outputs are written.
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         uint32_t h = side[t];
         const AffineMap map = map_of(state, layout, h, unit);
+        measure.add(t, map);
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         if (out->dilatation) out->dilatation[t] = flipped ? -map.dilatation : map.dilatation;
         if (out->differential) {
@@ -262,6 +270,7 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     }
     if (out->cone)
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) out->cone[v] = cone[level == 0 ? hierarchy->vertex_internal[v] : v];
+    measure.finish(result);
     result.linear_iterations = flat.iterations;
     result.seconds = call.seconds();
     *out = result;

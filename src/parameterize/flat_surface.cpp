@@ -12,7 +12,7 @@
 namespace hmf {
 
 hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
-    constexpr double tolerance = 1e-11;
+    constexpr double tolerance = 1e-9;
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
     const auto cancelled = [&] { return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); };

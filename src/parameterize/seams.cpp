@@ -98,7 +98,8 @@ uint32_t find_root(Array<uint32_t>& parent, uint32_t x) {
 bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Memory& memory) {
     const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
     if (!seams.on.allocate_filled(memory, m, 1) || !seams.tree.allocate_filled(memory, m, 0)) return false;
-    Array<uint32_t> edges, key, component;
+    KeyedItems edges;
+    Array<uint32_t> component;
     {
         Forest forest;
         if (!forest.build(mesh, length, is_cone, memory)) return false;
@@ -106,17 +107,18 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
             if (forest.parent[v] != NONE) seams.tree[edge_of(forest.parent[v])] = 2; // not to be crossed
         uint32_t free_edges = 0;
         for (const uint8_t t : seams.tree) free_edges += t == 0;
-        if (!edges.allocate(memory, free_edges) || !key.allocate(memory, free_edges)) return false;
+        if (!edges.allocate(memory, free_edges)) return false;
         uint32_t at = 0;
         for (uint32_t e = 0; e < m; ++e) {
             if (seams.tree[e] == 2) continue;
-            edges[at] = e;
-            key[at++] = key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
+            edges.item[at] = e;
+            edges.key[at++] = key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
         }
     }
-    if (!sort_falling(edges, key, memory) || !component.allocate(memory, mesh.face_count)) return false;
+    edges.sort_falling();
+    if (!component.allocate(memory, mesh.face_count)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
-    for (const uint32_t e : edges) {
+    for (const uint32_t e : edges.item) {
         const uint32_t a = find_root(component, mesh.face[2 * e]), b = find_root(component, mesh.face[2 * e + 1]);
         if (a == b) continue;
         component[a] = b;
