@@ -83,13 +83,18 @@ def test_singularity_kinds() -> None:
     assert {kind.upper(): value for value, kind in kinds.items()} == names("HMF_SINGULAR_")
 
 
+def test_lines_and_ends() -> None:
+    assert {kind.upper(): value for value, kind in hmf.leaves._KINDS.items()} == names("HMF_LINE_")
+    assert {end.upper(): value for value, end in hmf.leaves._ENDS.items()} == names("HMF_END_")
+
+
 def fields(structure: str) -> set[str]:
     return {name for name, _ in ffi.typeof(structure).fields}
 
 
 def test_options_are_keywords() -> None:
     hidden = {"struct_size", "reserved", "progress_user", "allocate", "release", "allocator_user"}
-    hidden |= {"seam_edge_count"}  # the length of an array
+    hidden |= {"seam_edge_count", "point_count"}  # lengths of arrays
     build = set(inspect.signature(hmf.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
     both = set(inspect.signature(hmf.solve).parameters)
@@ -98,6 +103,8 @@ def test_options_are_keywords() -> None:
     assert (build | solve) - {"self"} == both
     parameterize = set(inspect.signature(hmf.Foliation.parameterize).parameters)
     assert fields("hmf_parameterize_options") - hidden == parameterize - {"self"}
+    trace = set(inspect.signature(hmf.Foliation.trace).parameters)
+    assert fields("hmf_trace_options") - hidden == trace - {"self"}
 
 
 def test_reports_have_all_fields() -> None:
@@ -107,6 +114,7 @@ def test_reports_have_all_fields() -> None:
     assert fields("hmf_parameterization") - hidden == set(hmf.Parameterization.__dataclass_fields__)
     assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
     assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
+    assert fields("hmf_line") == set(hmf.Leaf.__dataclass_fields__) - {"points", "edges"}
     assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)
 
 

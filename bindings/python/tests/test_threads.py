@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import hmf
 import numpy as np
@@ -56,3 +59,10 @@ def test_the_hierarchy_outlives_its_name() -> None:
     level = hmf.Hierarchy(*sample.pretzel(1, side=4)).levels[0]
     assert foliation.residuals().max() < 1e-8
     assert level.weights.size == level.edge_count
+
+
+def test_the_example() -> None:
+    example = Path(__file__).resolve().parents[1] / "examples" / "batch.py"
+    done = subprocess.run([sys.executable, str(example)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("->") == 24

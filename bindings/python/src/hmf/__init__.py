@@ -12,6 +12,7 @@ wanted; :class:`Loops` are the closed curves that give the class;
 
 from ._boundary import Progress, ProgressCallback, ProgressOption
 from ._native import lib as _lib
+from ._plot import plot
 from .errors import (
     Cancelled,
     Element,
@@ -29,6 +30,7 @@ from .errors import (
 )
 from .foliation import Foliation, Singularities, Singularity
 from .hierarchy import Hierarchy, Level, memory_estimate, solve
+from .leaves import Leaf, Leaves
 from .loops import Loops
 from .parameterization import Parameterization
 from .report import HistoryEntry, LevelReport, Report
@@ -50,6 +52,8 @@ __all__ = [
     "Hierarchy",
     "HistoryEntry",
     "InternalError",
+    "Leaf",
+    "Leaves",
     "Level",
     "LevelError",
     "LevelReport",
@@ -70,5 +74,6 @@ __all__ = [
     "UnsupportedError",
     "__version__",
     "memory_estimate",
+    "plot",
     "solve",
 ]

@@ -39,12 +39,12 @@ def _real(array: ArrayLike, what: str) -> NDArray[Any]:
     return given
 
 
-def as_positions(array: ArrayLike) -> Floats:
+def as_positions(array: ArrayLike, what: str = "positions") -> Floats:
     """(n, 3) float64 with contiguous rows; the given array itself where that holds."""
-    given = _real(array, "positions")
+    given = _real(array, what)
     if given.ndim != 2 or given.shape[1] != 3:
         remedy = "transpose it" if given.ndim == 2 and given.shape[0] == 3 else "give three coordinates in each row"
-        raise ValueError(f"positions must have shape (n, 3), got {given.shape}: {remedy}.")
+        raise ValueError(f"{what} must have shape (n, 3), got {given.shape}: {remedy}.")
     result = np.asarray(given, dtype=np.float64)
     row = result.strides[0]
     if result.shape[0] > 1 and not (result.flags.aligned and result.strides[1] == 8 and row >= 24 and row % 8 == 0):

@@ -57,6 +57,7 @@ class Status(IntEnum):
     ERROR_VALUE_NOT_CLOSED = 501
     ERROR_VALUE_POLE = 502
     ERROR_VALUE_NOT_HARMONIC = 503
+    ERROR_VALUE_CLASS = 504
     ERROR_INTERNAL = 900
 
     @classmethod

@@ -27,6 +27,7 @@ from ._boundary import (
 )
 from ._native import ffi, lib
 from .errors import Cancelled, LimitWarning, Status
+from .leaves import Leaves, trace
 from .parameterization import Parameterization, parameterize
 from .report import Report, ReportBuffer
 
@@ -307,6 +308,40 @@ class Foliation:
         """
         with progress_callback(progress, "hmf parameterize") as callback:
             return parameterize(self, tolerance, seam_edges, callback)
+
+    def trace(
+        self,
+        *,
+        spacing: float | None = None,
+        critical: bool = False,
+        length_limit: float | None = None,
+        point_triangles: ArrayLike | None = None,
+        point_barycentrics: ArrayLike | None = None,
+    ) -> Leaves:
+        """Leaves as polylines; without any argument the critical ones, which join zeros.
+
+        No two leaves cross, and each closes exactly.  The values need not be harmonic.
+
+        Parameters
+        ----------
+        spacing : float, optional
+            Leaves about so far apart, in the unit of the values, all over the surface.
+        critical : bool
+            All leaves between zeros.
+        length_limit : float, optional
+            Where a leaf stops, in each direction, in the unit of the positions; default nowhere.
+        point_triangles, point_barycentrics : (n,) ints and (n, 3) floats, optional
+            The leaves through these points, given by triangle and barycentric
+            coordinates: not negative, of sum 1.
+
+        Raises
+        ------
+        FoliationError
+            The values are not closed, have a pole, or belong to no loops that can be followed.
+        OptionsError
+            A number is out of range.
+        """
+        return trace(self, spacing, critical, length_limit, point_triangles, point_barycentrics)
 
     def __repr__(self) -> str:
         return f"<Foliation on level {self._level}: {len(self._values)} edges, {self._status.name}>"

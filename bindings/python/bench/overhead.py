@@ -1,0 +1,60 @@
+"""Time of a solve in Python, and the share of it that is not the library's.
+
+    python overhead.py [side of the pretzel, default 45: 103 400 vertices]
+
+Each run is compared with the seconds that the library itself reports for the
+same call (`Report.solve_seconds`), and a build with a call of hmf_build on
+arrays that are already right.  Best of five.
+"""
+
+import sys
+import time
+
+import hmf
+from hmf import sample
+from hmf._native import ffi, lib
+
+
+def best(function, rounds=5):
+    results = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        inner = function()
+        results.append((time.perf_counter() - start, inner))
+    return min(results)
+
+
+def build_directly(positions, triangles):
+    out = ffi.new("hmf_hierarchy **")
+    p = ffi.cast("double *", positions.ctypes.data)
+    t = ffi.cast("uint32_t *", triangles.ctypes.data)
+    start = time.perf_counter()
+    status = lib.hmf_build(p, len(positions), 0, t, len(triangles), ffi.NULL, out, ffi.NULL)
+    seconds = time.perf_counter() - start
+    assert status == 0
+    lib.hmf_destroy(out[0])
+    return seconds
+
+
+def main():
+    side = int(sys.argv[1]) if len(sys.argv) > 1 else 45
+    positions, triangles = sample.pretzel(2, side=side)
+    print(f"{len(positions)} vertices, {3 * len(triangles) // 2} edges")
+
+    direct = min(build_directly(positions, triangles) for _ in range(5))
+    build, _ = best(lambda: len(hmf.Hierarchy(positions, triangles).levels))
+    print(f"build      {build:.4f} s, hmf_build alone {direct:.4f} s: overhead {100 * (build / direct - 1):+.2f} %")
+
+    hierarchy = hmf.Hierarchy(positions, triangles)
+    for name, progress in (("solve", None), ("solve with a callback", lambda fraction: None)):
+        total, inner = best(lambda: hierarchy.solve(progress=progress).report.solve_seconds)
+        print(f"{name:10} {total:.4f} s, library {inner:.4f} s: overhead {100 * (total / inner - 1):+.2f} %")
+
+    foliation = hierarchy.solve()
+    for name in ("residuals", "singularities", "parameterize"):
+        total, _ = best(lambda: getattr(foliation, name)() is None)
+        print(f"{name:13} {total:.4f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,224 @@
+"""Pictures: the shaded surface with leaves at equal distances, and its zeros.
+
+The surface is drawn into a depth buffer in NumPy; the leaves are curves of
+matplotlib over that picture, of which only the parts in front are drawn.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._boundary import Floats, Indices
+from .foliation import Foliation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PIXELS = 1100  # of the longer side of the picture
+_MARGIN = 12  # pixels
+_PAIRS = 1 << 21  # triangles x pixels at a time
+_LIGHT = np.array([-0.4, 0.55, 0.75]) / np.linalg.norm([-0.4, 0.55, 0.75])
+
+
+def _frame(positions: Floats, view: ArrayLike | None) -> Floats:
+    """Rows: right, up, towards the viewer."""
+    # The widest axis of the object lies to the right, its flattest looks at us.
+    axes = np.linalg.svd(positions - positions.mean(axis=0), full_matrices=False)[2]
+    axes *= np.where(axes[np.arange(3), np.abs(axes).argmax(axis=1)] < 0, -1, 1)[:, None]
+    if view is None:
+        towards = axes[2] * np.cos(0.7) - axes[1] * np.sin(0.7)
+        widest = axes[0]
+    else:
+        towards = np.asarray(view, dtype=np.float64)
+        if towards.shape != (3,) or not np.isfinite(towards).all() or not towards.any():
+            raise ValueError(f"view must be a direction of three numbers, not all 0, got {view!r}.")
+        towards = towards / np.linalg.norm(towards)
+        widest = axes[0] if abs(axes[0] @ towards) < 0.9 else axes[1]
+    right = widest - (widest @ towards) * towards
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(towards, right), towards])
+
+
+def _normals(positions: Floats, triangles: Indices) -> Floats:
+    """Of the vertices, weighted by area, outward."""
+    corners = positions[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    if np.einsum("ij,ij->", corners[:, 0] - positions.mean(axis=0), normals) < 0:
+        normals = -normals
+    result = np.stack(
+        [np.bincount(triangles.ravel(), np.repeat(normals[:, axis], 3), len(positions)) for axis in range(3)], axis=1
+    )
+    length = np.linalg.norm(result, axis=1, keepdims=True)
+    return np.asarray(result / np.where(length > 0, length, 1))
+
+
+class _Picture:
+    """Depth and brightness of the surface on a grid of pixels."""
+
+    def __init__(self, points: Floats, triangles: Indices) -> None:
+        low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+        self.pixel = float((high - low).max()) / _PIXELS
+        self.origin = low - _MARGIN * self.pixel
+        self.width, self.height = (int(n) for n in np.ceil((high - self.origin) / self.pixel) + _MARGIN)
+        self.depth = np.full(self.width * self.height, -np.inf)
+        self.brightness = np.zeros(self.width * self.height)
+        self._draw(points, triangles, np.clip(_normals(points, triangles) @ _LIGHT, 0, 1))
+
+    def _draw(self, points: Floats, triangles: Indices, light: Floats) -> None:
+        places = (points[:, :2] - self.origin) / self.pixel
+        corners = places[triangles]
+        first = np.ceil(corners.min(axis=1)).astype(np.int64)
+        count = np.floor(corners.max(axis=1)).astype(np.int64) - first + 1
+        count = np.maximum(count, 0)
+        ends = np.cumsum(count[:, 0] * count[:, 1])
+        start = 0
+        while start < len(triangles):
+            done = int(ends[start - 1]) if start else 0
+            stop = max(start + 1, int(np.searchsorted(ends, done + _PAIRS, side="right")))
+            self._draw_some(points, triangles[start:stop], corners[start:stop], first[start:stop], count[start:stop], light)
+            start = stop
+
+    def _draw_some(
+        self,
+        points: Floats,
+        triangles: Indices,
+        corners: Floats,
+        first: NDArray[np.int64],
+        count: NDArray[np.int64],
+        light: Floats,
+    ) -> None:
+        sizes = count[:, 0] * count[:, 1]
+        which = np.repeat(np.arange(len(triangles)), sizes)
+        number = np.arange(len(which)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        x = first[which, 0] + number % count[which, 0]
+        y = first[which, 1] + number // count[which, 0]
+        a, b, c = (corners[which, k] for k in range(3))
+        double_area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at_b = ((x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (y - a[:, 1]) * (c[:, 0] - a[:, 0])) / double_area
+            at_c = ((b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])) / double_area
+        inside = np.flatnonzero((at_b >= 0) & (at_c >= 0) & (at_b + at_c <= 1))
+        weights = np.stack([1 - at_b[inside] - at_c[inside], at_b[inside], at_c[inside]], axis=1)
+        vertices = triangles[which[inside]]
+        depth = np.einsum("ij,ij->i", weights, points[vertices, 2])
+        pixel = y[inside] * self.width + x[inside]
+        # Of several triangles the nearest comes last, and stays.
+        nearer = np.flatnonzero(depth > self.depth[pixel])
+        nearer = nearer[np.argsort(depth[nearer], kind="stable")]
+        pixel = pixel[nearer]
+        self.depth[pixel] = depth[nearer]
+        self.brightness[pixel] = np.einsum("ij,ij->i", weights[nearer], light[vertices[nearer]])
+
+    def visible(self, points: Floats) -> NDArray[np.bool_]:
+        """Whether points of the surface are in front: not behind all of the pixels around them."""
+        x, y = np.rint((points[:, :2] - self.origin) / self.pixel).astype(np.int64).T
+        nearest = np.full(len(points), np.inf)
+        for dx in (-1, 0, 1):
+            for dy in (-1, 0, 1):
+                here = np.clip(y + dy, 0, self.height - 1) * self.width + np.clip(x + dx, 0, self.width - 1)
+                nearest = np.minimum(nearest, self.depth[here])
+        return np.asarray(points[:, 2] >= nearest - 2 * self.pixel)
+
+    def colours(self, colour: Any) -> Floats:
+        from matplotlib.colors import to_rgb
+
+        image = np.ones((self.height * self.width, 4))
+        image[:, :3] = np.array(to_rgb(colour)) * (0.45 + 0.55 * self.brightness[:, None])
+        image[:, 3] = np.isfinite(self.depth)
+        return image.reshape(self.height, self.width, 4)
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        low = self.origin - self.pixel / 2
+        return (low[0], low[0] + self.width * self.pixel, low[1], low[1] + self.height * self.pixel)
+
+
+def _default_spacing(foliation: Foliation, positions: Floats, triangles: Indices, stripes: int) -> float:
+    """So that about ``stripes`` leaves would cross the object where the foliation is as steep as on average."""
+    corners = positions[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+    size = np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))
+    return float(np.sqrt(foliation.energy / area) * size / stripes)
+
+
+def plot(
+    foliation: Foliation,
+    *,
+    ax: Axes | None = None,
+    view: ArrayLike | None = None,
+    spacing: float | None = None,
+    stripes: int = 60,
+    zeros: bool = True,
+    colour: Any = "#f4efe6",
+    stripe_colour: Any = "#b3202a",
+    zero_colour: Any = "#1f4fd8",
+) -> Axes:
+    """Draws the surface with stripes along the leaves, and its zeros; needs matplotlib.
+
+    Parameters
+    ----------
+    foliation : Foliation
+        On any level.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; default a new figure.
+    view : (3,) floats, optional
+        Direction from the object towards the viewer; default: where the
+        object is seen in its full width, from somewhat above.
+    spacing : float, optional
+        Distance of two stripes in the unit of the values; default from ``stripes``.
+    stripes : int
+        About how many stripes there are across the object.
+    zeros : bool
+        Whether to mark the zeros; the area of a mark grows with the order.
+    colour, stripe_colour, zero_colour
+        Colours of matplotlib.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Its ``figure`` can be saved or shown.
+    """
+    try:
+        import matplotlib.pyplot as plt
+        from matplotlib.collections import LineCollection
+    except ImportError as error:
+        raise ImportError("hmf.plot needs matplotlib: pip install 'hmf[plot]'") from error
+
+    level = foliation.hierarchy.levels[foliation.level]
+    frame = _frame(level.positions, view)
+    points = level.positions @ frame.T
+    picture = _Picture(points, level.triangles)
+    if ax is None:
+        ax = plt.figure(figsize=(9, 9 * picture.height / picture.width), layout="constrained").add_subplot()
+    ax.imshow(picture.colours(colour), extent=picture.extent, origin="lower", zorder=1)
+
+    if spacing is None:
+        spacing = _default_spacing(foliation, level.positions, level.triangles, stripes)
+    leaves = foliation.trace(spacing=spacing)
+    if len(leaves):
+        path = leaves.points @ frame.T
+        # Each point with the next one of its leaf; all leaves of level sets are closed.
+        following = np.arange(1, len(path) + 1)
+        following[leaves.offsets[1:].astype(np.int64) - 1] = leaves.offsets[:-1]
+        shown = picture.visible((path + path[following]) / 2)
+        segments = np.stack([path[shown, :2], path[following[shown], :2]], axis=1)
+        ax.add_collection(
+            LineCollection(list(segments), colors=[stripe_colour], linewidths=1.1, capstyle="round", zorder=2)
+        )
+    if zeros:
+        marks = [zero for zero in foliation.singularities() if zero.index < 0]
+        places = np.array(
+            [
+                points[level.triangles[zero.element]].mean(axis=0) if zero.kind == "triangle" else points[zero.element]
+                for zero in marks
+            ]
+        ).reshape(-1, 3)
+        shown = picture.visible(places)
+        sizes = np.array([-40.0 * zero.index for zero in marks])
+        ax.scatter(places[shown, 0], places[shown, 1], s=sizes[shown], color=zero_colour, edgecolors="white", zorder=3)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return ax
