@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pickle
 import warnings
+from typing import get_args
 
 import hmf
+import hmf.hierarchy
 import numpy as np
 import pytest
 from hmf import sample
@@ -161,6 +163,13 @@ def test_loops(hierarchy: hmf.Hierarchy) -> None:
         hmf.Loops([[0, 1, 2]], kind="edges")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="must be one of"):
         hierarchy.loops("knot")  # type: ignore[arg-type]
+
+
+def test_each_kind_of_loops(hierarchy: hmf.Hierarchy) -> None:
+    for kind in get_args(hmf.hierarchy.LoopsKind):
+        loops = hierarchy.loops(kind)
+        assert len(loops) >= hierarchy.genus
+        check_harmonic(hierarchy.solve(loops))
 
 
 def test_paths_of_vertices(hierarchy: hmf.Hierarchy) -> None:
