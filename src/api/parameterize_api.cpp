@@ -34,7 +34,7 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
         if (found.max <= tolerance) return HMF_OK;
         uint32_t above = 0;
         for (uint32_t v = 0; v < n; ++v) above += residual[v] > tolerance;
-        if (above > 8 + n / 200) break;
+        if (above > 16 + n / 20) break;
         SweepResult moved;
         for (uint32_t v = 0; v < n; ++v) {
             if (!(residual[v] > tolerance)) continue;
