@@ -44,7 +44,7 @@ void Memory::give(void* block, size_t bytes) {
     release_(user_, block, bytes);
 }
 
-Arena::~Arena() {
+void Arena::clear() {
     while (blocks_) {
         Block* block = blocks_;
         blocks_ = block->next;

@@ -110,11 +110,12 @@ private:
     Memory* memory_ = nullptr;
 };
 
-// Blocks that live as long as a hierarchy and are freed together.
+// Blocks that are freed together: those of a hierarchy, or of a stage.
 class Arena {
 public:
     explicit Arena(Memory& memory) : memory_(memory) {}
-    ~Arena();
+    ~Arena() { clear(); }
+    void clear();
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
 

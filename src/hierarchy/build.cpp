@@ -8,7 +8,9 @@
 //   5  make the input intrinsically Delaunay                (mesh/intrinsic.cpp)
 //
 // The levels are made by the reversal that interpolation uses, so they cannot
-// disagree with it, and nothing but positions must be kept during step 2.
+// disagree with it; step 2 keeps nothing but their positions and weights.  It
+// works on a mesh that is dense after each level, so a coarse level fits into
+// the caches.
 #include "hierarchy.hpp"
 
 #include "../mesh/intrinsic.hpp"
@@ -65,18 +67,17 @@ void copy_prefix(const Mesh& from, const Mesh& to) {
 class Builder {
 public:
     Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call)
-        : h_(h), positions_(positions), stride_(stride), options_(options), call_(call) {}
+        : h_(h), positions_(positions), stride_(stride), options_(options), call_(call), scratch_(h.memory) {}
 
     hmf_status run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
 
 private:
     hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
     hmf_status coarsen();
-    bool keep_positions(Level& level);
+    hmf_status keep_geometry(Level& level, double fraction);
     hmf_status number();
-    void fill_coarsest(const Mesh& to) const;
     hmf_status replay();
-    bool order_positions();
+    bool input_positions();
     hmf_status make_delaunay();
 
     hmf_hierarchy& h_;
@@ -89,7 +90,8 @@ private:
     WorkMesh work_;
     Array<Level> levels_;
     Array<uint32_t> flips_;
-    Numbering numbers_; // spatial -> by level
+    Arena scratch_;              // of the numberings
+    Array<Numbering> numberings_; // of all levels but the coarsest: level k -> k + 1 first, then to the final numbers
     size_t collapse_count_ = 0;
 };
 
@@ -123,19 +125,20 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
 
-bool Builder::keep_positions(Level& level) {
-    level.position = h_.arena.take<double>(size_t{3} * work_.vertices.size());
-    if (!level.position) return false;
-    double* to = level.position;
-    for (const uint32_t v : work_.vertices)
-        for (int c = 0; c < 3; ++c) *to++ = work_.at(v)[c] / scale_;
-    return true;
+// Positions and weights of the level that the working mesh is, in its numbers.
+hmf_status Builder::keep_geometry(Level& level, double fraction) {
+    const size_t coordinates = size_t{3} * level.mesh.vertex_count;
+    if (!(level.position = h_.arena.take<double>(coordinates)) || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
+        return call_.out_of_memory();
+    for (size_t n = 0; n < coordinates; ++n) level.position[n] = work_.position[n] / scale_;
+    return coarse_weights(work_.mesh, work_.position.data(), level.weight, level.raised_count, call_, fraction);
 }
 
 hmf_status Builder::coarsen() {
     const Schedule schedule(options_, h_.genus);
     levels_.start(h_.memory);
     flips_.start(h_.memory);
+    numberings_.start(h_.memory);
     Level level;
     level.mesh.vertex_count = vertex_count_;
     level.mesh.edge_count = edge_count_;
@@ -156,6 +159,12 @@ hmf_status Builder::coarsen() {
         if (status) return status;
         finer.collapse_end = collapse_count_;
         if (work_.mesh.edge_count == edges_before) break;
+        Numbering numbering;
+        if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end)) || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
+            || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
+            return call_.out_of_memory();
+        number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering);
+        compact(work_, numbering);
         finer.flip_begin = flips_.size();
         status = delaunay_flips(work_, flips_, call_, 0.5 * (from + to));
         if (status) return status;
@@ -164,55 +173,63 @@ hmf_status Builder::coarsen() {
         level.mesh.vertex_count = work_.mesh.vertex_count;
         level.mesh.edge_count = work_.mesh.edge_count;
         level.mesh.face_count = work_.mesh.face_count;
-        if (!keep_positions(level) || !levels_.push(level)) return call_.out_of_memory();
+        status = keep_geometry(level, to);
+        if (status) return status;
+        if (!levels_.push(level)) return call_.out_of_memory();
         if (work_.mesh.edge_count > target + 3 && work_.mesh.vertex_count > minimum) break; // stuck
     }
+    // The coarsest level has its final numbers.
+    Mesh& coarsest = levels_.size() > 1 ? levels_.back().mesh : h_.input;
+    if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest)) return call_.out_of_memory();
+    copy_prefix(work_.mesh, coarsest);
+    work_ = WorkMesh();
     return HMF_OK;
 }
 
+// From the numbers of each level to the final ones, from coarse to fine.
 hmf_status Builder::number() {
-    work_.position.release();
-    work_.link.release();
-    work_.quadrics.release();
     h_.level_count = levels_.size();
     if (!(h_.levels = h_.arena.take<Level>(levels_.size())) || !(h_.flips = h_.arena.take<uint32_t>(flips_.size()))) return call_.out_of_memory();
     for (size_t k = 0; k < levels_.size(); ++k) h_.levels[k] = levels_[k];
     if (!flips_.empty()) std::memcpy(h_.flips, flips_.data(), flips_.size() * sizeof(uint32_t));
-    const size_t flip_count = flips_.size();
     flips_.release();
-    const hmf_status status = number_by_level(h_.levels, h_.level_count, h_.collapses, numbers_, call_);
-    if (status) return status;
-    renumber_log(h_.collapses, collapse_count_, h_.flips, flip_count, numbers_);
-    for (uint32_t e = 0; e < edge_count_; ++e) h_.edge_internal[e] = numbers_.edge[h_.edge_internal[e]];
-    for (uint32_t v = 0; v < vertex_count_; ++v) h_.vertex_internal[v] = numbers_.vertex[h_.vertex_internal[v]];
+    if (h_.level_count == 1) return HMF_OK;
+    Array<double> copy;
+    if (!copy.allocate(h_.memory, h_.levels[1].mesh.edge_count)) return call_.out_of_memory(); // positions need no more
+    for (size_t k = h_.level_count - 1; k-- > 0;) {
+        const Level& level = h_.levels[k];
+        const Numbering& numbers = numberings_[k];
+        const size_t vertices = level.mesh.vertex_count, edges = level.mesh.edge_count;
+        if (k + 1 < numberings_.size()) {
+            // Flips come after the collapses, in the numbers of the coarser level.
+            const Numbering& coarser = numberings_[k + 1];
+            compose(level, numbers, h_.levels[k + 1], coarser);
+            for (size_t n = level.flip_begin; n < level.flip_end; ++n) h_.flips[n] = coarser.edge[h_.flips[n]];
+        }
+        if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
+        renumber_collapses(h_.collapses + level.collapse_begin, level.collapse_end - level.collapse_begin, numbers);
+        if (k == 0) break;
+        if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
+        std::memcpy(copy.data(), level.position, 3 * vertices * sizeof(double));
+        for (size_t v = 0; v < vertices; ++v)
+            for (size_t c = 0; c < 3; ++c) level.position[3 * size_t{numbers.vertex[v]} + c] = copy[3 * v + c];
+        std::memcpy(copy.data(), level.weight, edges * sizeof(double));
+        for (size_t e = 0; e < edges; ++e) level.weight[numbers.edge[e]] = copy[e];
+    }
+    const Numbering& finest = numberings_[0];
+    for (uint32_t e = 0; e < edge_count_; ++e) h_.edge_internal[e] = finest.edge[h_.edge_internal[e]];
+    for (uint32_t v = 0; v < vertex_count_; ++v) h_.vertex_internal[v] = finest.vertex[h_.vertex_internal[v]];
     return call_.tick(0.65) ? HMF_OK : HMF_CANCELLED;
 }
 
-void Builder::fill_coarsest(const Mesh& to) const {
-    const Mesh& from = work_.mesh;
-    for (const uint32_t e : work_.edges)
-        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
-            const uint32_t n = renumbered_side(numbers_.edge, h);
-            to.origin[n] = numbers_.vertex[from.origin[h]];
-            to.next[n] = renumbered_side(numbers_.edge, from.next[h]);
-            to.face[n] = numbers_.face[from.face[h]];
-        }
-    for (const uint32_t v : work_.vertices) to.out[numbers_.vertex[v]] = renumbered_side(numbers_.edge, from.out[v]);
-}
-
 hmf_status Builder::replay() {
+    scratch_.clear();
     const size_t last = h_.level_count - 1;
     Mesh& mesh = h_.input;
-    Level& coarsest = h_.levels[last];
     if (last > 0) {
-        if (!take_mesh(h_.arena, coarsest.mesh.vertex_count, coarsest.mesh.edge_count, coarsest.mesh.face_count, coarsest.mesh))
-            return call_.out_of_memory();
-        fill_coarsest(coarsest.mesh);
-        work_ = WorkMesh();
+        if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, mesh)) return call_.out_of_memory();
+        copy_prefix(h_.levels[last].mesh, mesh);
     }
-    if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, mesh)) return call_.out_of_memory();
-    if (last == 0) fill_coarsest(mesh);
-    else copy_prefix(coarsest.mesh, mesh);
     for (size_t k = last; k > 0; --k) {
         Level& level = h_.levels[k];
         const Level& finer = h_.levels[k - 1];
@@ -230,40 +247,10 @@ hmf_status Builder::replay() {
             split(mesh, h_.collapses[n]);
         }
     }
-    if (!order_positions()) return call_.out_of_memory();
-    for (size_t k = last; k > 0; --k) {
-        Level& level = h_.levels[k];
-        if (!(level.weight = h_.arena.take<double>(level.mesh.edge_count))) return call_.out_of_memory();
-        constexpr uint32_t step = 65536;
-        for (uint32_t e = 0; e < level.mesh.edge_count; e += step) {
-            if (!call_.tick(0.85 + 0.05 * e / edge_count_)) return HMF_CANCELLED;
-            const uint32_t end = level.mesh.edge_count - e < step ? level.mesh.edge_count : e + step;
-            level.raised_count += coarse_weights(level.mesh, level.position, e, end, level.weight);
-        }
-    }
-    return HMF_OK;
+    return input_positions() ? HMF_OK : call_.out_of_memory();
 }
 
-// Kept positions are in spatial order: put them at their final numbers.
-bool Builder::order_positions() {
-    if (h_.level_count > 1) {
-        Array<uint32_t> list; // final numbers of the vertices of a level, in spatial order
-        Array<double> copy;
-        const size_t largest = h_.levels[1].mesh.vertex_count;
-        if (!list.allocate(h_.memory, vertex_count_) || !copy.allocate(h_.memory, 3 * largest)) return false;
-        std::memcpy(list.data(), numbers_.vertex.data(), vertex_count_ * sizeof(uint32_t));
-        size_t count = vertex_count_;
-        for (size_t k = 1; k < h_.level_count; ++k) {
-            const Level& level = h_.levels[k];
-            size_t kept = 0;
-            for (size_t n = 0; n < count; ++n)
-                if (list[n] < level.mesh.vertex_count) list[kept++] = list[n];
-            count = kept;
-            std::memcpy(copy.data(), level.position, 3 * count * sizeof(double));
-            for (size_t n = 0; n < count; ++n)
-                for (size_t c = 0; c < 3; ++c) level.position[3 * size_t{list[n]} + c] = copy[3 * n + c];
-        }
-    }
+bool Builder::input_positions() {
     double* position = h_.arena.take<double>(size_t{3} * vertex_count_);
     if (!position) return false;
     for (size_t v = 0; v < vertex_count_; ++v)
@@ -275,10 +262,16 @@ bool Builder::order_positions() {
 hmf_status Builder::make_delaunay() {
     Level& level = h_.levels[0];
     Metric metric;
-    if (!measure(h_.input, level.position, h_.memory, metric)) return call_.out_of_memory();
+    if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
+    double* sum = level.weight; // of cotangents, until they are weights
     level.mesh = h_.input;
-    if (!call_.tick(0.9)) return HMF_CANCELLED;
-    if (!is_delaunay(h_.input, metric)) {
+    const auto measure_input = [&](double fraction) {
+        if (!measure(h_.input, level.position, scale_, h_.memory, metric)) return call_.out_of_memory();
+        return cotangent_sums(h_.input, metric, sum, call_, fraction);
+    };
+    hmf_status status = measure_input(0.9);
+    if (status) return status;
+    if (!is_delaunay(h_.input, sum)) {
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
         copy_prefix(h_.input, level.mesh);
         // A log that grows would need three times its room.  Few flips fit into
@@ -286,7 +279,7 @@ hmf_status Builder::make_delaunay() {
         Array<uint32_t> log;
         if (!log.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
         size_t& count = h_.intrinsic_flip_count;
-        hmf_status status = intrinsic_delaunay(level.mesh, metric, log.data(), log.size(), count, call_, 0.91, 0.94);
+        status = intrinsic_delaunay(level.mesh, metric, sum, log.data(), log.size(), count, call_, 0.91, 0.94);
         if (status) return status;
         if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(count))) return call_.out_of_memory();
         if (count <= log.size()) {
@@ -294,13 +287,12 @@ hmf_status Builder::make_delaunay() {
         } else {
             const size_t capacity = count;
             copy_prefix(h_.input, level.mesh);
-            if (!measure(h_.input, level.position, h_.memory, metric)) return call_.out_of_memory();
-            status = intrinsic_delaunay(level.mesh, metric, h_.intrinsic_flips, capacity, count, call_, 0.94, 0.97);
+            status = measure_input(0.94);
+            if (!status) status = intrinsic_delaunay(level.mesh, metric, sum, h_.intrinsic_flips, capacity, count, call_, 0.95, 0.98);
             if (status) return status;
         }
     }
-    if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
-    level.raised_count = intrinsic_weights(level.mesh, metric, level.weight);
+    level.raised_count = intrinsic_weights(level.mesh, level.weight);
     return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
 }
 
@@ -309,8 +301,6 @@ hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t t
     if (!status) status = coarsen();
     if (!status) status = number();
     if (!status) status = replay();
-    numbers_ = Numbering();
-    work_ = WorkMesh();
     if (!status) status = make_delaunay();
     return status;
 }
@@ -348,25 +338,24 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
     const uint64_t slack = 65536 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
-    const uint64_t kept_input = 24 * F, maps = 4 * E + 4 * V;
-    // Ordered triangles, and with them the sides by vertex or the faces and
-    // edges by the caller's numbers; before them the sort of the vertices.
-    const uint64_t ordering = kept_input + maps + 24 * V + 16 * V;
-    const uint64_t loading = kept_input + maps + 16 * F + 24 * F + 12 * V;
-    const uint64_t work = 32 * E + 45 * V + 4 * 65536 + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
+    const uint64_t input = 24 * F + 4 * V + 4 * E; // the caller's triangles and the maps
+    const uint64_t work = 28 * E + 33 * V + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
     const uint64_t log = sizeof(Collapse) * records;
-    // The log of flips grows by doubling: three times its length while it does.
     const uint64_t flips = 4 * COARSE_FLIPS_PER_EDGE * coarse;
-    const uint64_t coarsening = kept_input + maps + work + log + 3 * flips + 24 * coarse_vertices;
-    const uint64_t numbering = 6 * (V + E + F) + flips;
-    const uint64_t levels = 32 * coarse + 28 * coarse_vertices;
-    const uint64_t mesh = 24 * E + 4 * V;
-    const uint64_t replaying = kept_input + maps + log + flips + levels + 4 * (V + E + F) + mesh + 8 * E + 28 * V
-                               + (coarse ? 24 * V : mesh + 4 * E + 12 * V);
-    const uint64_t finishing = kept_input + maps + log + flips + levels + 2 * mesh + 8 * E + 8 * F + 24 * V + 12 * E
-                               + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+    const uint64_t geometry = 8 * coarse + 24 * coarse_vertices; // weights and positions of the coarse levels
+    const uint64_t numberings = 8 * (E + coarse);                // V + F is E, but for the genus
+    const uint64_t mesh = 24 * E + 4 * V, coarse_meshes = 24 * coarse + 4 * coarse_vertices;
+    const uint64_t ordering = input + 40 * V; // positions, and the two lists of the sort
+    // Ordered triangles, third sides, marks, and one bucket, which may hold most
+    // sides and grows by doubling.
+    const uint64_t loading = input + work + 16 * F + 8 * F + 12 * V + 48 * F;
+    // The log of flips grows by doubling: three times its length while it does.
+    const uint64_t coarsening = input + work + log + 3 * flips + geometry + numberings + mesh;
+    const uint64_t numbering = input + log + 3 * flips + geometry + numberings + mesh + 8 * E;
+    const uint64_t replaying = input + log + flips + geometry + coarse_meshes + mesh + 24 * V;
+    const uint64_t finishing = replaying + 8 * E + mesh + 8 * E + 8 * F + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;
-    const uint64_t stages[4] = {loading + work, coarsening + numbering, replaying, finishing};
+    const uint64_t stages[4] = {loading, coarsening, numbering, finishing};
     for (const uint64_t stage : stages)
         if (stage > bound) bound = stage;
     return bound + slack;

@@ -18,6 +18,13 @@ namespace {
 constexpr double TOLERANCE = -1e-9;
 constexpr uint32_t NOT_WAITING = NONE - 1;
 
+// Is the angle at apex between a and b greater than 90 degrees?
+bool obtuse(const double* apex, const double* a, const double* b) {
+    double dot = 0;
+    for (int c = 0; c < 3; ++c) dot += (a[c] - apex[c]) * (b[c] - apex[c]);
+    return dot < 0;
+}
+
 bool neighbours(const WorkMesh& work, uint32_t k_out, uint32_t l) {
     uint32_t g = k_out;
     do {
@@ -31,8 +38,9 @@ bool flip_if_needed(WorkMesh& work, uint32_t edge) {
     Mesh& mesh = work.mesh;
     const uint32_t h = 2 * edge, t = twin(h), ki = mesh.prev(h), lj = mesh.prev(t);
     const uint32_t i = mesh.origin[h], j = mesh.origin[t], k = mesh.origin[ki], l = mesh.origin[lj];
-    const double *x_i = work.at(i), *x_j = work.at(j);
-    if (!(cotangent(work.at(k), x_i, x_j) + cotangent(work.at(l), x_j, x_i) < TOLERANCE)) return false;
+    const double *x_i = work.at(i), *x_j = work.at(j), *x_k = work.at(k), *x_l = work.at(l);
+    if (!obtuse(x_k, x_i, x_j) && !obtuse(x_l, x_i, x_j)) return false; // most edges
+    if (!(cotangent(x_k, x_i, x_j) + cotangent(x_l, x_j, x_i) < TOLERANCE)) return false;
     if (k == l || work.degree[i] <= 3 || work.degree[j] <= 3) return false;
     if (work.degree[k] < work.degree[l] ? neighbours(work, ki, l) : neighbours(work, lj, k)) return false;
     flip(mesh, edge);
@@ -47,10 +55,10 @@ bool flip_if_needed(WorkMesh& work, uint32_t edge) {
 
 hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, double fraction) {
     Mesh& mesh = work.mesh;
-    for (const uint32_t e : work.edges) work.link[e] = NOT_WAITING;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) work.link[e] = NOT_WAITING;
     uint64_t budget = COARSE_FLIPS_PER_EDGE * mesh.edge_count;
     uint32_t top = NONE, steps = 0;
-    for (const uint32_t first : work.edges) {
+    for (uint32_t first = 0; first < mesh.edge_count; ++first) {
         // Edges round a flipped one are looked at again, at once.
         uint32_t e = first;
         for (;;) {

@@ -10,41 +10,67 @@ namespace hmf {
 
 namespace {
 
-// level[x]: last level that has x -> new numbers, in place of nothing else.
-template <class Count>
-void assign(const Array<uint16_t>& level, const Level* levels, size_t level_count, Array<uint32_t>& next, Array<uint32_t>& number, Count count) {
-    for (size_t k = 0; k < level_count; ++k) next[k] = k + 1 < level_count ? count(levels[k + 1].mesh) : 0;
-    for (size_t x = 0; x < level.size(); ++x) number[x] = next[level[x]]++;
+// Survivors from 0, removed ones from kept; both keep their order.  Which is
+// which cannot be predicted, so there is no branch.
+template <class Removed>
+void number_elements(uint32_t end, uint32_t kept, uint32_t* number, Removed removed) {
+    uint32_t next[2] = {0, kept};
+    for (uint32_t x = 0; x < end; ++x) number[x] = next[removed(x)]++;
 }
+
+void compose_elements(uint32_t count, uint32_t kept, uint32_t* number, const uint32_t* coarser) {
+    for (uint32_t x = 0; x < count; ++x) {
+        const uint32_t here = number[x], stays = here < kept, there = coarser[stays ? here : 0];
+        number[x] = stays ? there : here;
+    }
+}
+
+uint32_t renumbered_side(const uint32_t* edge, uint32_t h) { return 2 * edge[edge_of(h)] + (h & 1u); }
 
 } // namespace
 
-hmf_status number_by_level(const Level* levels, size_t level_count, const Collapse* collapses, Numbering& out, Call& call) {
-    const Mesh& fine = levels[0].mesh;
-    const uint16_t coarsest = static_cast<uint16_t>(level_count - 1);
-    Array<uint16_t> vertex, edge, face;
-    Array<uint32_t> next;
-    if (!vertex.allocate_filled(call.memory, fine.vertex_count, coarsest) || !edge.allocate_filled(call.memory, fine.edge_count, coarsest)
-        || !face.allocate_filled(call.memory, fine.face_count, coarsest) || !next.allocate(call.memory, level_count)
-        || !out.vertex.allocate(call.memory, fine.vertex_count) || !out.edge.allocate(call.memory, fine.edge_count)
-        || !out.face.allocate(call.memory, fine.face_count))
-        return call.out_of_memory();
-    for (size_t k = 0; k < level_count; ++k)
-        for (size_t n = levels[k].collapse_begin; n < levels[k].collapse_end; ++n) {
-            const Collapse& c = collapses[n];
-            const uint16_t here = static_cast<uint16_t>(k);
-            vertex[c.vertex] = here;
-            edge[edge_of(c.h)] = edge[edge_of(c.jk)] = edge[edge_of(c.lj)] = here;
-            face[c.face_left] = face[c.face_right] = here;
-        }
-    assign(vertex, levels, level_count, next, out.vertex, [](const Mesh& m) { return m.vertex_count; });
-    assign(edge, levels, level_count, next, out.edge, [](const Mesh& m) { return m.edge_count; });
-    assign(face, levels, level_count, next, out.face, [](const Mesh& m) { return m.face_count; });
-    return HMF_OK;
+void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out) {
+    const Mesh& mesh = work.mesh;
+    number_elements(work.vertex_end, mesh.vertex_count, out.vertex, [&](uint32_t v) { return mesh.out[v] == NONE; });
+    number_elements(work.edge_end, mesh.edge_count, out.edge, [&](uint32_t e) { return work.removed(e); });
+    for (uint32_t f = 0; f < work.face_end; ++f) out.face[f] = 0;
+    for (size_t n = 0; n < record_count; ++n) out.face[records[n].face_left] = out.face[records[n].face_right] = NONE;
+    number_elements(work.face_end, mesh.face_count, out.face, [&](uint32_t f) { return out.face[f] == NONE; });
 }
 
-void renumber_log(Collapse* collapses, size_t collapse_count, uint32_t* flips, size_t flip_count, const Numbering& numbers) {
-    for (size_t n = 0; n < collapse_count; ++n) {
+void compact(WorkMesh& work, const Numbering& numbers) {
+    // In place: no number rises.
+    Mesh& mesh = work.mesh;
+    for (uint32_t e = 0; e < work.edge_end; ++e) {
+        if (work.removed(e)) continue;
+        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
+            const uint32_t to = renumbered_side(numbers.edge, h);
+            mesh.origin[to] = numbers.vertex[mesh.origin[h]];
+            mesh.next[to] = renumbered_side(numbers.edge, mesh.next[h]);
+            mesh.face[to] = numbers.face[mesh.face[h]];
+        }
+    }
+    for (uint32_t v = 0; v < work.vertex_end; ++v) {
+        if (mesh.out[v] == NONE) continue;
+        const uint32_t to = numbers.vertex[v];
+        mesh.out[to] = renumbered_side(numbers.edge, mesh.out[v]);
+        work.degree[to] = work.degree[v];
+        for (int c = 0; c < 3; ++c) work.at(to)[c] = work.at(v)[c];
+        if (!work.quadrics.empty()) work.quadrics[to] = work.quadrics[v];
+    }
+    work.vertex_end = mesh.vertex_count;
+    work.edge_end = mesh.edge_count;
+    work.face_end = mesh.face_count;
+}
+
+void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser) {
+    compose_elements(level.mesh.vertex_count, coarser_level.mesh.vertex_count, numbers.vertex, coarser.vertex);
+    compose_elements(level.mesh.edge_count, coarser_level.mesh.edge_count, numbers.edge, coarser.edge);
+    compose_elements(level.mesh.face_count, coarser_level.mesh.face_count, numbers.face, coarser.face);
+}
+
+void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers) {
+    for (size_t n = 0; n < count; ++n) {
         Collapse& c = collapses[n];
         uint32_t* const half_edges[5] = {&c.h, &c.jk, &c.lj, &c.ki, &c.il};
         for (uint32_t* h : half_edges) *h = renumbered_side(numbers.edge, *h);
@@ -52,7 +78,6 @@ void renumber_log(Collapse* collapses, size_t collapse_count, uint32_t* flips, s
         c.face_left = numbers.face[c.face_left];
         c.face_right = numbers.face[c.face_right];
     }
-    for (size_t n = 0; n < flip_count; ++n) flips[n] = numbers.edge[flips[n]];
 }
 
 } // namespace hmf

@@ -1,23 +1,27 @@
 // Numbers of vertices, edges and faces by level.
 #pragma once
 
-#include "../base/memory.hpp"
-#include "hierarchy.hpp"
+#include "simplify.hpp"
 
 namespace hmf {
 
+// Permutations of the numbers of one level.
 struct Numbering {
-    Array<uint32_t> vertex, edge, face; // old number -> new number
+    uint32_t *vertex = nullptr, *edge = nullptr, *face = nullptr; // old number -> new number
 };
 
-// Numbers by level: what is removed between level k and k + 1 gets the numbers
-// from the count of level k + 1 to that of level k, in ascending order of the
-// old number; what is left on the coarsest level comes first.
-hmf_status number_by_level(const Level* levels, size_t level_count, const Collapse* collapses, Numbering& out, Call& call);
+// Numbers that put what is left first and what was removed behind it, both in
+// the old order.  records: the collapses since the numbers were last changed.
+void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out);
 
-inline uint32_t renumbered_side(const Array<uint32_t>& edge, uint32_t h) { return 2 * edge[edge_of(h)] + (h & 1u); }
+// Drops what was removed and moves the rest to its new numbers.
+void compact(WorkMesh& work, const Numbering& numbers);
+
+// Follows what stays on the coarser level to its number there; from
+// number_level to the final numbers, if `coarser` has those.
+void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser);
 
 // Rewrites records into new numbers.
-void renumber_log(Collapse* collapses, size_t collapse_count, uint32_t* flips, size_t flip_count, const Numbering& numbers);
+void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers);
 
 } // namespace hmf

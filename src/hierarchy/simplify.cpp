@@ -134,25 +134,14 @@ void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_qua
     mesh.face_count -= 2;
 }
 
-void compact(WorkMesh& work) {
-    size_t n = 0;
-    for (const uint32_t e : work.edges)
-        if (!work.removed(e)) work.edges[n++] = e;
-    while (work.edges.size() > n) work.edges.pop();
-    n = 0;
-    for (const uint32_t v : work.vertices)
-        if (work.mesh.out[v] != NONE) work.vertices[n++] = v;
-    while (work.vertices.size() > n) work.vertices.pop();
-}
-
 } // namespace
 
 bool BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory, BUCKETS, NONE); }
 
 uint32_t BucketQueue::bucket(double cost) {
     uint64_t bits;
-    std::memcpy(&bits, &cost, sizeof bits); // ordered like the costs: exponent, then 2 bits of the mantissa
-    const uint64_t at = bits >> 50;
+    std::memcpy(&bits, &cost, sizeof bits); // ordered like the costs: exponent, then 1 bit of the mantissa
+    const uint64_t at = bits >> 51;
     return at < BUCKETS ? static_cast<uint32_t>(at) : BUCKETS - 1;
 }
 
@@ -171,14 +160,14 @@ bool WorkMesh::allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_cou
     const size_t sides = size_t{2} * edge_count;
     if (!origin.allocate(memory, sides) || !next.allocate(memory, sides) || !face.allocate(memory, sides)
         || !out.allocate(memory, vertex_count) || !degree.allocate_filled(memory, vertex_count, 0)
-        || !edges.allocate(memory, edge_count)
-        || !vertices.allocate(memory, vertex_count) || !link.allocate(memory, edge_count)
+        || !link.allocate(memory, edge_count)
         || !marks.allocate_filled(memory, vertex_count, 0) || !queue.allocate(memory)
         || (with_quadrics && !quadrics.allocate(memory, vertex_count)))
         return false;
     mesh = {vertex_count, edge_count, face_count, origin.data(), next.data(), face.data(), out.data()};
-    for (uint32_t e = 0; e < edge_count; ++e) edges[e] = e;
-    for (uint32_t v = 0; v < vertex_count; ++v) vertices[v] = v;
+    vertex_end = vertex_count;
+    edge_end = edge_count;
+    face_end = face_count;
     return true;
 }
 
@@ -223,10 +212,9 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
     while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum) {
         const uint32_t edges_at_round = mesh.edge_count;
         // Backwards: lists give the latest first, so each is taken in order.
-        for (size_t n = work.edges.size(); n-- > 0;) {
-            const uint32_t e = work.edges[n];
-            work.queue.put(e, BucketQueue::bucket(place(work, strategy, 2 * e).cost), work.link);
-            if (with_quadrics ? n % 8192 == 0 : n % 65536 == 0)
+        for (uint32_t e = work.edge_end; e-- > 0;) {
+            if (!work.removed(e)) work.queue.put(e, BucketQueue::bucket(place(work, strategy, 2 * e).cost), work.link);
+            if (with_quadrics ? e % 8192 == 0 : e % 65536 == 0)
                 if (!call.tick(from)) return HMF_CANCELLED;
         }
         while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum && !work.queue.empty()) {
@@ -249,7 +237,6 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
             apply(work, h, placement, with_quadrics, log[log_count++]);
         }
         work.queue.clear();
-        compact(work);
         if (mesh.edge_count == edges_at_round) {
             if (!strict) break;
             strict = false;

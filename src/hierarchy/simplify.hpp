@@ -1,5 +1,4 @@
-// Coarsening by edge collapses ([W] 4.1) on a mesh whose removed elements stay
-// in place: numbers do not change before the whole hierarchy is known.
+// Coarsening by edge collapses ([W] 4.1).
 #pragma once
 
 #include "../base/memory.hpp"
@@ -8,7 +7,7 @@
 
 namespace hmf {
 
-// Shortest edges first, roughly: one list per 1/4 octave of the cost.  An edge
+// Shortest edges first, roughly: one list per half octave of the cost.  An edge
 // is in one list at most; its cost is looked at again when it is taken.  Lists
 // this long follow the surface: with finer ones, each collapse is far from the
 // one before, and costs twice as much.
@@ -32,7 +31,7 @@ public:
     }
 
 private:
-    static constexpr uint32_t BUCKETS = 1u << 13;
+    static constexpr uint32_t BUCKETS = 1u << 12;
     Array<uint32_t> head_;
     uint32_t low_ = BUCKETS, high_ = 0;
 };
@@ -45,12 +44,13 @@ struct Quadric {
     double c;
 };
 
-// The mesh while it is coarsened.  A removed edge has face NONE.
+// The mesh while it is coarsened.  Inside a level, removed elements stay in
+// place: an edge has face NONE then, a vertex has out NONE.
 struct WorkMesh {
-    Mesh mesh; // counts: of what is left
+    Mesh mesh;                                       // counts: of what is left
+    uint32_t vertex_end = 0, edge_end = 0, face_end = 0; // numbers in use, with those of removed elements
     Array<uint32_t> origin, next, face, out, degree;
     Array<double> position;
-    Array<uint32_t> edges, vertices; // what is left, ascending
     Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips
     Array<uint8_t> marks;            // per vertex, zeros
     Array<Quadric> quadrics;         // per vertex, with HMF_COLLAPSE_QSLIM only
@@ -68,8 +68,8 @@ struct WorkMesh {
 void initial_quadrics(WorkMesh& work);
 
 // Collapses until at most edge_target edges are left or nothing more can be
-// collapsed, and drops what was removed from the lists.  Writes the records
-// to log and counts them; log has room for all vertices but vertex_minimum.
+// collapsed.  Writes the records to log and counts them; log has room for all
+// vertices but vertex_minimum.
 hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
                           size_t& log_count, Call& call, double from, double to);
 

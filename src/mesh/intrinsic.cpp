@@ -32,7 +32,10 @@ constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one fli
 constexpr uint32_t NOT_WAITING = NONE - 1;
 
 // b^2 + c^2 - a^2 without the cancellation of needles.
-double opposite_product(double a, double b, double c) { return b > c ? (b - a) * (b + a) + c * c : (c - a) * (c + a) + b * b; }
+double opposite_product(double a, double b, double c) {
+    const double high = b > c ? b : c, low = b > c ? c : b;
+    return (high - a) * (high + a) + low * low;
+}
 
 // An edge ij and its two triangles; areas are four areas.
 struct Quad {
@@ -54,9 +57,7 @@ struct Quad {
 
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
-bool needs_flip(const Mesh& mesh, const Metric& metric, uint32_t edge) {
-    return !one_triangle(mesh, edge) && Quad(mesh, metric, edge).cotangent_sum() < TOLERANCE;
-}
+bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) { return sum[edge] < TOLERANCE && !one_triangle(mesh, edge); }
 
 // The other diagonal and the areas at i and j; false if it would be no gain.
 bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
@@ -73,12 +74,10 @@ bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
 }
 
 // Flips if that is needed and possible.
-bool flip_if_needed(Mesh& mesh, Metric& metric, uint32_t edge) {
-    if (one_triangle(mesh, edge)) return false;
-    const Quad q(mesh, metric, edge);
-    if (!(q.cotangent_sum() < TOLERANCE)) return false;
+bool flip_if_needed(Mesh& mesh, Metric& metric, const double* sum, uint32_t edge) {
+    if (!needs_flip(mesh, sum, edge)) return false;
     double kl = 0, area_i = 0, area_j = 0;
-    if (!other_diagonal(q, kl, area_i, area_j)) return false;
+    if (!other_diagonal(Quad(mesh, metric, edge), kl, area_i, area_j)) return false;
     flip(mesh, edge); // its triangle on the left is then the one at i
     metric.length[edge] = kl;
     metric.four_areas[mesh.face[2 * edge]] = area_i;
@@ -86,53 +85,56 @@ bool flip_if_needed(Mesh& mesh, Metric& metric, uint32_t edge) {
     return true;
 }
 
-// A power of two that brings coordinates to a size whose squares are harmless,
-// so that the unit of the input has no influence.
-double metric_scale(const Mesh& mesh, const double* position) {
-    double largest = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double *a = position + size_t{3} * mesh.origin[2 * e], *b = position + size_t{3} * mesh.origin[2 * e + 1];
-        for (int c = 0; c < 3; ++c) {
-            const double d = a[c] < b[c] ? b[c] - a[c] : a[c] - b[c];
-            if (d > largest) largest = d;
-        }
-    }
-    double scale = 1;
-    for (int n = 0; n < 1000 && largest * scale > 1; ++n) scale *= 0.5;
-    for (int n = 0; n < 1000 && largest * scale < 0.5; ++n) scale *= 2;
-    return scale;
-}
-
 } // namespace
 
-bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric) {
+bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric) {
     if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
-    const double scale = metric_scale(mesh, position);
     const auto difference = [&](uint32_t h, double* d) {
         const double *a = position + size_t{3} * mesh.origin[h], *b = position + size_t{3} * mesh.target(h);
         for (int c = 0; c < 3; ++c) d[c] = scale * (b[c] - a[c]);
     };
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         double u[3];
-        difference(h, u);
-        if (!(h & 1)) metric.length[edge_of(h)] = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-        if (h > mesh.next[h] || h > mesh.prev(h)) continue;
-        double v[3];
-        difference(mesh.next[h], v);
-        const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-        metric.four_areas[mesh.face[h]] = 2 * std::sqrt(x * x + y * y + z * z);
+        difference(2 * e, u);
+        metric.length[e] = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
+    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t) {
+        double u[3], v[3];
+        difference(ij, u);
+        difference(jk, v);
+        const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        metric.four_areas[mesh.face[ij]] = 2 * std::sqrt(x * x + y * y + z * z);
+    });
     return true;
 }
 
-bool is_delaunay(const Mesh& mesh, const Metric& metric) {
+hmf_status cotangent_sums(const Mesh& mesh, const Metric& metric, double* sum, Call& call, double fraction) {
+    constexpr uint32_t step = 1u << 17; // half-edges
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) sum[e] = 0;
+    for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
+        if (!call.tick(fraction)) return HMF_CANCELLED;
+        const uint32_t size = left < step ? left : step;
+        for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
+            const double a = metric.length[edge_of(ij)], b = metric.length[edge_of(jk)], c = metric.length[edge_of(ki)];
+            const double area = metric.four_areas[mesh.face[ij]];
+            sum[edge_of(ij)] += opposite_product(a, b, c) / area;
+            sum[edge_of(jk)] += opposite_product(b, c, a) / area;
+            sum[edge_of(ki)] += opposite_product(c, a, b) / area;
+        });
+        begin += size;
+        left -= size;
+    }
+    return HMF_OK;
+}
+
+bool is_delaunay(const Mesh& mesh, const double* sum) {
     for (uint32_t e = 0; e < mesh.edge_count; ++e)
-        if (needs_flip(mesh, metric, e)) return false;
+        if (needs_flip(mesh, sum, e)) return false;
     return true;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
-                              double from, double to) {
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity, size_t& flip_count,
+                              Call& call, double from, double to) {
     Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
     if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
     uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
@@ -142,14 +144,16 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_
         uint32_t e = first;
         for (;;) {
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
-            if (budget > 0 && flip_if_needed(mesh, metric, e)) {
+            if (budget > 0 && flip_if_needed(mesh, metric, sum, e)) {
                 --budget;
                 if (flip_count < capacity) flips[flip_count] = e;
                 ++flip_count;
                 const uint32_t h = 2 * e, t = twin(h);
                 const uint32_t round[4] = {mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)};
+                sum[e] = Quad(mesh, metric, e).cotangent_sum();
                 for (const uint32_t side : round) {
                     const uint32_t other = edge_of(side);
+                    sum[other] = Quad(mesh, metric, other).cotangent_sum();
                     if (waiting[other] != NOT_WAITING) continue;
                     waiting[other] = top;
                     top = other;
@@ -164,12 +168,12 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_
     return HMF_OK;
 }
 
-uint64_t intrinsic_weights(const Mesh& mesh, const Metric& metric, double* weight) {
+uint64_t intrinsic_weights(const Mesh& mesh, double* sum) {
     uint64_t raised = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double w = 0.5 * Quad(mesh, metric, e).cotangent_sum();
+        const double w = 0.5 * sum[e];
         raised += w < FAILURE;
-        weight[e] = w < INTRINSIC_WEIGHT_FLOOR ? INTRINSIC_WEIGHT_FLOOR : w > INTRINSIC_WEIGHT_CAP ? INTRINSIC_WEIGHT_CAP : w;
+        sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR : w > INTRINSIC_WEIGHT_CAP ? INTRINSIC_WEIGHT_CAP : w;
     }
     return raised;
 }

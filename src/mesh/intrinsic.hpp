@@ -20,20 +20,24 @@ struct Metric {
     Array<double> four_areas; // per face
 };
 
-// The metric of the positions (3 per vertex).  false: out of memory.
-bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric);
+// The metric of the positions (3 per vertex), times scale: a power of two that
+// makes their squares harmless.  false: out of memory.
+bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric);
+
+// Fills sum with the cotangents of the two angles opposite to each edge, added.
+hmf_status cotangent_sums(const Mesh& mesh, const Metric& metric, double* sum, Call& call, double fraction);
 
 // Can every edge stay?
-bool is_delaunay(const Mesh& mesh, const Metric& metric);
+bool is_delaunay(const Mesh& mesh, const double* sum);
 
-// Flips until every edge is Delaunay, and counts.  Two vertices may get
-// several edges, a vertex edges to itself.  Writes the first `capacity` of the
-// flipped edges.  The same input gives the same sequence.
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, uint32_t* flips, size_t capacity, size_t& flip_count, Call& call,
-                              double from, double to);
+// Flips until every edge is Delaunay, and counts; metric and sum follow.  Two
+// vertices may get several edges, a vertex edges to itself.  Writes the first
+// `capacity` of the flipped edges.  The same input gives the same sequence.
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity, size_t& flip_count,
+                              Call& call, double from, double to);
 
-// Weights of the metric, raised to the floor and cut at the cap.  Returns the
-// number of weights that were negative beyond rounding.
-uint64_t intrinsic_weights(const Mesh& mesh, const Metric& metric, double* weight);
+// From sums of cotangents to weights, in place: raised to the floor and cut at
+// the cap.  Returns the number of weights that were negative beyond rounding.
+uint64_t intrinsic_weights(const Mesh& mesh, double* sum);
 
 } // namespace hmf

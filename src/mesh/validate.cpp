@@ -1,12 +1,14 @@
 // Input validation in linear time, without hashing.  The sides of the triangles
-// are sorted by their lower vertex (counting sort), and matched inside each
-// bucket with one mark per vertex:
+// go to the bucket of their lower vertex, and are matched there with one mark
+// per vertex:
 //
 //     bucket of u:   (u,v) (u,w) (v,u) (u,x) ...      two of each, in opposite
 //                      ^-----------^                  directions: an edge
 //
-// All passes run in spatial order, so that a bucket, its triangles and its
-// vertices are near in memory.
+// Triangles come in the order of their lowest vertex, which has two of the three
+// sides in its bucket; the third one waits for the bucket of its own lower
+// vertex, which comes later.  So one pass sees each bucket when it is complete,
+// and all that it touches is near in memory.
 #include "validate.hpp"
 
 namespace hmf {
@@ -51,46 +53,24 @@ struct Mark {
     uint32_t entry; // the side seen there; NONE: it has found its other side
 };
 
-// Areas, degrees, and the ends of the buckets.
-hmf_status count_sides(const OrderedTriangles& ordered, const Array<double>& position, const Origin& origin,
-                       Array<uint32_t>& bucket, Array<uint32_t>& degree, Call& call) {
-    uint32_t flat = NONE;
-    for (size_t n = 0; n < ordered.words.size(); n += 4) {
-        if (n % TICK == 0 && !call.tick(0.04 + 0.01 * static_cast<double>(n) / static_cast<double>(ordered.words.size()))) return HMF_CANCELLED;
-        const uint32_t* v = &ordered.words[n];
-        for (int s = 0; s < 3; ++s) {
-            const uint32_t a = v[s], b = v[s == 2 ? 0 : s + 1];
-            ++bucket[a < b ? a : b];
-            ++degree[a];
-        }
-        if (!has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
-    }
-    if (flat != NONE) {
-        const uint32_t* corner = origin.triangles + size_t{3} * flat;
-        return call.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, flat,
-                         "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or flip its longest.",
-                         flat, corner[0], corner[1], corner[2]);
-    }
-    uint32_t total = 0;
-    for (uint32_t& end : bucket) {
-        total += end;
-        end = total;
-    }
-    return HMF_OK;
-}
+// The third side of a triangle, in the list of its bucket.
+struct Later {
+    uint32_t high;
+    uint32_t next; // place of the next third side, or NONE
+};
 
-// Messages about one bucket; its sides still have their corners.
+// Messages about one triangle or bucket.
 class Report {
 public:
-    Report(const OrderedTriangles& ordered, const Origin& origin, const Side* begin, const Side* end, Call& call)
-        : ordered_(ordered), origin_(origin), begin_(begin), end_(end), call_(call) {}
+    Report(const OrderedTriangles& ordered, const Origin& origin, const Array<Side>& bucket, Call& call)
+        : ordered_(ordered), origin_(origin), bucket_(bucket), call_(call) {}
 
     // The third triangle at the edge, by the caller's numbers.
     hmf_status third(uint32_t high) const {
         const Side* lowest[3] = {nullptr, nullptr, nullptr};
-        for (const Side* side = begin_; side < end_; ++side) {
-            if (side->high != high) continue;
-            const Side* here = side;
+        for (const Side& side : bucket_) {
+            if (side.high != high) continue;
+            const Side* here = &side;
             for (const Side*& place : lowest)
                 if (here && (!place || number(*here) < number(*place))) {
                     const Side* moved = place;
@@ -101,6 +81,12 @@ public:
         return call_.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(*lowest[2]),
                           "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
                           "duplicate the vertices to separate the sheets.", number(*lowest[2]), from(*lowest[2]), to(*lowest[2]));
+    }
+    hmf_status flat(uint32_t triangle) const {
+        const uint32_t* corner = origin_.triangles + size_t{3} * triangle;
+        return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, triangle,
+                          "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or flip its longest.",
+                          triangle, corner[0], corner[1], corner[2]);
     }
     hmf_status alone(const Side& side) const {
         return call_.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
@@ -120,7 +106,7 @@ private:
 
     const OrderedTriangles& ordered_;
     const Origin& origin_;
-    const Side *begin_, *end_;
+    const Array<Side>& bucket_;
     Call& call_;
 };
 
@@ -148,33 +134,48 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
                           Array<uint32_t>& degree, Call& call) {
     Array<uint32_t>& words = ordered.words;
     const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(words.size());
-    Array<uint32_t> bucket; // ends first, begins after the sort
-    Array<Side> sides;
+    Array<uint32_t> waiting; // per vertex: third sides of its bucket
+    Array<Later> later;      // per face
     Array<Mark> marks;
-    if (!bucket.allocate_filled(call.memory, size_t{vertex_count} + 1, 0) || !sides.allocate(call.memory, size_t{3} * (places / 4))
+    Array<Side> bucket;
+    if (!waiting.allocate_filled(call.memory, vertex_count, NONE) || !later.allocate(call.memory, places / 4)
         || !marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE}))
         return call.out_of_memory();
-    if (count_sides(ordered, position, origin, bucket, degree, call)) return call.cancelled() ? HMF_CANCELLED : call.status();
-    for (uint32_t place = 0; place < places; ++place) {
-        if (place % TICK == 0 && !call.tick(0.05 + 0.01 * place / places)) return HMF_CANCELLED;
-        if (place % 4 == 3) continue;
-        const uint32_t a = words[place], b = words[side_after(place)];
-        sides[--bucket[a < b ? a : b]] = {a < b ? b : a, place};
+    bucket.start(call.memory);
+    const Report report(ordered, origin, bucket, call);
+    uint32_t flat = NONE; // the first triangle without area, by the caller's numbers
+    for (uint32_t place = 0; place < places; place += 4) {
+        if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
+        const uint32_t* v = &words[place];
+        for (int s = 0; s < 3; ++s) ++degree[v[s]];
+        if (!has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
     }
-    uint32_t edges = 0;
+    if (flat != NONE) return report.flat(flat);
+    uint32_t edges = 0, place = 0;
     for (uint32_t low = 0; low < vertex_count; ++low) {
         if (low % TICK == 0 && !call.tick(0.06 + 0.03 * low / vertex_count)) return HMF_CANCELLED;
-        const uint32_t begin = bucket[low], end = bucket[low + 1];
-        const Report report(ordered, origin, sides.begin() + begin, sides.begin() + end, call);
+        bucket.clear();
+        for (; place < places; place += 4) {
+            const uint32_t a = words[place], b = words[place + 1], c = words[place + 2];
+            if (a != low && b != low && c != low) break;
+            const uint32_t s = a == low ? 0 : b == low ? 1 : 2; // the corner that is lowest
+            const uint32_t next = side_after(place + s), last = side_after(next), v = words[next], w = words[last];
+            if (!bucket.push({v, place + s}) || !bucket.push({w, last})) return call.out_of_memory();
+            const uint32_t lower = v < w ? v : w;
+            later[place / 4] = {v < w ? w : v, waiting[lower]};
+            waiting[lower] = next;
+        }
+        for (uint32_t third = waiting[low]; third != NONE; third = later[third / 4].next)
+            if (!bucket.push({later[third / 4].high, third})) return call.out_of_memory();
         uint32_t matched = 0, turned[2] = {NONE, NONE};
-        for (uint32_t n = begin; n < end; ++n) {
-            Mark& mark = marks[sides[n].high];
+        for (uint32_t n = 0; n < bucket.size(); ++n) {
+            Mark& mark = marks[bucket[n].high];
             if (mark.low != low) {
                 mark = {low, n};
                 continue;
             }
-            if (mark.entry == NONE) return report.third(sides[n].high);
-            const uint32_t first = sides[mark.entry].place, second = sides[n].place;
+            if (mark.entry == NONE) return report.third(bucket[n].high);
+            const uint32_t first = bucket[mark.entry].place, second = bucket[n].place;
             if (words[first] == words[second]) {
                 turned[0] = mark.entry;
                 turned[1] = n;
@@ -187,10 +188,10 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
             mark.entry = NONE;
             matched += 2;
         }
-        if (matched < end - begin)
-            for (uint32_t n = begin; n < end; ++n)
-                if (marks[sides[n].high].entry == n) return report.alone(sides[n]);
-        if (turned[0] != NONE) return report.turned(sides[turned[0]], sides[turned[1]]);
+        if (matched < bucket.size())
+            for (uint32_t n = 0; n < bucket.size(); ++n)
+                if (marks[bucket[n].high].entry == n) return report.alone(bucket[n]);
+        if (turned[0] != NONE) return report.turned(bucket[turned[0]], bucket[turned[1]]);
     }
     for (uint32_t face = 0; face < places / 4; ++face) {
         if (face % TICK == 0 && !call.tick(0.09 + 0.08 * face / places)) return HMF_CANCELLED;

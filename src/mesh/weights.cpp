@@ -47,18 +47,44 @@ double cotangent(const double* apex, const double* a, const double* b) {
     return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot;
 }
 
-uint64_t coarse_weights(const Mesh& mesh, const double* position, uint32_t begin, uint32_t end, double* weight) {
-    uint64_t raised = 0;
-    for (uint32_t e = begin; e < end; ++e) {
-        const uint32_t h = 2 * e, t = twin(h);
-        const double* i = position + size_t{3} * mesh.origin[h];
-        const double* j = position + size_t{3} * mesh.origin[t];
-        const double w = 0.5 * (cotangent(position + size_t{3} * mesh.origin[mesh.prev(h)], i, j)
-                                + cotangent(position + size_t{3} * mesh.origin[mesh.prev(t)], j, i));
-        raised += w < 0;
-        weight[e] = w < COARSE_WEIGHT_FLOOR ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
+hmf_status coarse_weights(const Mesh& mesh, const double* position, double* weight, uint64_t& raised, Call& call, double fraction) {
+    constexpr uint32_t step = 1u << 17; // half-edges
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) weight[e] = 0;
+    const auto add = [weight](uint32_t h, double cotangent) { // half of it, as far as it is bounded
+        weight[edge_of(h)] += cotangent > MAX_COTANGENT ? 0.5 * MAX_COTANGENT : cotangent < -MAX_COTANGENT ? -0.5 * MAX_COTANGENT : 0.5 * cotangent;
+    };
+    for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
+        if (!call.tick(fraction)) return HMF_CANCELLED;
+        const uint32_t size = left < step ? left : step;
+        for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
+            // One area serves the three angles.
+            const double* i = position + size_t{3} * mesh.origin[ij];
+            const double* j = position + size_t{3} * mesh.origin[jk];
+            const double* k = position + size_t{3} * mesh.origin[ki];
+            double u[3], v[3], w[3];
+            for (int c = 0; c < 3; ++c) {
+                u[c] = j[c] - i[c];
+                v[c] = k[c] - i[c];
+                w[c] = k[c] - j[c];
+            }
+            const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+            const double area = std::sqrt(x * x + y * y + z * z); // of the parallelogram
+            if (!(area > 0)) return;
+            const double inverse = 1 / area;
+            add(jk, inverse * (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]));
+            add(ki, -inverse * (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]));
+            add(ij, inverse * (v[0] * w[0] + v[1] * w[1] + v[2] * w[2]));
+        });
+        begin += size;
+        left -= size;
     }
-    return raised;
+    raised = 0;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const double w = weight[e];
+        raised += w < 0;
+        weight[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
+    }
+    return HMF_OK;
 }
 
 } // namespace hmf

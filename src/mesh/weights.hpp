@@ -14,8 +14,31 @@ double cotangent(const double* apex, const double* a, const double* b);
 constexpr double COARSE_WEIGHT_FLOOR = 1e-3, COARSE_WEIGHT_CAP = 1e3;
 constexpr double INTRINSIC_WEIGHT_FLOOR = 1e-9, INTRINSIC_WEIGHT_CAP = 1e6;
 
-// Weights of the edges from begin to end - 1 of a coarse level, raised to the
-// floor and cut at the cap.  Returns the number of negative ones before that.
-uint64_t coarse_weights(const Mesh& mesh, const double* position, uint32_t begin, uint32_t end, double* weight);
+// Visits each face of the half-edges from begin to end - 1 once, by its lowest
+// half-edge.  Which ones those are cannot be predicted: they are listed first,
+// without a branch.
+template <class Visit>
+void for_each_face(const Mesh& mesh, uint32_t begin, uint32_t end, Visit visit) {
+    constexpr uint32_t block = 1024;
+    uint32_t lowest[block];
+    while (begin < end) {
+        const uint32_t stop = end - begin < block ? end : begin + block;
+        uint32_t count = 0;
+        for (uint32_t h = begin; h < stop; ++h) {
+            const uint32_t a = mesh.next[h], b = mesh.next[a];
+            lowest[count] = h;
+            count += (a > h) & (b > h);
+        }
+        for (uint32_t n = 0; n < count; ++n) {
+            const uint32_t h = lowest[n], a = mesh.next[h];
+            visit(h, a, mesh.next[a]);
+        }
+        begin = stop;
+    }
+}
+
+// Weights of a coarse level, raised to the floor and cut at the cap; the fourth
+// power of a coordinate must be harmless.  Counts the negative ones before that.
+hmf_status coarse_weights(const Mesh& mesh, const double* position, double* weight, uint64_t& raised, Call& call, double fraction);
 
 } // namespace hmf
