@@ -72,7 +72,7 @@ function busy(yes) {
 function solve() {
     busy(true);
     say('');
-    worker.postMessage({ type: 'solve', weights: weights() });
+    worker.postMessage({ type: 'solve', kind: element('kind').value, weights: weights() });
 }
 
 const weights = () => [...element('weights').querySelectorAll('input')].map(input => Number(input.value));
@@ -136,6 +136,7 @@ element('stop').addEventListener('click', () => {
     if (flag) Atomics.store(flag, 0, 2);
     else worker.postMessage({ type: 'stop', how: 'finish' });
 });
+element('kind').addEventListener('change', () => { if (opened) solve(); });
 element('shape').addEventListener('change', event => { if (event.target.value !== 'file') show(makeShape(event.target.value)); });
 
 // --- Canvas -----------------------------------------------------------------

@@ -3,7 +3,7 @@
 //
 // It takes
 //     { type: 'open', positions, triangles, flag }   flag: SharedArrayBuffer of 4 bytes, or undefined
-//     { type: 'solve', weights }                     one weight for each loop of the library
+//     { type: 'solve', kind, weights }               of loops of the library, and one weight for each
 //     { type: 'stop', how }                          'cancel' or 'finish'; only without a flag
 // and posts
 //     { type: 'progress', stage, fraction }
@@ -69,10 +69,10 @@ async function solveByLevels(loops) {
     return foliation;
 }
 
-async function solve({ weights }) {
+async function solve({ kind, weights }) {
     if (!hierarchy) throw new Error('Open a mesh first.');
     asked = '';
-    const loops = { ...hierarchy.loops(), weights };
+    const loops = { ...hierarchy.loops({ kind }), weights };
     const foliation = flag ? hierarchy.solve({ loops, progress: progress('solve') }) : await solveByLevels(loops);
     if (!foliation) return postMessage({ type: 'stopped' });
     // Carried up from a coarser level, it has no report of its own.

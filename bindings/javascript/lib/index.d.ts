@@ -7,8 +7,12 @@
  * synchronous: in a page, make them in a Worker (examples/worker.js).
  */
 
-/** Where hmf.wasm comes from: its address, its bytes, a compiled module, or a response of fetch. */
-export type Source = string | URL | ArrayBuffer | ArrayBufferView | WebAssembly.Module | Response;
+/**
+ * Where hmf.wasm comes from: its address (string or URL), its bytes, a compiled
+ * WebAssembly.Module, or a Response of fetch.  (Not by their names: projects for
+ * Node have no types of the browser.)
+ */
+export type Source = string | object;
 
 /**
  * Loads the library.  Without a source it takes the hmf.wasm of the package,

@@ -83,6 +83,9 @@ for (const kind of ['isolated', 'plain']) {
         await page.$eval('#weights input', input => { input.value = 3; input.dispatchEvent(new Event('input')); input.dispatchEvent(new Event('change')); });
         await page.waitForSelector('body[data-state=idle]');
         assert.ok(Number((await table(page)).energy) > Number(shown.energy));
+        await page.selectOption('#kind', 'tunnel');
+        await page.waitForSelector('body[data-state=idle]');
+        assert.notEqual((await table(page)).energy, shown.energy);
         assert.deepEqual(complaints, []);
         await page.close();
     });

@@ -5,7 +5,7 @@ import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "hm
 
 export async function stripes(positions: Float64Array, triangles: Uint32Array): Promise<Float64Array> {
     const hmf: Hmf = await load();
-    const bytes: Hmf = await load(fetch("hmf.wasm"));
+    const bytes: Hmf = await load(new Uint8Array(8));
     const hierarchy: Hierarchy = new hmf.Hierarchy(positions, triangles, { collapse: "qslim", ratio: 0.5, progress: fraction => void fraction });
     const loops: LoopSet = hierarchy.loops({ kind: "cut", level: 0 });
     const foliation: Foliation = hierarchy.solve({
@@ -25,6 +25,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     // @ts-expect-error: positions are doubles
     new hmf.Hierarchy(new Float32Array(3), triangles);
+    // @ts-expect-error: a number is no source
+    await load(7);
     // @ts-expect-error: no such option
     hierarchy.solve({ tolerances: 1 });
     // @ts-expect-error: no such method
