@@ -222,7 +222,7 @@ class Solve(Case):
         report = json.loads(self.read("r.json").decode())
         self.assertEqual(set(report), {
             "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
-            "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes", "leaves",
+            "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
             "dilatation_mean", "dilatation_median", "dilatation_p99", "flipped_triangles", "degenerate_triangles", "seam_edges", "seam_length",
             "parameterize_seconds"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1})

@@ -254,6 +254,86 @@ TEST_P(Leaves, LengthLimit) {
     }
 }
 
+// Heights are the weights, areas and fluxes add up to the energy, each cylinder
+// has its loop, and its leaf as a loop gives the same minimiser.
+TEST_P(Leaves, Cylinders) {
+    const hmf_loop_set set = loops.view();
+    size_t count = 0, total = 0;
+    hmf_error error{};
+    const std::vector<double>& F = solution.values;
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, nullptr, 0, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
+    ASSERT_EQ(count, sample.weights.size());
+    std::vector<hmf_cylinder> list(count);
+    Loops leaves;
+    leaves.offsets.resize(count + 1);
+    leaves.elements.resize(total);
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), count, leaves.offsets.data(), count + 1, leaves.elements.data(), total,
+                            &count, &total, &error), HMF_OK)
+        << error.message;
+    double flux = 0, area = 0;
+    std::set<uint32_t> used;
+    for (const hmf_cylinder& c : list) {
+        ASSERT_LT(c.loop, count);
+        used.insert(c.loop);
+        // Weights are rounded to 48 bits of the largest one.
+        EXPECT_NEAR(c.height, sample.weights[c.loop], 1e-14 * *std::max_element(sample.weights.begin(), sample.weights.end()));
+        if (sample.weights[c.loop] == 1) { EXPECT_EQ(c.height, 1.0); }
+        EXPECT_NEAR(c.area, c.height * c.circumference, 1e-9 * solution.report.energy);
+        EXPECT_DOUBLE_EQ(c.modulus, c.height / c.circumference);
+        flux += c.height * c.circumference;
+        area += c.area;
+        leaves.weights.push_back(sample.weights[c.loop]);
+    }
+    EXPECT_EQ(used.size(), count);
+    EXPECT_NEAR(flux, solution.report.energy, 1e-9 * solution.report.energy);
+    EXPECT_NEAR(area, solution.report.energy, 1e-9 * solution.report.energy);
+    const Solution again = solve(*hierarchy, &leaves, solve_options(HMF_METHOD_NEWTON, 1e-9));
+    ASSERT_LT(again.status, HMF_ERROR_NULL) << again.error.message;
+    EXPECT_NEAR(again.report.energy, solution.report.energy, 1e-9 * solution.report.energy);
+    // One leaf alone has the class of its loop alone.
+    for (size_t c = 0; count > 1 && c < count; ++c) {
+        Loops one, other;
+        one.add({leaves.elements.begin() + static_cast<long>(leaves.offsets[c]), leaves.elements.begin() + static_cast<long>(leaves.offsets[c + 1])});
+        const uint32_t l = list[c].loop;
+        other.level = loops.level;
+        other.add({loops.elements.begin() + static_cast<long>(loops.offsets[l]), loops.elements.begin() + static_cast<long>(loops.offsets[l + 1])});
+        const double a = solve(*hierarchy, &one, solve_options(HMF_METHOD_NEWTON, 1e-9)).report.energy;
+        const double b = solve(*hierarchy, &other, solve_options(HMF_METHOD_NEWTON, 1e-9)).report.energy;
+        EXPECT_NEAR(a, b, 1e-9 * a) << c;
+    }
+}
+
+TEST_P(Leaves, ForeignLoopsAreRefused) {
+    const size_t n = sample.weights.size();
+    std::vector<hmf_cylinder> list(n);
+    size_t count = 0, total = 0;
+    hmf_error error{};
+    const auto cylinders_of = [&](const Loops& given, const std::vector<double>& F) {
+        const hmf_loop_set set = given.view();
+        return hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), n, nullptr, 0, nullptr, 0, &count, &total, &error);
+    };
+    Loops other = loops;
+    other.weights[0] *= 1.5;
+    EXPECT_EQ(cylinders_of(other, solution.values), HMF_ERROR_VALUE_CLASS);
+    if (n > 1) {
+        Loops fewer;
+        fewer.level = loops.level;
+        fewer.add({loops.elements.begin(), loops.elements.begin() + static_cast<long>(loops.offsets[1])});
+        fewer.weights = {1};
+        EXPECT_EQ(cylinders_of(fewer, solution.values), HMF_ERROR_VALUE_CLASS);
+        other = loops;
+        std::swap(other.weights[0], other.weights[1]);
+        EXPECT_EQ(cylinders_of(other, solution.values), other.weights[0] == other.weights[1] ? HMF_OK : HMF_ERROR_VALUE_CLASS);
+    }
+    // Far from the minimum.
+    std::vector<double> initial(mesh.edge_count);
+    Loops fine = library_loops(*hierarchy, 0);
+    fine.weights = sample.weights;
+    const hmf_loop_set set = fine.view();
+    ASSERT_EQ(hmf_initialize(hierarchy->get(), &set, initial.data(), initial.size(), &error), HMF_OK) << error.message;
+    EXPECT_EQ(cylinders_of(fine, initial), HMF_ERROR_VALUE_NOT_HARMONIC);
+}
+
 INSTANTIATE_TEST_SUITE_P(Samples, Leaves, testing::Range(size_t{0}, samples().size()));
 
 } // namespace

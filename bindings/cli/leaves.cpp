@@ -47,4 +47,14 @@ size_t write_leaves(const std::string& path, const hmf_hierarchy* hierarchy, con
     return line_count;
 }
 
+std::vector<hmf_cylinder> find_cylinders(const hmf_hierarchy* hierarchy, const Foliation& foliation, const hmf_loop_set& loops, const std::string& mesh_name) {
+    std::vector<hmf_cylinder> list(loops.count);
+    size_t count = 0, triangles = 0;
+    hmf_error error{};
+    const hmf_status status = hmf_cylinders(hierarchy, 0, foliation.values.data(), foliation.values.size(), &loops, list.data(), list.size(), nullptr, 0, nullptr, 0,
+                                            &count, &triangles, &error);
+    if (status != HMF_OK) fail_with(status, error, mesh_name);
+    return list;
+}
+
 } // namespace cli

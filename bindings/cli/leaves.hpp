@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "../../include/hmf/hmf.h"
 #include "potential.hpp"
@@ -12,5 +13,8 @@ namespace cli {
 // critical leaves, as OBJ with one `l` element each, in groups cylinder_K and
 // critical.  Returns the number of lines; throws Failure.
 size_t write_leaves(const std::string& path, const hmf_hierarchy* hierarchy, const Foliation& foliation, double spacing, const std::string& mesh_name);
+
+// The cylinders of a converged result, each with its loop.
+std::vector<hmf_cylinder> find_cylinders(const hmf_hierarchy* hierarchy, const Foliation& foliation, const hmf_loop_set& loops, const std::string& mesh_name);
 
 } // namespace cli

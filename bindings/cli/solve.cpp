@@ -288,6 +288,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
+    if (!request.leaves.empty() && status == HMF_OK) summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
     if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, name);
     const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
     // Asked for, or for the report, which tells how conformal the result is.

@@ -69,8 +69,7 @@ void write_report(const std::string& path, const Summary& summary) {
         {"bad_flips", r.bad_flips},
         {"bad_flips_left", r.bad_flips_left},
         {"converged", r.converged != 0},
-        {"peak_memory_bytes", summary.peak_memory_bytes},
-        {"leaves", summary.leaves}};
+        {"peak_memory_bytes", summary.peak_memory_bytes}};
     if (summary.parameterized) {
         const hmf_parameterization& p = summary.parameterization;
         report["dilatation_mean"] = p.dilatation_mean;
@@ -82,6 +81,12 @@ void write_report(const std::string& path, const Summary& summary) {
         report["seam_edges"] = p.seam_edge_count;
         report["seam_length"] = p.seam_length;
         report["parameterize_seconds"] = p.seconds;
+    }
+    if (summary.leaves > 0) {
+        report["leaves"] = summary.leaves;
+        report["cylinders"] = nlohmann::ordered_json::array();
+        for (const hmf_cylinder& c : summary.cylinders)
+            report["cylinders"].push_back({{"loop", c.loop}, {"height", c.height}, {"circumference", c.circumference}, {"modulus", c.modulus}, {"area", c.area}});
     }
     const std::string text = report.dump(2) + "\n";
     Output output(path);

@@ -19,6 +19,7 @@ struct Summary {
     double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
     uint64_t peak_memory_bytes = 0;
     size_t leaves = 0; // lines written, 0 where not wanted
+    std::vector<hmf_cylinder> cylinders; // with the leaves
     hmf_report report{};
     std::vector<hmf_level_report> levels;
     bool parameterized = false;

@@ -637,6 +637,42 @@ HMF_API hmf_status hmf_trace(const hmf_hierarchy *hierarchy, size_t level, const
                              double *points, uint32_t *point_edges, size_t point_capacity,
                              size_t *line_count, size_t *point_count, hmf_error *error);
 
+typedef struct hmf_cylinder {
+    uint32_t loop;               /* its loop; HMF_NONE if no loops were given */
+    uint32_t reserved;           /* 0 */
+    double height;               /* the weight of the loop, exactly */
+    double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
+    double modulus;              /* height / circumference */
+    double area;                 /* in the flat metric; areas add up to the energy */
+} hmf_cylinder;
+
+/*
+ * The cylinders of a harmonic foliation: the critical leaves cut the surface
+ * into one for each loop, filled with closed leaves of its class.
+ *
+ *   loops             those that the values belong to, on any level, or NULL:
+ *                     not wanted.  NULL does not stand for hmf_loops here
+ *   list              capacity, or NULL; the order is that of hmf_line.cylinder
+ *   leaf_offsets      offset_capacity >= cylinder count + 1, or NULL
+ *   leaf_triangles    triangle_capacity, or NULL: the leaf in the middle of each
+ *                     cylinder as a triangle loop of the level, as in hmf_loop_set
+ *   cylinder_count, triangle_count   set on success
+ *
+ * Heights are exact.  Circumference, modulus and area are those of the minimum;
+ * at the minimum energy = sum of height * circumference = sum of areas.
+ * Loop and cylinder are matched by their classes: that takes two runs like
+ * hmf_solve on the coarsest level.
+ *
+ * Errors: classes 100, 200, 400; HMF_ERROR_VALUE_CLASS if the values do not
+ * belong to the loops, HMF_ERROR_VALUE_NOT_HARMONIC if their energy is 1 % above
+ * the minimum, and others of class 500.
+ */
+HMF_API hmf_status hmf_cylinders(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                                 const hmf_loop_set *loops, hmf_cylinder *list, size_t capacity,
+                                 uint64_t *leaf_offsets, size_t offset_capacity,
+                                 uint32_t *leaf_triangles, size_t triangle_capacity,
+                                 size_t *cylinder_count, size_t *triangle_count, hmf_error *error);
+
 #ifdef __cplusplus
 }
 #endif

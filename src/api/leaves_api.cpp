@@ -1,5 +1,8 @@
-// hmf.h: trace.
+// hmf.h: trace, cylinders.
+#include "../foliation/whitehead.hpp"
+#include "../leaves/cylinder_classes.hpp"
 #include "../leaves/polyline.hpp"
+#include "../solve/solve.hpp"
 #include "values.hpp"
 
 #include <cmath>
@@ -29,22 +32,6 @@ struct Leaves {
     }
 };
 
-// Half-edge of side 0 of each triangle of the caller.
-bool first_sides(const Leaves& leaves, Array<uint32_t>& side, Memory& memory) {
-    const hmf_hierarchy& h = *leaves.state.hierarchy;
-    const Mesh& mesh = leaves.state.foliation.mesh;
-    if (!side.allocate(memory, mesh.face_count)) return false;
-    if (leaves.state.level > 0) {
-        for (uint32_t k = 2 * mesh.edge_count; k-- > 0;) side[mesh.face[k]] = k;
-        return true;
-    }
-    for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        const uint32_t k = 2 * h.edge_internal[h.triangle_edges[size_t{3} * t]];
-        side[t] = mesh.face[k] == leaves.faces[t] ? k : twin(k);
-    }
-    return true;
-}
-
 hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_count, Call& call) {
     if (options.point_count > 0 && (!options.point_triangles || !options.point_barycentrics))
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_OPTION, 0, "point_triangles or point_barycentrics is NULL. Give one triangle and three coordinates for each point.");
@@ -60,6 +47,85 @@ hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_coun
                              static_cast<unsigned long long>(i));
     }
     return HMF_OK;
+}
+
+// The cylinders where the energy is measured: on the triangulation that is
+// solved on, at the minimum.
+struct Measured {
+    Cylinders cylinders;
+    Array<uint32_t> found; // by the numbers of the level's own cylinders
+
+    // leaves: as loaded, goes to the intrinsic side.  stretched: the values
+    // stretched by labels on the same side; goes there as well.
+    hmf_status measure(Leaves& leaves, State& stretched, const Labels& labels, Call& call) {
+        State& state = leaves.state;
+        const bool first = state.level == 0;
+        if (first && (!state.to_intrinsic(call) || !stretched.to_intrinsic(call))) return call.out_of_memory();
+        const double* weight = state.hierarchy->levels[state.level].weight;
+        const double before = energy(state.foliation, weight);
+        Recorder recorder(nullptr, call, 1);
+        SolveOptions options;
+        options.tolerance = 1e-8;
+        options.stop_level = state.level;
+        // Nothing to do but where the way between the triangulations moved a vertex.
+        const hmf_status status = run_cascade(state, options, call, recorder);
+        if (status >= HMF_ERROR_NULL) return status;
+        const double excess = before / energy(state.foliation, weight) - 1;
+        if (excess > 1e-2)
+            return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_NONE, 0, "The energy of the values is %.2g times that of the minimum. Improve them with hmf_relax.",
+                             excess + 1);
+        Cylinders labelled;
+        Array<uint32_t> of_label, on_edges;
+        if (cylinders.build(state.foliation, nullptr, nullptr, call) || labelled.build(stretched.foliation, nullptr, nullptr, call)
+            || labels.find(labelled, of_label, call))
+            return call.status();
+        if (!cylinders.find_vertices(state.foliation, call.memory) || !labelled.find_vertices(stretched.foliation, call.memory)
+            || !found.allocate(call.memory, of_label.size()))
+            return call.out_of_memory();
+        if (match_on_edges(state.foliation.mesh, stretched.foliation.value, labelled, state.foliation.value, cylinders, on_edges, call)) return call.status();
+        for (size_t c = 0; c < found.size(); ++c) found[c] = on_edges[of_label[c]];
+        return HMF_OK;
+    }
+};
+
+// Middle leaves of the loops' own cylinders on the coarsest level, and the keys:
+// the weights in the unit of the values.
+hmf_status loops_on_coarsest(const hmf_hierarchy& h, const hmf_loop_set& loops, double unit, Curves& curves, Array<int64_t>& keys, Call& call,
+                             hmf_error* error) {
+    const size_t level = static_cast<size_t>(loops.level), coarsest = h.level_count - 1;
+    if (check_level(&h, level, call)) return call.status();
+    Array<double> values, weights;
+    // With the weights of the caller they are checked; then each loop gets one of its own.
+    if (!values.allocate(call.memory, h.levels[level].mesh.edge_count)) return call.out_of_memory();
+    if (const hmf_status status = hmf_initialize(&h, &loops, values.data(), values.size(), error)) return status;
+    const size_t n = static_cast<size_t>(loops.count);
+    if (!weights.allocate(call.memory, n) || !keys.allocate(call.memory, n)) return call.out_of_memory();
+    double largest = loops.weights ? 0 : 1;
+    for (size_t c = 0; loops.weights && c < n; ++c) largest = loops.weights[c] > largest ? loops.weights[c] : largest;
+    for (size_t c = 0; c < n; ++c) {
+        const double step = unit_of_weights(largest);
+        keys[c] = static_cast<int64_t>(std::floor((loops.weights ? loops.weights[c] : 1.0) / step) * step / unit);
+        weights[c] = static_cast<double>(c + 1);
+    }
+    hmf_loop_set numbered = loops;
+    numbered.weights = weights.data();
+    if (const hmf_status status = hmf_initialize(&h, &numbered, values.data(), values.size(), error)) return status;
+    State state;
+    double numbered_unit = 1;
+    if (!state.allocate(h, level < coarsest ? level : coarsest, call.memory)) return call.out_of_memory();
+    state.load(level, Side::input);
+    if (import_values(state, values.data(), values.size(), numbered_unit, false, call)) return call.status();
+    if (!state.go_to(coarsest, call) || (coarsest == 0 && !state.to_intrinsic(call))) return call.out_of_memory();
+    Cylinders cylinders;
+    Array<uint32_t> order;
+    if (cylinders.build(state.foliation, nullptr, nullptr, call)) return call.status();
+    if (!order.allocate_filled(call.memory, n, 0u)) return call.out_of_memory();
+    if (cylinders.list.size() != n) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "The loops have other cylinders than expected. Please report it.");
+    for (uint32_t d = 0; d < n; ++d) {
+        const double number = static_cast<double>(cylinders.list[d].height) * numbered_unit;
+        if (number >= 1 && number <= static_cast<double>(n)) order[static_cast<size_t>(number) - 1] = d;
+    }
+    return middle_leaves(state.foliation, cylinders, &order, curves, call);
 }
 
 } // namespace
@@ -98,7 +164,7 @@ hmf_status hmf_trace(const hmf_hierarchy* hierarchy, size_t level, const double*
     if (all.critical && made.add_arcs(cylinders.graph)) return call.status();
     if (all.point_count > 0) {
         Array<uint32_t> side;
-        if (!first_sides(leaves, side, call.memory)) return call.out_of_memory();
+        if (!first_sides(leaves.state, side, call.memory)) return call.out_of_memory();
         for (uint64_t i = 0; i < all.point_count; ++i)
             if (made.add_point(cylinders, side[all.point_triangles[i]], all.point_barycentrics + 3 * i, static_cast<uint32_t>(i))) return call.status();
     }
@@ -119,6 +185,87 @@ hmf_status hmf_trace(const hmf_hierarchy* hierarchy, size_t level, const double*
     if (points && m) std::memcpy(points, made.points.data(), 3 * m * sizeof(double));
     *line_count = n;
     *point_count = m;
+    return HMF_OK;
+}
+
+hmf_status hmf_cylinders(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, const hmf_loop_set* loops,
+                         hmf_cylinder* list, size_t capacity, uint64_t* leaf_offsets, size_t offset_capacity, uint32_t* leaf_triangles,
+                         size_t triangle_capacity, size_t* cylinder_count, size_t* triangle_count, hmf_error* error) {
+    Query query(hierarchy, error);
+    Call& call = query.call;
+    if (check_level(hierarchy, level, call)) return call.status();
+    if (!cylinder_count || !triangle_count) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "cylinder_count and triangle_count must not be NULL.");
+    hmf_loop_set given;
+    if (!copy_options(loops, given))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_loop_set has an unusable struct_size. Set it to sizeof(hmf_loop_set).");
+    Leaves leaves;
+    if (leaves.load(*hierarchy, level, values, count, call)) return call.status();
+    State& state = leaves.state;
+    Cylinders cylinders;
+    if (cylinders.build(state.foliation, leaves.vertices, leaves.faces, call)) return call.status();
+    const size_t n = cylinders.list.size();
+    Curves curves;
+    if (middle_leaves(state.foliation, cylinders, nullptr, curves, call)) return call.status();
+    const size_t triangles = curves.crossings.size();
+    if ((list && check_capacity(capacity, n, "list", call)) || (leaf_offsets && check_capacity(offset_capacity, n + 1, "leaf_offsets", call))
+        || (leaf_triangles && check_capacity(triangle_capacity, triangles, "leaf_triangles", call)))
+        return call.status();
+    Array<hmf_cylinder> made;
+    Array<uint32_t> triangle_of_face;
+    if (!made.allocate(call.memory, n)) return call.out_of_memory();
+    if (leaf_triangles) {
+        // The triangle that each crossing leads into.
+        if (!triangle_of_face.allocate(call.memory, state.foliation.mesh.face_count)) return call.out_of_memory();
+        for (uint32_t t = 0; t < triangle_of_face.size(); ++t) triangle_of_face[leaves.faces ? leaves.faces[t] : t] = t;
+        for (Crossing& c : curves.crossings) c.at = triangle_of_face[state.foliation.mesh.face[twin(c.half_edge)]];
+    }
+    for (size_t c = 0; c < n; ++c) made[c] = {HMF_NONE, 0, static_cast<double>(cylinders.list[c].height) * leaves.unit, 0, 0, 0};
+    if (list) {
+        Labels labels;
+        State stretched;
+        const size_t coarsest = hierarchy->level_count - 1;
+        if (!cylinders.find_vertices(state.foliation, call.memory) || !labels.choose(cylinders, call.memory) || !stretched.allocate(*hierarchy, level, call.memory))
+            return call.out_of_memory();
+        stretched.load(level, Side::input);
+        labels.stretch(state.foliation, cylinders, stretched.foliation.value);
+        Measured measured;
+        if (measured.measure(leaves, stretched, labels, call)) return call.status();
+        const double* weight = hierarchy->levels[level].weight;
+        Array<double> area;
+        Curves middle;
+        if (!area.allocate(call.memory, n)) return call.out_of_memory();
+        cylinder_areas(state.foliation, measured.cylinders, weight, area.data());
+        if (middle_leaves(state.foliation, measured.cylinders, &measured.found, middle, call)) return call.status();
+        for (size_t c = 0; c < n; ++c) {
+            double flux = 0;
+            for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i) {
+                const uint32_t h = middle.crossings[i].half_edge;
+                flux += weight[edge_of(h)] * static_cast<double>(state.foliation.at(h));
+            }
+            made[c].circumference = flux * leaves.unit;
+            made[c].modulus = made[c].height / made[c].circumference;
+            made[c].area = area[measured.found[c]] * leaves.unit * leaves.unit;
+        }
+        if (loops) {
+            Curves of_loops, own;
+            Array<int64_t> loop_keys, keys;
+            Array<uint32_t> order, loop_of;
+            if (const hmf_status status = loops_on_coarsest(*hierarchy, given, leaves.unit, of_loops, loop_keys, call, error)) return status;
+            Cylinders on_coarsest;
+            if (!stretched.go_to(coarsest, call) || (coarsest == 0 && !stretched.to_intrinsic(call)) || !keys.allocate(call.memory, n)) return call.out_of_memory();
+            if (on_coarsest.build(stretched.foliation, nullptr, nullptr, call) || labels.find(on_coarsest, order, call)
+                || middle_leaves(stretched.foliation, on_coarsest, &order, own, call))
+                return call.status();
+            for (size_t c = 0; c < n; ++c) keys[c] = cylinders.list[c].height;
+            if (match_classes(stretched, own, keys, of_loops, loop_keys, loop_of, call)) return call.status();
+            for (size_t c = 0; c < n; ++c) made[c].loop = loop_of[c];
+        }
+        std::memcpy(static_cast<void*>(list), made.data(), n * sizeof(hmf_cylinder));
+    }
+    if (leaf_offsets) std::memcpy(leaf_offsets, curves.offsets.data(), (n + 1) * sizeof(uint64_t));
+    for (size_t i = 0; leaf_triangles && i < triangles; ++i) leaf_triangles[i] = static_cast<uint32_t>(curves.crossings[i].at);
+    *cylinder_count = n;
+    *triangle_count = triangles;
     return HMF_OK;
 }
 

@@ -51,18 +51,6 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
                      static_cast<unsigned long long>(vertex), found.max, tolerance);
 }
 
-// Half-edge of side 0 of each triangle of the interface.
-bool first_sides(const State& state, Array<uint32_t>& side, Memory& memory) {
-    const Mesh& mesh = state.foliation.mesh;
-    if (!side.allocate(memory, mesh.face_count)) return false;
-    if (state.level == 0) {
-        for (uint32_t t = 0; t < mesh.face_count; ++t) side[t] = internal_side(*state.hierarchy, t);
-    } else {
-        for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
-    }
-    return true;
-}
-
 // Length of each edge for the seams; those that the caller prefers hardly count.
 hmf_status seam_lengths(const State& state, const hmf_parameterize_options& all, Array<double>& length, Array<double>& cost, Call& call) {
     const Mesh& mesh = state.foliation.mesh;

@@ -43,6 +43,17 @@ uint32_t internal_side(const hmf_hierarchy& h, size_t triangle) {
 
 uint32_t internal_face(const hmf_hierarchy& h, size_t triangle) { return h.input.face[internal_side(h, triangle)]; }
 
+bool first_sides(const State& state, Array<uint32_t>& side, Memory& memory) {
+    const Mesh& mesh = state.foliation.mesh;
+    if (!side.allocate(memory, mesh.face_count)) return false;
+    if (state.level == 0) {
+        for (uint32_t t = 0; t < mesh.face_count; ++t) side[t] = internal_side(*state.hierarchy, t);
+    } else {
+        for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
+    }
+    return true;
+}
+
 namespace {
 
 // The caller's number of each internal edge is not stored; the map goes the other way.

@@ -40,6 +40,10 @@ void export_values(const State& state, double unit, double* values);
 uint32_t internal_side(const hmf_hierarchy& h, size_t triangle);
 uint32_t internal_face(const hmf_hierarchy& h, size_t triangle);
 
+// Half-edge of side 0 of each triangle of the interface, on the level of the
+// state (level 0: input side).
+bool first_sides(const State& state, Array<uint32_t>& side, Memory& memory);
+
 // Checks of the arguments that most calls share.
 hmf_status check_level(const hmf_hierarchy* hierarchy, size_t level, Call& call);
 hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);

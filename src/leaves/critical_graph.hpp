@@ -72,6 +72,9 @@ public:
     // The sector that a leaf passes at a crossing, or NONE.
     uint32_t sector_at(const Foliation& f, const Crossing& c) const;
 
+    // More crossings than any leaf of a harmonic foliation has.
+    uint64_t crossing_limit() const { return crossing_limit_; }
+
     // The mark nearest ahead of place `at` on half-edge h: true if there is one.
     bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
 

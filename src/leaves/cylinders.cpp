@@ -135,26 +135,18 @@ bool closed_leaf(const Foliation& f, const Crossing& start, uint64_t limit, Arra
     return true;
 }
 
-double flux(const Foliation& f, const double* weight, const Array<Crossing>& leaf) {
-    double sum = 0;
-    for (const Crossing& c : leaf) sum += weight[edge_of(c.half_edge)] * static_cast<double>(f.at(c.half_edge));
-    return sum;
-}
-
-hmf_status cylinder_areas(Foliation& f, Cylinders& cylinders, const double* weight, double* area, Call& call) {
-    const CriticalGraph& graph = cylinders.graph;
+bool Cylinders::find_vertices(const Foliation& f, Memory& memory) {
     const Mesh& mesh = f.mesh;
-    for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
     // A vertex within a cylinder knows it from an edge with a mark, or from a neighbour.
-    Array<uint32_t> of_vertex, queue;
-    queue.start(call.memory);
-    if (!of_vertex.allocate_filled(call.memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return call.out_of_memory();
+    Array<uint32_t> queue;
+    queue.start(memory);
+    if (!of_vertex_.allocate_filled(memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return false;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         Mark first;
         const uint32_t v = mesh.origin[h];
-        if (of_vertex[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
-        of_vertex[v] = cylinders.of_boundary[first.boundary];
-        queue.push(v);
+        if (of_vertex_[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
+        of_vertex_[v] = of_boundary[first.boundary];
+        queue.push(v); // within the reserve
     }
     for (size_t at = 0; at < queue.size(); ++at) {
         const uint32_t v = queue[at], start = mesh.out[v];
@@ -162,31 +154,22 @@ hmf_status cylinder_areas(Foliation& f, Cylinders& cylinders, const double* weig
         do {
             const uint32_t w = mesh.target(h);
             Mark first;
-            if (of_vertex[w] == NONE && !graph.mark_ahead(f, h, 0, first)) {
-                of_vertex[w] = of_vertex[v];
+            if (of_vertex_[w] == NONE && !graph.mark_ahead(f, h, 0, first)) {
+                of_vertex_[w] = of_vertex_[v];
                 queue.push(w);
             }
             h = mesh.rotate_ccw(h);
         } while (h != start);
     }
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (f.value[e] == 0) continue;
+    return true;
+}
+
+void cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area) {
+    for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
         const double pull = weight[e] * static_cast<double>(f.value[e]);
-        const uint32_t begin = graph.mark_offset[e], end = graph.mark_offset[e + 1];
-        int64_t from = 0; // half units; critical leaves lie half a unit beyond marks
-        uint32_t inside = of_vertex[mesh.origin[2 * e]];
-        for (uint32_t i = begin; i < end; ++i) {
-            const Mark& m = graph.marks[i];
-            const int64_t at = m.forward ? m.at - 1 : m.at + 1;
-            if (!m.forward) inside = cylinders.of_boundary[m.boundary];
-            if (inside != NONE && !m.forward) area[inside] += pull * static_cast<double>(at - from) / 2;
-            from = at;
-            inside = m.forward ? cylinders.of_boundary[m.boundary] : NONE;
-        }
-        if (begin == end) inside = inside != NONE ? inside : of_vertex[mesh.target(2 * e)];
-        if (inside != NONE) area[inside] += pull * static_cast<double>(width(f, 2 * e) - from) / 2;
+        cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) { area[c] += pull * static_cast<double>(to - from) / 2; });
     }
-    return HMF_OK;
 }
 
 } // namespace hmf

@@ -35,24 +35,44 @@ public:
     // Which cylinder a leaf lies in, and how high (half units).
     hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
 
+    // The cylinder of each vertex, NONE on critical leaves; for visit_parts.
+    bool find_vertices(const Foliation& f, Memory& memory);
+
+    // visit(cylinder, from, to) for the parts of edge e between critical
+    // leaves, along half-edge 2e in half units.
+    template <class Visit>
+    void visit_parts(const Mesh& mesh, const int64_t* value, uint32_t e, Visit visit) const {
+        const uint32_t begin = graph.mark_offset[e], end = graph.mark_offset[e + 1];
+        uint32_t inside = of_vertex_[mesh.origin[2 * e]];
+        if (inside == NONE && begin == end) inside = of_vertex_[mesh.target(2 * e)];
+        int64_t from = 0;
+        for (uint32_t i = begin; i < end; ++i) {
+            const Mark& m = graph.marks[i];
+            if (m.forward) {
+                inside = of_boundary[m.boundary];
+                from = m.at - 1; // critical leaves lie half a unit beyond marks
+            } else {
+                visit(of_boundary[m.boundary], from, m.at + 1);
+                inside = NONE;
+            }
+        }
+        if (inside != NONE && from < 2 * value[e]) visit(inside, from, 2 * value[e]);
+    }
+
 private:
     // Across the leaves from place `at` ahead on half-edge h to the first
     // boundary leaf; appends the way to `path` unless that is NULL.
     hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance, Call& call);
     uint32_t half_edge_ahead(Foliation& f, uint32_t back);
-    Array<uint32_t> circle_;
+    Array<uint32_t> circle_, of_vertex_;
 };
 
 // A whole closed leaf, from c on, without repeating it.  False: out of memory,
 // or more than limit crossings (then found is empty).
 bool closed_leaf(const Foliation& f, const Crossing& c, uint64_t limit, Array<Crossing>& found);
 
-// The sum of weight * F over the edges that a closed leaf crosses: its length
-// in the conjugate direction.  All leaves of a cylinder have the same at the minimum.
-double flux(const Foliation& f, const double* weight, const Array<Crossing>& leaf);
-
 // Areas of the cylinders in the flat metric, the sum of weight * F * (part of F
-// in the cylinder): together the energy.  Squared units.
-hmf_status cylinder_areas(Foliation& f, Cylinders& cylinders, const double* weight, double* area, Call& call);
+// in the cylinder): together the energy.  Squared units; after find_vertices.
+void cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area);
 
 } // namespace hmf

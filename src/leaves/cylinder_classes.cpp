@@ -1,0 +1,171 @@
+// Cylinders and loops matched; see cylinder_classes.hpp.
+#include "cylinder_classes.hpp"
+
+#include "../solve/solve.hpp"
+
+namespace hmf {
+
+namespace {
+
+hmf_status wrong_class(Call& call) {
+    return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                     "The values do not belong to these loops: heights of cylinders and weights of loops differ, or their classes do. Pass the loops that were solved.");
+}
+
+} // namespace
+
+bool Labels::choose(const Cylinders& cylinders, Memory& memory) {
+    const size_t n = cylinders.list.size();
+    if (!factor.allocate(memory, n) || !height.allocate(memory, n)) return false;
+    for (size_t c = 0; c < n; ++c) {
+        const int64_t own = cylinders.list[c].height;
+        factor[c] = 1;
+        height[c] = own;
+        for (size_t d = 0; d < c; ++d)
+            if (height[d] == height[c]) {
+                height[c] = ++factor[c] * own;
+                d = static_cast<size_t>(-1); // once more from the start
+            }
+    }
+    return true;
+}
+
+void Labels::stretch(const Foliation& f, const Cylinders& cylinders, int64_t* value) const {
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+        int64_t sum = 0;
+        cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) { sum += factor[c] * ((to - from) / 2); });
+        value[e] = sum;
+    }
+}
+
+hmf_status Labels::find(const Cylinders& others, Array<uint32_t>& found, Call& call) const {
+    const size_t n = height.size();
+    if (!found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    for (uint32_t d = 0; d < others.list.size(); ++d)
+        for (size_t c = 0; c < n; ++c)
+            if (height[c] == others.list[d].height) found[c] = d;
+    for (size_t c = 0; c < n; ++c)
+        if (found[c] == NONE || others.list.size() != n)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c, "A cylinder is lost between two triangulations. Please report it.");
+    return HMF_OK;
+}
+
+hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value, const Cylinders& there, Array<uint32_t>& found,
+                          Call& call) {
+    const size_t n = here.list.size();
+    Array<uint64_t> votes;
+    Array<uint32_t> along, other;
+    along.start(call.memory);
+    other.start(call.memory);
+    if (there.list.size() != n) return wrong_class(call);
+    if (!votes.allocate_filled(call.memory, n * n, uint64_t{0}) || !found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        bool room = true;
+        along.clear();
+        other.clear();
+        here.visit_parts(mesh, value, e, [&](uint32_t c, int64_t, int64_t) { room = room && along.push(c); });
+        there.visit_parts(mesh, other_value, e, [&](uint32_t c, int64_t, int64_t) { room = room && other.push(c); });
+        if (!room) return call.out_of_memory();
+        if (along.size() != other.size()) continue;
+        for (size_t i = 0; i < along.size(); ++i) ++votes[along[i] * n + other[i]];
+    }
+    for (size_t c = 0; c < n; ++c) {
+        uint64_t most = 0;
+        for (uint32_t d = 0; d < n; ++d)
+            if (votes[c * n + d] > most) {
+                most = votes[c * n + d];
+                found[c] = d;
+            }
+        for (size_t b = 0; b < c; ++b)
+            if (found[b] == found[c]) found[c] = NONE;
+        if (found[c] == NONE) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c, "A cylinder is lost between two foliations. Please report it.");
+    }
+    return HMF_OK;
+}
+
+hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found, Curves& out, Call& call) {
+    Array<Crossing> leaf;
+    leaf.start(call.memory);
+    out.offsets.start(call.memory);
+    out.crossings.start(call.memory);
+    if (!out.offsets.push(0)) return call.out_of_memory();
+    for (uint32_t i = 0; i < cylinders.list.size(); ++i) {
+        const uint32_t c = found ? (*found)[i] : i;
+        if (!closed_leaf(f, cylinders.leaf_at(f, c, cylinders.list[c].height | 1), cylinders.graph.crossing_limit(), leaf))
+            return call.memory.failure() ? call.out_of_memory()
+                                         : call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges. Pass values as the library returned them for loops.");
+        for (const Crossing& crossing : leaf)
+            if (!out.crossings.push(crossing)) return call.out_of_memory();
+        if (!out.offsets.push(out.crossings.size())) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+namespace {
+
+// The harmonic foliation of disjoint curves on the level of the state.  The
+// weights are those of the keys, changed by parts of a million so that heights
+// tell the curves apart; found: cylinder of each curve.
+hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& key, Cylinders& cylinders, Array<uint32_t>& found, Call& call) {
+    Foliation& f = state.foliation;
+    const size_t n = key.size();
+    Labels labels;
+    int64_t largest = 1;
+    for (size_t c = 0; c < n; ++c) largest = key[c] > largest ? key[c] : largest;
+    if (!labels.height.allocate(call.memory, n)) return call.out_of_memory();
+    const double scale = static_cast<double>(int64_t{1} << 46) / static_cast<double>(largest);
+    for (size_t c = 0; c < n; ++c) {
+        labels.height[c] = static_cast<int64_t>(static_cast<double>(key[c]) * scale);
+        for (size_t d = 0; d < c; ++d)
+            if (labels.height[d] == labels.height[c]) {
+                labels.height[c] += 1 << 18;
+                d = static_cast<size_t>(-1); // once more from the start
+            }
+    }
+    state.load(state.level, state.side);
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] = 0;
+    for (size_t c = 0; c < n; ++c)
+        for (uint64_t i = curves.offsets[c]; i < curves.offsets[c + 1]; ++i) f.value[edge_of(curves.crossings[i].half_edge)] += labels.height[c];
+    SolveOptions options;
+    options.tolerance = 1e-8;
+    options.stop_level = state.level;
+    Recorder recorder(nullptr, call, 1);
+    const hmf_status status = run_cascade(state, options, call, recorder);
+    if (status >= HMF_ERROR_NULL) return status;
+    if (cylinders.build(f, nullptr, nullptr, call) || labels.find(cylinders, found, call)) return call.status();
+    return cylinders.find_vertices(f, call.memory) ? HMF_OK : call.out_of_memory();
+}
+
+} // namespace
+
+hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& key_a, const Curves& b, const Array<int64_t>& key_b,
+                         Array<uint32_t>& found, Call& call) {
+    Foliation& f = state.foliation;
+    const size_t n = key_a.size(), edges = f.mesh.edge_count;
+    const double* weight = state.hierarchy->levels[state.level].weight;
+    Array<int64_t> value;
+    Array<uint32_t> of_a, of_b, on_edges;
+    Cylinders in_a, in_b;
+    if (key_b.size() != n) return wrong_class(call);
+    if (!value.allocate(call.memory, edges) || !found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    if (minimise(state, a, key_a, in_a, of_a, call)) return call.status();
+    std::memcpy(value.data(), f.value, edges * sizeof(int64_t));
+    if (minimise(state, b, key_b, in_b, of_b, call)) return call.status();
+    double apart = 0, size = 0;
+    for (size_t e = 0; e < edges; ++e) {
+        const double x = static_cast<double>(f.value[e]), d = x - static_cast<double>(value[e]);
+        apart += weight[e] * d * d;
+        size += weight[e] * x * x;
+    }
+    // Another class is not even close.
+    if (!(apart < 1e-6 * size)) return wrong_class(call);
+    if (match_on_edges(f.mesh, value.data(), in_a, f.value, in_b, on_edges, call)) return call.status();
+    for (size_t c = 0; c < n; ++c)
+        for (uint32_t l = 0; l < n; ++l)
+            if (of_b[l] == on_edges[of_a[c]] && key_a[c] == key_b[l]) found[c] = l;
+    for (size_t c = 0; c < n; ++c)
+        if (found[c] == NONE) return wrong_class(call);
+    return HMF_OK;
+}
+
+} // namespace hmf
