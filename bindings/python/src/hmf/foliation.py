@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
@@ -124,6 +123,7 @@ class Foliation:
     _values: Floats
     _status: Status
     _report: Report | None
+    _energy: float | None
 
     def __init__(self) -> None:
         raise TypeError("foliations are made by hmf.solve, or by solve, initialize and foliation of a Hierarchy")
@@ -138,6 +138,7 @@ class Foliation:
         foliation._values = frozen(values)
         foliation._status = status
         foliation._report = report
+        foliation._energy = None
         return foliation
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -189,12 +190,14 @@ class Foliation:
     def _given(self) -> list[Any]:
         return [self._hierarchy._pointer, self._level, pointer(self._values, "double *"), self._values.size]
 
-    @cached_property
+    @property
     def energy(self) -> float:
         """Dirichlet energy; on level 0 that on the intrinsic Delaunay triangulation."""
-        result = ffi.new("double *")
-        call(lib.hmf_energy, *self._given(), result)
-        return float(result[0])
+        if self._energy is None:
+            result = ffi.new("double *")
+            call(lib.hmf_energy, *self._given(), result)
+            self._energy = float(result[0])
+        return self._energy
 
     def residuals(self) -> Floats:
         """(vertex_count,) float64: violation of the harmonic condition at each vertex, without unit.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -59,11 +58,15 @@ class Level:
     and so on).  Arrays are made when first asked for, kept, and read-only.
     """
 
+    # functools.cached_property would hold one lock for all objects before
+    # Python 3.12; here two threads may both make an array, and one is kept.
+
     def __init__(self, hierarchy: Hierarchy, number: int) -> None:
         info = ffi.new("hmf_level_info *")
         call(lib.hmf_level_counts, hierarchy._pointer, number, info)
         # Not the Python object, which holds its levels: a cycle would keep the memory.
         self._pointer = hierarchy._pointer
+        self._arrays: dict[Any, NDArray[Any]] = {}
         self.number = number
         self.vertex_count = int(info.vertex_count)
         self.edge_count = int(info.edge_count)
@@ -72,31 +75,33 @@ class Level:
         self.non_delaunay_count = int(info.non_delaunay_count)
 
     def _array(self, function: Any, shape: tuple[int, ...], dtype: Any, ctype: str) -> NDArray[Any]:
-        result = np.empty(shape, dtype=dtype)
-        call(function, self._pointer, self.number, pointer(result, ctype), result.size)
-        return frozen(result)
+        if function not in self._arrays:
+            result = np.empty(shape, dtype=dtype)
+            call(function, self._pointer, self.number, pointer(result, ctype), result.size)
+            self._arrays.setdefault(function, frozen(result))
+        return self._arrays[function]
 
-    @cached_property
+    @property
     def positions(self) -> Floats:
         """(vertex_count, 3) float64, in the unit of the input."""
         return self._array(lib.hmf_level_positions, (self.vertex_count, 3), np.float64, "double *")
 
-    @cached_property
+    @property
     def edges(self) -> Indices:
         """(edge_count, 2) uint32: the vertices of each edge.  On coarse levels two vertices may have several edges."""
         return self._array(lib.hmf_level_edge_vertices, (self.edge_count, 2), np.uint32, "uint32_t *")
 
-    @cached_property
+    @property
     def triangles(self) -> Indices:
         """(triangle_count, 3) uint32: the vertices of each triangle."""
         return self._array(lib.hmf_level_triangle_vertices, (self.triangle_count, 3), np.uint32, "uint32_t *")
 
-    @cached_property
+    @property
     def triangle_edges(self) -> Indices:
         """(triangle_count, 3) uint32: side s of a triangle joins its corners s and s + 1."""
         return self._array(lib.hmf_level_triangle_edges, (self.triangle_count, 3), np.uint32, "uint32_t *")
 
-    @cached_property
+    @property
     def weights(self) -> Floats:
         """(edge_count,) float64: half the sum of the two opposite cotangents, without unit.
 
@@ -188,6 +193,7 @@ class Hierarchy:
         finally:
             del alive
         self._pointer = ffi.gc(out[0], lib.hmf_destroy, lib.hmf_hierarchy_memory(out[0]))
+        self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
 
     @classmethod
     def _rebuild(cls, positions: Floats, triangles: Indices, options: dict[str, Any]) -> Hierarchy:
@@ -198,10 +204,10 @@ class Hierarchy:
         mesh = self.levels[0]
         return Hierarchy._rebuild, (mesh.positions, mesh.triangles, self._options)
 
-    @cached_property
+    @property
     def levels(self) -> tuple[Level, ...]:
         """All levels; ``levels[0]`` is your mesh, ``levels[-1]`` the coarsest."""
-        return tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
+        return self._levels
 
     @property
     def genus(self) -> int:
