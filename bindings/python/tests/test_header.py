@@ -115,6 +115,7 @@ def test_reports_have_all_fields() -> None:
     assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
     assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
     assert fields("hmf_line") == set(hmf.Leaf.__dataclass_fields__) - {"points", "edges"}
+    assert fields("hmf_cylinder") - {"reserved"} == set(hmf.Cylinder.__dataclass_fields__)
     assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)
 
 

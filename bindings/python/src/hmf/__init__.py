@@ -13,6 +13,7 @@ wanted; :class:`Loops` are the closed curves that give the class;
 from ._boundary import Progress, ProgressCallback, ProgressOption
 from ._native import lib as _lib
 from ._plot import plot
+from .cylinders import Cylinder, Cylinders
 from .errors import (
     Cancelled,
     Element,
@@ -45,6 +46,8 @@ __version__ = _version()
 
 __all__ = [
     "Cancelled",
+    "Cylinder",
+    "Cylinders",
     "Element",
     "Error",
     "Foliation",

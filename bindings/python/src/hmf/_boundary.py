@@ -129,6 +129,11 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
+def optional_index(number: Any) -> int | None:
+    """An index of the library as a number; None for HMF_NONE."""
+    return None if number == lib.HMF_NONE else int(number)
+
+
 _FORMATS = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "int64_t": "i8", "uint64_t": "u8"}
 
 

@@ -25,8 +25,10 @@ from ._boundary import (
     structure_dtype,
 )
 from ._native import ffi, lib
+from .cylinders import Cylinders, cylinders
 from .errors import Cancelled, LimitWarning, Status
 from .leaves import Leaves, trace
+from .loops import Loops
 from .parameterization import Parameterization, parameterize
 from .report import Report, ReportBuffer
 
@@ -345,6 +347,23 @@ class Foliation:
             A number is out of range.
         """
         return trace(self, spacing, critical, length_limit, point_triangles, point_barycentrics)
+
+    def cylinders(self, loops: Loops | Sequence[ArrayLike] | None = None, weights: ArrayLike | None = None) -> Cylinders:
+        """The cylinders into which the critical leaves cut the surface: one for each loop, filled with closed leaves.
+
+        Parameters
+        ----------
+        loops, weights : as for :meth:`Hierarchy.solve`, optional
+            Those that the values belong to, to say which cylinder is whose.
+
+        Raises
+        ------
+        FoliationError
+            The values do not belong to the loops, are not closed, have a pole, or are too far from harmonic.
+        LoopError
+            The loops cannot be used.
+        """
+        return cylinders(self, loops, weights)
 
     def __repr__(self) -> str:
         return f"<Foliation on level {self._level}: {len(self._values)} edges, {self._status.name}>"

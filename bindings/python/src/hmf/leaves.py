@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, Indices, as_indices, as_positions, call, frozen, pointer, structure_dtype
+from ._boundary import Floats, Indices, as_indices, as_positions, call, frozen, optional_index, pointer, structure_dtype
 from ._native import ffi, lib
 
 if TYPE_CHECKING:
@@ -89,9 +89,9 @@ class Leaves(Sequence[Leaf]):
             closed=bool(line["closed"]),
             begin=_ENDS[int(line["begin"])],
             end=_ENDS[int(line["end"])],
-            begin_zero=_number(line["begin_zero"]),
-            end_zero=_number(line["end_zero"]),
-            cylinder=_number(line["cylinder"]),
+            begin_zero=optional_index(line["begin_zero"]),
+            end_zero=optional_index(line["end_zero"]),
+            cylinder=optional_index(line["cylinder"]),
             source=int(line["source"]),
             height=float(line["height"]),
             length=float(line["length"]),
@@ -104,10 +104,6 @@ class Leaves(Sequence[Leaf]):
 
     def __repr__(self) -> str:
         return f"<{len(self)} leaves, {len(self.points)} points>"
-
-
-def _number(value: Any) -> int | None:
-    return None if value == lib.HMF_NONE else int(value)
 
 
 def trace(
