@@ -191,6 +191,28 @@ TEST(HandleLoops, SurfaceThatMeetsItself) {
     EXPECT_TRUE(status == HMF_OK || status == HMF_ERROR_MESH_NOT_EMBEDDED) << error.message;
 }
 
+TEST(HandleLoops, SurfacesWithRandomPlaces) {
+    // They meet themselves in all ways: there are loops, or the right reason why not.
+    size_t made = 0, refused = 0;
+    for (uint64_t seed = 250; seed < 360; ++seed) { // 256, 323 and 351 have linking numbers that fit, and no loops
+        TriMesh mesh = plate(2);
+        Random random(seed);
+        for (int i = 0; i < 40; ++i) mesh.positions[random.below(mesh.positions.size())] += 4 * random.unit() - 2;
+        hmf_hierarchy* hierarchy = nullptr;
+        hmf_error error{};
+        if (hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), nullptr, &hierarchy, &error)) continue;
+        for (const int32_t kind : {HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
+            size_t count = 0, total = 0;
+            const hmf_status status = hmf_loops(hierarchy, 0, kind, nullptr, 0, nullptr, 0, &count, &total, &error);
+            EXPECT_TRUE(status == HMF_OK || status == HMF_ERROR_MESH_NOT_EMBEDDED) << seed << ": " << error.message;
+            ++(status ? refused : made);
+        }
+        hmf_destroy(hierarchy);
+    }
+    EXPECT_GT(made, 20u);
+    EXPECT_GT(refused, 20u);
+}
+
 // Carried loops against a search on the fine level itself.
 TEST(CarriedLoops, AsShortAsSearched) {
     for (const TriMesh& mesh : {pretzel(2, 3), torus(120, 48, 3, 1), trefoil(300, 16, 0.4)}) {

@@ -82,6 +82,10 @@ public:
                 searched = search_roots(budget * (0.3 + 0.7 * part), k == 0);
             }
             if (!searched) return cancelled();
+            // Labels of a surface that meets itself may leave no loop without crossings.
+            if (!found_ && edge_label_)
+                return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+                                  "There are no such loops: the surface meets itself. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
             if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
             tighten();
             if (call_.cancelled()) return cancelled();

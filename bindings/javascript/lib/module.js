@@ -34,7 +34,10 @@ async function compile(source) {
 export class Module {
     /** The exception of a trap: no function may be called any more. */
     broken = null;
-    /** Nesting of calls: a progress callback may use other objects. */
+    /** The WebAssembly.Memory, and the addresses of the counted allocator as fields of the build options. */
+    memory = null;
+    allocators = null;
+    /** Progress functions of the calls that run: one may call others with other objects. */
     #callbacks = new Map();
     #next = 1;
     #output = '';

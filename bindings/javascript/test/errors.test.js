@@ -175,3 +175,43 @@ test('a trap becomes an Error, and the module refuses to go on', async () => {
     const again = await load();
     for (const library of [hmf, again]) new library.Hierarchy(positions, triangles).dispose();
 });
+
+test('damaged meshes are solved or refused, and nothing else', () => {
+    let state = 1;
+    const random = n => { state = (Math.imul(state, 1664525) + 1013904223) >>> 0; return Math.floor((state / 2 ** 32) * n); };
+    const bases = [torus(8, 6), pretzel(2, 0), pretzel(1, 1)], outcomes = new Map(), { inUse } = hmf.memory;
+    const attempt = () => {
+        const base = bases[random(3)], positions = base.positions.slice(), triangles = base.triangles.slice();
+        for (let k = random(3); k > 0; --k) {
+            const [vertex, other] = [random(positions.length / 3), random(positions.length / 3)];
+            [() => { triangles[random(triangles.length)] = random(positions.length / 3 + 2); },
+                () => { positions[random(positions.length)] = [NaN, 1e308, 0, -1e-300, 1e160][random(5)]; },
+                () => { positions.copyWithin(3 * vertex, 3 * other, 3 * other + 3); },
+                () => { for (let q = 0; q < 20; ++q) positions[random(positions.length)] += (random(1000) - 500) / 300; }][random(4)]();
+        }
+        const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 40 });
+        try {
+            const loops = hierarchy.loops({ kind: ['cut', 'handle', 'tunnel'][random(3)], level: random(hierarchy.levels.length) });
+            if (random(3) === 0) loops.loops[0][random(loops.loops[0].length)] = random(hierarchy.levels[loops.level].triangleCount + 1);
+            const foliation = hierarchy.solve({ loops, iterationLimit: 200 });
+            foliation.trace({ critical: true, spacing: 0.2 });
+            foliation.interpolate(hierarchy.levels.length - 1).interpolate(0).singularities();
+            foliation.parameterize();
+            return 'solved';
+        } finally {
+            hierarchy.dispose();
+        }
+    };
+    for (let i = 0; i < 500; ++i) {
+        let outcome;
+        try {
+            outcome = attempt();
+        } catch (error) {
+            assert.ok(error instanceof HmfError && error.statusName !== 'HMF_ERROR_INTERNAL', String(error));
+            outcome = error.statusName;
+        }
+        outcomes.set(outcome, (outcomes.get(outcome) ?? 0) + 1);
+        assert.equal(hmf.memory.inUse, inUse);
+    }
+    assert.ok(outcomes.get('solved') > 100 && outcomes.size > 6, JSON.stringify([...outcomes]));
+});
