@@ -1,6 +1,7 @@
 // Foliation: one value for each edge of a level, and what can be asked of it.
 import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
+import { cylinders } from './cylinders.js';
 import { PARAMETERIZE_OPTIONS, parameterize } from './parameterization.js';
 import { TRACE_OPTIONS, trace } from './trace.js';
 import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
@@ -91,5 +92,10 @@ export class Foliation {
     trace(options) {
         const given = optionsOf(options, 'options', TRACE_OPTIONS);
         return this.hierarchy.perform((frame, address) => trace(frame, address, this.level, this.values, given));
+    }
+
+    cylinders(options) {
+        const { loops } = optionsOf(options, 'options', ['loops']);
+        return this.hierarchy.perform((frame, address) => cylinders(frame, address, this.level, this.values, loops));
     }
 }

@@ -165,6 +165,27 @@ export interface Foliation {
     parameterize(options?: ParameterizeOptions): Parameterization;
     /** Leaves as polylines; without options those between zeros. */
     trace(options?: TraceOptions): Line[];
+    /**
+     * The critical leaves cut the surface into one cylinder for each loop,
+     * filled with closed leaves of its class.  With the loops that the foliation
+     * belongs to, on any level, each cylinder names its own.
+     */
+    cylinders(options?: { loops?: LoopSet }): Cylinder[];
+}
+
+/** In the flat metric du^2 + dv^2.  The place in the list is that of `Line.cylinder`. */
+export interface Cylinder {
+    /** Which of the given loops; null without. */
+    loop: number | null;
+    /** The weight of the loop, exactly. */
+    height: number;
+    circumference: number;
+    /** height / circumference */
+    modulus: number;
+    /** All areas add up to the energy. */
+    area: number;
+    /** The leaf in its middle, as triangles that follow each other. */
+    leaf: Uint32Array;
 }
 
 export interface ParameterizeOptions {

@@ -23,6 +23,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     const leaves: Float64Array[] = foliation.trace({ spacing: 0.1, through: { triangles: [0], barycentrics: [1, 0, 0] } }).map(line => line.points);
 
+    const moduli: number[] = foliation.cylinders({ loops }).map(cylinder => cylinder.modulus);
+
     // @ts-expect-error: positions are doubles
     new hmf.Hierarchy(new Float32Array(3), triangles);
     // @ts-expect-error: a number is no source
@@ -41,7 +43,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length);
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli);
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {
