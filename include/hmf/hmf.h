@@ -104,7 +104,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_INDEX 301 /* a triangle names a vertex that does not exist */
 #define HMF_ERROR_MESH_NOT_FINITE 302 /* a coordinate is infinite or not a number */
 #define HMF_ERROR_MESH_REPEATED_VERTEX 303 /* a triangle names one vertex twice */
-#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area */
+#define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_build_options) */
 #define HMF_ERROR_MESH_BOUNDARY 305 /* an edge with one triangle */
 #define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
@@ -201,6 +201,10 @@ typedef struct hmf_build_options {
     void *allocator_user;
     hmf_progress_fn progress;    /* NULL = none */
     void *progress_user;
+    double mollify;              /* in [0, 0.1], 0 = off: accept triangles without area and edges without length; the
+                                    edges of level 0 get longer by the least amount, the same for all, with which every
+                                    triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
+                                    weights of level 0 change; meshes that keep the margin anyway stay as they are */
 } hmf_build_options;
 
 /* An immutable hierarchy of triangle meshes. */
@@ -361,6 +365,9 @@ typedef struct hmf_solve_options {
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
     hmf_progress_fn progress;    /* NULL = none */
     void *progress_user;
+    const double *initial_values; /* hmf_solve: a foliation to start from instead of loops, which are then NULL; NULL = none */
+    uint64_t initial_count;      /* number of initial values: edges of their level */
+    uint64_t initial_level;      /* of the initial values, default 0 = the input mesh */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
@@ -421,6 +428,12 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
  *              of a power of two, every triangle inequality holds exactly
  *   report     NULL = not wanted
  *
+ * With options->initial_values the class is that of the values: a result for
+ * the same triangles, perhaps at other positions (the last frame of an
+ * animation), made by the library.  They are validated as in hmf_relax (class
+ * 500), restricted to the coarsest level, and solved from there.  Where they
+ * are close to the minimum, hmf_relax is faster, which starts on their level.
+ *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
  * and without poles; HMF_CANCELLED, with values in the same way if the callback
  * said HMF_PROGRESS_FINISH, or if the asked level had been reached and the
@@ -432,7 +445,10 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
                              hmf_report *report, hmf_error *error);
 
 /* Optimises given values on one level, in place; otherwise as hmf_solve.
-   The values must be closed and without poles (class 500). */
+   The values must be closed and without poles (class 500): results of the
+   library, also written with 17 digits and read again, or multiplied by a
+   power of two.  Other numbers cannot be rounded edge by edge, for that breaks
+   triangle inequalities that hold with equality; start from loops instead. */
 HMF_API hmf_status hmf_relax(const hmf_hierarchy *hierarchy, size_t level, const hmf_solve_options *options,
                              double *values, size_t count, hmf_report *report, hmf_error *error);
 

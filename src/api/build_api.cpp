@@ -75,8 +75,9 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
     if (all.collapse) options.collapse = all.collapse;
     if (all.ratio != 0) options.ratio = all.ratio;
     if (all.coarsest) options.coarsest = all.coarsest;
+    options.mollify = all.mollify;
     return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
-        && options.ratio <= 0.95 && !all.allocate == !all.release;
+        && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release;
 }
 
 } // namespace
@@ -96,7 +97,7 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, size_t positi
         if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a hierarchy pointer.");
         if (!readable)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                             "A build option is out of range. Start from hmf_build_options_init; ratio is in [0.05, 0.95], "
+                             "A build option is out of range. Start from hmf_build_options_init; ratio is in [0.05, 0.95], mollify in [0, 0.1], "
                              "allocate and release come together.");
         void* block = own.take(sizeof(hmf_hierarchy));
         if (!block) return call.out_of_memory();

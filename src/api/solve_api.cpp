@@ -223,19 +223,23 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     call.set_time_limit(all.time_limit);
     if (!values) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give an array of one value per edge.");
     if (check_capacity(capacity, hierarchy->levels[solve.stop_level].mesh.edge_count, "values", call) || check_report(report, call)) return call.status();
-    // The cascade starts on the coarsest level, to which loops of finer levels are restricted.
+    // The cascade starts on the coarsest level, to which loops and values of finer levels are restricted.
     const size_t start = solve.method == HMF_METHOD_SINGLE_LEVEL ? 0 : hierarchy->level_count - 1;
-    const size_t given = loop_level(loops, start);
+    if (all.initial_values && loops)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are loops and initial_values. Give one of them, the other NULL.");
+    const size_t given = all.initial_values ? static_cast<size_t>(all.initial_level) : loop_level(loops, start);
     if (check_level(hierarchy, given, call)) return call.status();
     State state;
     double unit = 1;
-    {
+    call.range(0, 0); // the levels share the whole range
+    if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory)) return call.out_of_memory();
+    state.load(given, Side::input);
+    if (all.initial_values) {
+        if (import_values(state, all.initial_values, all.initial_count, unit, false, call)) return call.status();
+    } else {
         Loops crossings;
         Array<int64_t> weights;
-        call.range(0, 0); // the levels share the whole range
         if (take_loops(*hierarchy, loops, given, call, crossings, weights, unit)) return call.status();
-        if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory)) return call.out_of_memory();
-        state.load(given, Side::input);
         initial_foliation(state.foliation.mesh, crossings, weights.data(), state.foliation.value);
     }
     clear_report(report);

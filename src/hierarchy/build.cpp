@@ -105,7 +105,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         return call_.out_of_memory();
     std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
-    const Origin origin = {h_.triangle_vertices, h_.vertex_internal};
+    const Origin origin = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
     hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, work_.position, scale_, call_);
     if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, ordered, call_);
     if (status) return status;
@@ -267,6 +267,10 @@ hmf_status Builder::make_delaunay() {
     level.mesh = h_.input;
     const auto measure_input = [&](double fraction) {
         if (!measure(h_.input, level.position, scale_, h_.memory, metric)) return call_.out_of_memory();
+        if (options_.mollify > 0) mollify(h_.input, options_.mollify, metric);
+        for (const double area : metric.four_areas)
+            if (!(area > 0)) // all points are one
+                return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0, "The mesh has no extent. Check the positions.");
         return cotangent_sums(h_.input, metric, sum, call_, fraction);
     };
     hmf_status status = measure_input(0.9);

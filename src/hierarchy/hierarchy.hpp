@@ -22,6 +22,7 @@ struct BuildOptions {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     double ratio = 0.5;
     uint64_t coarsest = 1000; // vertices; build_hierarchy raises it to 40 * genus
+    double mollify = 0;       // margin of the triangle inequalities on level 0, in mean edge lengths
 };
 
 struct Level {

@@ -24,6 +24,10 @@ struct Metric {
 // makes their squares harmless.  false: out of memory.
 bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric);
 
+// All edges get longer by the least amount that keeps every triangle
+// inequality by a margin of factor * mean length [Sharp and Crane 2020].
+void mollify(const Mesh& mesh, double factor, Metric& metric);
+
 // Fills sum with the cotangents of the two angles opposite to each edge, added.
 hmf_status cotangent_sums(const Mesh& mesh, const Metric& metric, double* sum, Call& call, double fraction);
 

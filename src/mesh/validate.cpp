@@ -85,7 +85,7 @@ public:
     hmf_status flat(uint32_t triangle) const {
         const uint32_t* corner = origin_.triangles + size_t{3} * triangle;
         return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, triangle,
-                          "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or flip its longest.",
+                          "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or set mollify in the build options.",
                           triangle, corner[0], corner[1], corner[2]);
     }
     hmf_status alone(const Side& side) const {
@@ -148,7 +148,7 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
         const uint32_t* v = &words[place];
         for (int s = 0; s < 3; ++s) ++degree[v[s]];
-        if (!has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
+        if (!origin.flat_allowed && !has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
     uint32_t edges = 0, place = 0;

@@ -16,6 +16,7 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
 struct Origin {
     const uint32_t* triangles;       // 3 * triangle_count
     const uint32_t* vertex_internal; // caller's vertex -> internal vertex
+    bool flat_allowed;               // triangles without area are no defect
 };
 
 // Refuses triangles without area, and everything that is not a closed, oriented
