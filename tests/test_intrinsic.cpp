@@ -130,3 +130,148 @@ TEST(Intrinsic, Spikes) {
         for (const uint64_t seed : {1, 2, 3}) expect_solved(with_spikes(pretzel(2, 2), 60, factor, seed), "pretzel");
     }
 }
+
+// The treatments above make what they are for.
+TEST(Intrinsic, TreatmentsGiveSelfEdgesAndMonogons) {
+    EXPECT_GT(kinds(Hierarchy(stretched(trefoil(120, 8, 0.3), 1000, 1, 1))).self_edges, 300u);
+    EXPECT_GT(kinds(Hierarchy(with_spikes(pretzel(2, 2), 60, 10, 1))).inside, 30u);
+    const Kinds both = kinds(Hierarchy(stretched(pretzel(3, 2), 1, 1, 1000)));
+    EXPECT_GT(both.self_edges, 10u);
+    EXPECT_GT(both.hosts, 5u);
+}
+
+// Whitehead moves with edges from a vertex to itself keep the class: Newton's
+// method finds the same minimum from where they stop.
+TEST(Intrinsic, MovesKeepTheClass) {
+    const TriMesh meshes[] = {stretched(pretzel(2, 2), 1, 60, 1), stretched(torus(48, 12, 3, 1), 1000, 1, 1), with_spikes(pretzel(2, 2), 60, 10, 1),
+                              with_random_flips(pretzel(2, 2), 40000, -1, 4)};
+    for (const TriMesh& mesh : meshes) {
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        const Kinds found = kinds(hierarchy);
+        EXPECT_GT(found.self_edges + found.hosts, 0u);
+        const Loops loops = library_loops(hierarchy, 0);
+        const Solution newton = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(newton.status, HMF_OK) << newton.error.message;
+        for (const uint64_t sweeps : {1, 3, 20, 300}) {
+            SCOPED_TRACE(sweeps);
+            const Solution moves = solve(hierarchy, &loops, solve_options(HMF_METHOD_SINGLE_LEVEL, 1e-9, sweeps));
+            ASSERT_LT(moves.status, HMF_ERROR_NULL) << moves.error.message;
+            expect_foliation(hierarchy, read_level(hierarchy, 0), moves.values);
+            EXPECT_GE(moves.report.energy, newton.report.energy * (1 - 1e-10));
+            const Solution again = relax(hierarchy, 0, moves.values, solve_options(HMF_METHOD_NEWTON, 0));
+            EXPECT_EQ(again.status, HMF_OK) << again.error.message;
+            EXPECT_LT(relative(again.report.energy, newton.report.energy), 1e-10);
+        }
+    }
+}
+
+// One surface, two triangulations with the same vertices and the same metric.
+TEST(Intrinsic, EnergyDependsOnTheMetricOnly) {
+    for (const size_t holes : {size_t{1}, size_t{2}, size_t{3}}) {
+        const TriMesh flat = subdivide(subdivide(plate(holes)));
+        const Hierarchy reference(with_delaunay_flips(flat, 0, 100));
+        ASSERT_TRUE(reference);
+        const Loops loops = plate_loops(reference, 0, holes);
+        const Solution expected = solve(reference, &loops, solve_options(HMF_METHOD_NEWTON, 1e-9));
+        ASSERT_EQ(expected.status, HMF_OK) << expected.error.message;
+        for (const uint64_t seed : {1, 2, 3}) {
+            const TriMesh bad = with_random_flips(flat, 60000, 1 - 1e-12, seed);
+            const Hierarchy hierarchy(bad);
+            ASSERT_TRUE(hierarchy);
+            EXPECT_GT(hierarchy.get()->intrinsic_flip_count, 100u);
+            EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
+            const Loops own = plate_loops(hierarchy, 0, holes);
+            const Solution solution = solve(hierarchy, &own, solve_options(HMF_METHOD_NEWTON, 1e-9));
+            EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
+            EXPECT_LT(relative(solution.report.energy, expected.report.energy), 1e-9) << "holes " << holes << " seed " << seed;
+        }
+    }
+}
+
+// --- mollify -----------------------------------------------------------------
+
+namespace {
+
+hmf_build_options mollified(double margin) {
+    hmf_build_options options;
+    hmf_build_options_init(&options);
+    options.mollify = margin;
+    return options;
+}
+
+hmf_status build_status(const TriMesh& mesh, const hmf_build_options& options) {
+    hmf_hierarchy* hierarchy = nullptr;
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), &options, &hierarchy, nullptr);
+    hmf_destroy(hierarchy);
+    return status;
+}
+
+} // namespace
+
+TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
+    // A subdivided cube with holes, so that points on edges are exact.
+    TriMesh mesh = subdivide(subdivide(plate(2)));
+    const auto move = [&](uint32_t v, uint32_t to, uint32_t and_to) {
+        for (size_t c = 0; c < 3; ++c) mesh.positions[3 * v + c] = 0.5 * (mesh.positions[3 * to + c] + mesh.positions[3 * and_to + c]);
+    };
+    std::vector<bool> used(mesh.vertex_count(), false);
+    Random random(3);
+    for (size_t i = 0; i < 60; ++i) {
+        const size_t t = random.below(mesh.triangle_count());
+        const uint32_t a = mesh.triangles[3 * t], b = mesh.triangles[3 * t + 1], c = mesh.triangles[3 * t + 2];
+        if (used[a] || used[b] || used[c]) continue;
+        used[a] = used[b] = used[c] = true;
+        move(a, b, i % 3 ? c : b); // on the opposite edge, or onto a neighbour
+    }
+    EXPECT_EQ(build_status(mesh, mollified(0)), HMF_ERROR_MESH_DEGENERATE);
+    for (const double margin : {1e-5, 1e-3}) {
+        SCOPED_TRACE(margin);
+        const Hierarchy hierarchy(mesh, mollified(margin));
+        ASSERT_TRUE(hierarchy);
+        EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+        EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
+        expect_foliation(hierarchy, read_level(hierarchy, 0), solution.values);
+    }
+}
+
+// All lengths get the same addition: on equilateral triangles nothing changes,
+// and the margin of the others is what was asked for.
+TEST(Mollify, AddsWhatIsMissing) {
+    const TriMesh mesh = with_bad_triangles(torus(24, 12, 3, 1), 20, 1e-3, 5);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const hmf::Mesh& input = hierarchy.get()->input;
+    const double* position = hierarchy.get()->levels[0].position;
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Metric plain, thick;
+    ASSERT_TRUE(hmf::measure(input, position, 0, memory, plain));
+    ASSERT_TRUE(hmf::measure(input, position, 0.01, memory, thick));
+    double mean = 0, margin = HUGE_VAL;
+    for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;
+    for (uint32_t h = 0; h < 2 * input.edge_count; ++h)
+        margin = std::min(margin, thick.length[hmf::edge_of(input.next[h])] + thick.length[hmf::edge_of(input.prev(h))] - thick.length[hmf::edge_of(h)]);
+    EXPECT_NEAR(margin, 0.01 * mean, 1e-12 * mean);
+    const double added = thick.length[0] - plain.length[0];
+    EXPECT_GT(added, 0);
+    for (uint32_t e = 0; e < input.edge_count; ++e) EXPECT_NEAR(thick.length[e] - plain.length[e], added, 1e-14);
+    for (uint32_t f = 0; f < input.face_count; ++f) EXPECT_GT(thick.four_areas[f], 0);
+}
+
+TEST(Mollify, LeavesGoodMeshesAlone) {
+    const TriMesh mesh = torus(24, 12, 3, 1);
+    const Hierarchy plain(mesh), mollify(mesh, mollified(1e-3));
+    ASSERT_TRUE(plain && mollify);
+    const Solution a = solve(plain, nullptr, solve_options(HMF_METHOD_NEWTON, 0)), b = solve(mollify, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    EXPECT_EQ(a.values, b.values);
+}
+
+TEST(Mollify, Range) {
+    const TriMesh mesh = torus(12, 8, 3, 1);
+    for (const double bad : {-1e-9, 0.2, HUGE_VAL, std::nan("")}) EXPECT_EQ(build_status(mesh, mollified(bad)), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(build_status(mesh, mollified(0.1)), HMF_OK);
+    TriMesh point = mesh;
+    std::fill(point.positions.begin(), point.positions.end(), 1.0);
+    EXPECT_EQ(build_status(point, mollified(1e-5)), HMF_ERROR_MESH_DEGENERATE);
+}

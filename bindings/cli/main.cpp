@@ -38,7 +38,7 @@ void check_outputs(const std::string& mesh, const SolveRequest& request) {
         for (const char* extension : {".obj", ".mtl", ".png"}) outputs.push_back(with_extension(request.obj, extension));
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
-        for (const std::string& input : {mesh, request.loops})
+        for (const std::string& input : {mesh, request.loops, request.start})
             if (outputs[i] == input || std::filesystem::equivalent(outputs[i], input, code))
                 throw Failure(EXIT_USAGE, outputs[i] + ": is an input as well; give another name to the output");
         for (size_t j = 0; j < i; ++j)
@@ -103,6 +103,9 @@ int run(int argc, char** argv) {
         ->type_name("cut|handle|tunnel|FILE")
         ->capture_default_str();
     solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")->delimiter(',')->type_name("W,W,...");
+    solve_command->add_option("--start", request.start, "values of --values to start from, instead of loops: the class is theirs")
+        ->type_name("FILE.csv")
+        ->excludes("--loops");
     std::string method, collapse;
     const std::map<std::string, int32_t> methods = {
         {"newton", HMF_METHOD_NEWTON}, {"whitehead", HMF_METHOD_WHITEHEAD}, {"single-level", HMF_METHOD_SINGLE_LEVEL}};
@@ -116,6 +119,7 @@ int run(int argc, char** argv) {
         ->type_name("midpoint|endpoint|qslim");
     solve_command->add_option("--ratio", request.ratio, "edges of a level / edges of the finer one, default 0.5");
     solve_command->add_option("--coarsest", request.coarsest, "vertices of the coarsest level, default 1000");
+    solve_command->add_option("--mollify", request.mollify, "accept triangles without area: margin of the triangle inequalities,\nin mean edge lengths, e.g. 1e-5");
     solve_command->add_option("--tolerance", request.tolerance, "newton: largest residual, default 1e-8; others: change of energy, default 1e-6");
     solve_command->add_option("--time-limit", request.time_limit, "seconds")->check(CLI::NonNegativeNumber);
     solve_command->add_option("--values", values, "F per edge: .csv (vertex,vertex,value) or .npy")->type_name("FILE");
@@ -145,6 +149,7 @@ int run(int argc, char** argv) {
     if (request.loops == "pants")
         throw Failure(EXIT_USAGE, "--loops " + request.loops + " comes with a later version; use cut or a file of loops");
     expect_extension("--values", values, {".csv", ".npy"});
+    expect_extension("--start", request.start, {".csv"});
     expect_extension("--report", request.report, {".json"});
     expect_extension("--history", request.history, {".csv"});
     expect_extension("--image", request.image, {".png"});

@@ -18,6 +18,7 @@
 #include "output.hpp"
 #include "potential.hpp"
 #include "read_loops.hpp"
+#include "read_values.hpp"
 #include "render.hpp"
 #include "write_results.hpp"
 
@@ -192,7 +193,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     const std::string& name = request.mesh_name;
     const Clock::time_point start = Clock::now();
     const int32_t kind = loop_kind(request.loops);
-    const bool own_loops = kind == 0;
+    const bool own_loops = kind == 0, has_start = !request.start.empty();
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
@@ -207,6 +208,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     hmf_build_options build_options;
     hmf_build_options_init(&build_options);
     build_options.ratio = request.ratio;
+    build_options.mollify = request.mollify;
     build_options.coarsest = request.coarsest;
     build_options.collapse = request.collapse;
     build_options.allocate = Meter::allocate;
@@ -224,12 +226,13 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     // method knows no other; the library's own are cheapest where it is coarse.
     const size_t loop_level = own_loops || request.method == HMF_METHOD_SINGLE_LEVEL ? 0 : level_count - 1;
     const Clock::time_point loops_start = Clock::now();
-    if (!own_loops) loops = library_loops(hierarchy.get(), loop_level, kind, name);
+    if (!own_loops && !has_start) loops = library_loops(hierarchy.get(), loop_level, kind, name);
     summary.loops_seconds = seconds_since(loops_start);
 
     std::vector<double> weights = request.loop_weights;
-    if (weights.empty()) weights.assign(loops.count(), 1.0);
-    if (weights.size() != loops.count())
+    // Without loops the weights are for the pictures only.
+    if (weights.empty()) weights.assign(has_start ? 1 : loops.count(), 1.0);
+    if (weights.size() != loops.count() && !has_start)
         throw Failure(EXIT_USAGE, "--weights: " + std::to_string(weights.size()) + " weights for " + std::to_string(loops.count()) +
                                       " loops; give one weight per loop");
     hmf_loop_set loop_set{};
@@ -262,13 +265,20 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     report.history_capacity = history.size();
 
     std::vector<double> values(finest.edge_count);
+    if (has_start) {
+        std::vector<uint32_t> edge_vertices(2 * finest.edge_count);
+        check(hmf_level_edge_vertices(hierarchy.get(), 0, edge_vertices.data(), edge_vertices.size(), &error), error, name);
+        values = read_values(request.start, edge_vertices);
+        options.initial_values = values.data();
+        options.initial_count = values.size();
+    }
     progress.part("solve", 0.35, 1);
-    const hmf_status status = hmf_solve(hierarchy.get(), &loop_set, &options, values.data(), values.size(), &report, &error);
+    const hmf_status status = hmf_solve(hierarchy.get(), has_start ? nullptr : &loop_set, &options, values.data(), values.size(), &report, &error);
     progress.clear();
     if (status >= HMF_ERROR_NULL) {
         if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP && error.index < loops.lines.size())
             fail_with(status, error, request.loops + ":" + std::to_string(loops.lines[error.index]));
-        fail_with(status, error, name);
+        fail_with(status, error, has_start && status >= HMF_ERROR_VALUE_NOT_FINITE && status < 600 ? request.start : name);
     }
     if (!report.values_written) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
     summary.levels.resize(std::min<uint64_t>(report.level_count, summary.levels.size()));
