@@ -266,6 +266,42 @@ class Solve(Case):
                      says=["hmf_relax"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
 
+    def test_start(self):
+        first, second, report = self.path("first.csv"), self.path("second.csv"), self.path("r.json")
+        self.run_tool("solve", self.mesh, "--values", first, "--method", "whitehead", "--report", report)
+        coarse = json.loads(self.read("r.json"))["energy"]
+        self.run_tool("solve", self.mesh, "--start", first, "--values", second, "--report", report)
+        again = json.loads(self.read("r.json"))["energy"]
+        self.run_tool("solve", self.mesh, "--report", report)
+        exact = json.loads(self.read("r.json"))["energy"]
+        self.assertLess(abs(again - exact), 1e-10 * exact)
+        self.assertGreaterEqual(coarse, exact * (1 - 1e-12))
+        self.assertNotEqual(self.read("first.csv"), self.read("second.csv"))
+        lines = self.read("first.csv").decode().splitlines()
+        bad = self.path("bad.csv")
+        for change, says in (
+            (lines[:-1], "%d values for %d edges" % (len(lines) - 1, len(lines))),
+            (lines + lines[:1], "bad.csv:%d: more lines" % (len(lines) + 1)),
+            (lines[:4] + ["1;2;3"] + lines[5:], "bad.csv:5: not a line"),
+            (lines[:4] + ["1,2,x"] + lines[5:], "bad.csv:5: not a line"),
+            (lines[:4] + ["0,0,1"] + lines[5:], "bad.csv:5: edge 4 of the mesh"),
+            (lines[:4] + [lines[4].rsplit(",", 1)[0] + ",99"] + lines[5:], "not closed"),
+        ):
+            self.write("bad.csv", "\n".join(change) + "\n")
+            self.refused(3, "solve", self.mesh, "--start", bad, says=[says])
+        self.refused(2, "solve", self.mesh, "--start", first, "--loops", "cut", says=["--start"])
+        self.refused(2, "solve", self.mesh, "--start", first, "--values", first, says=["input"])
+        self.refused(2, "solve", self.mesh, "--start", self.mesh, says=[".csv"])
+
+    def test_mollify(self):
+        points = list(self.points)
+        a, b, c = self.triangles[0]
+        points[a] = tuple((p + q) / 2 for p, q in zip(points[b], points[c]))
+        mesh = self.write("flat.obj", obj_text(points, self.triangles))
+        self.refused(3, "solve", mesh, says=["no area", "mollify"])
+        self.run_tool("solve", mesh, "--mollify", "1e-5")
+        self.refused(2, "solve", mesh, "--mollify", "0.5", says=["mollify in [0, 0.1]"])
+
     def test_same_bits_twice(self):
         for name in ("a.csv", "b.csv"):
             self.run_tool("solve", self.mesh, "--values", self.path(name))

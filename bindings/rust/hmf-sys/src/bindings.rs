@@ -39,7 +39,10 @@ pub const HMF_ERROR_LOOP_WEIGHT: i32 = 407;
 pub const HMF_ERROR_VALUE_NOT_FINITE: i32 = 500;
 pub const HMF_ERROR_VALUE_NOT_CLOSED: i32 = 501;
 pub const HMF_ERROR_VALUE_POLE: i32 = 502;
+pub const HMF_ERROR_VALUE_NOT_HARMONIC: i32 = 503;
+pub const HMF_ERROR_VALUE_CLASS: i32 = 504;
 pub const HMF_ERROR_INTERNAL: i32 = 900;
+pub const HMF_NONE: i64 = 4294967295;
 pub const HMF_ELEMENT_NONE: i32 = 0;
 pub const HMF_ELEMENT_VERTEX: i32 = 1;
 pub const HMF_ELEMENT_EDGE: i32 = 2;
@@ -66,6 +69,13 @@ pub const HMF_METHOD_SINGLE_LEVEL: i32 = 3;
 pub const HMF_SINGULAR_VERTEX: i32 = 1;
 pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
 pub const HMF_SINGULAR_CLUSTER: i32 = 3;
+pub const HMF_LINE_LEVEL: i32 = 1;
+pub const HMF_LINE_CRITICAL: i32 = 2;
+pub const HMF_LINE_POINT: i32 = 3;
+pub const HMF_END_CLOSED: i32 = 0;
+pub const HMF_END_ZERO: i32 = 1;
+pub const HMF_END_LIMIT: i32 = 2;
+pub const HMF_END_NOWHERE: i32 = 3;
 pub type hmf_status = i32;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -104,6 +114,7 @@ pub struct hmf_build_options {
     pub allocator_user: *mut ::core::ffi::c_void,
     pub progress: hmf_progress_fn,
     pub progress_user: *mut ::core::ffi::c_void,
+    pub mollify: f64,
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -140,6 +151,9 @@ pub struct hmf_solve_options {
     pub stop_level: u64,
     pub progress: hmf_progress_fn,
     pub progress_user: *mut ::core::ffi::c_void,
+    pub initial_values: *const f64,
+    pub initial_count: u64,
+    pub initial_level: u64,
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -192,6 +206,67 @@ pub struct hmf_singularity {
     pub index: i32,
     pub element: u32,
     pub size: u32,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_parameterize_options {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub tolerance: f64,
+    pub seam_edges: *const u32,
+    pub seam_edge_count: u64,
+    pub progress: hmf_progress_fn,
+    pub progress_user: *mut ::core::ffi::c_void,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_parameterization {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub vertex_capacity: u64,
+    pub edge_capacity: u64,
+    pub triangle_capacity: u64,
+    pub corner_uv: *mut f64,
+    pub transition: *mut f64,
+    pub seam: *mut u8,
+    pub cone: *mut i32,
+    pub dilatation: *mut f64,
+    pub differential: *mut f64,
+    pub dilatation_mean: f64,
+    pub dilatation_median: f64,
+    pub dilatation_p99: f64,
+    pub flipped_triangles: u64,
+    pub degenerate_triangles: u64,
+    pub seam_edge_count: u64,
+    pub seam_length: f64,
+    pub area: f64,
+    pub linear_iterations: u64,
+    pub seconds: f64,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_trace_options {
+    pub struct_size: u32,
+    pub critical: i32,
+    pub spacing: f64,
+    pub length_limit: f64,
+    pub point_count: u64,
+    pub point_triangles: *const u32,
+    pub point_barycentrics: *const f64,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_line {
+    pub kind: i32,
+    pub closed: i32,
+    pub begin: i32,
+    pub end: i32,
+    pub begin_zero: u32,
+    pub end_zero: u32,
+    pub cylinder: u32,
+    pub source: u32,
+    pub height: f64,
+    pub length: f64,
 }
 extern "C" {
     pub fn hmf_version() -> u32;
@@ -336,6 +411,34 @@ extern "C" {
         list: *mut hmf_singularity,
         list_capacity: usize,
         list_count: *mut usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_parameterize_options_init(options: *mut hmf_parameterize_options);
+    pub fn hmf_parameterize(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        values: *const f64,
+        count: usize,
+        options: *const hmf_parameterize_options,
+        out: *mut hmf_parameterization,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_trace_options_init(options: *mut hmf_trace_options);
+    pub fn hmf_trace(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        values: *const f64,
+        count: usize,
+        options: *const hmf_trace_options,
+        lines: *mut hmf_line,
+        line_capacity: usize,
+        offsets: *mut u64,
+        offset_capacity: usize,
+        points: *mut f64,
+        point_edges: *mut u32,
+        point_capacity: usize,
+        line_count: *mut usize,
+        point_count: *mut usize,
         error: *mut hmf_error,
     ) -> hmf_status;
 }

@@ -146,6 +146,7 @@ impl<'a> Builder<'a> {
             allocator_user: std::ptr::null_mut(),
             progress: None,
             progress_user: std::ptr::null_mut(),
+            mollify: 0.0,
         }
     }
 }

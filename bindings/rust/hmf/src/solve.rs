@@ -232,6 +232,9 @@ impl<'a> Solver<'a> {
             stop_level: self.stop_level as u64,
             progress: None,
             progress_user: std::ptr::null_mut(),
+            initial_values: std::ptr::null(),
+            initial_count: 0,
+            initial_level: 0,
         }
     }
 }
