@@ -1,11 +1,12 @@
 // Compiled by `tsc --strict`, run never: the types say what the library is.
 // Each @ts-expect-error is a mistake that the types must catch.
 import { HmfError, load } from "hmf";
+import address from "hmf/hmf.wasm";
 import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "hmf";
 
 export async function stripes(positions: Float64Array, triangles: Uint32Array): Promise<Float64Array> {
     const hmf: Hmf = await load();
-    const bytes: Hmf = await load(new Uint8Array(8));
+    const bytes: Hmf = await load(address);
     const hierarchy: Hierarchy = new hmf.Hierarchy(positions, triangles, { collapse: "qslim", ratio: 0.5, progress: fraction => void fraction });
     const loops: LoopSet = hierarchy.loops({ kind: "cut", level: 0 });
     const foliation: Foliation = hierarchy.solve({
