@@ -5,6 +5,7 @@ function described(value) {
     if (value === null || value === undefined) return String(value);
     if (ArrayBuffer.isView(value)) return value[Symbol.toStringTag] ?? 'DataView';
     if (Array.isArray(value)) return 'Array';
+    if (typeof value === 'function') return 'a function';
     return typeof value === 'object' ? value.constructor?.name ?? 'object' : `${typeof value} ${String(value)}`;
 }
 
@@ -45,10 +46,16 @@ export function choice(value, name, table) {
 /** The options as an object that has only known keys. */
 export function optionsOf(value, name, known) {
     if (value === undefined) return {};
-    if (typeof value !== 'object' || value === null || ArrayBuffer.isView(value) || Array.isArray(value))
-        throw new TypeError(`${name} is ${described(value)}; give an object with any of ${known.join(', ')}.`);
+    plainObject(value, name, `any of ${known.join(', ')}`);
     for (const key of Object.keys(value))
         if (!known.includes(key)) throw new TypeError(`${name} has no option '${key}'; there are ${known.join(', ')}.`);
+    return value;
+}
+
+/** An object whose fields are checked one by one; more of them are allowed. */
+export function plainObject(value, name, fields) {
+    if (typeof value !== 'object' || value === null || ArrayBuffer.isView(value) || Array.isArray(value))
+        throw new TypeError(`${name} is ${described(value)}; give an object with ${fields}.`);
     return value;
 }
 

@@ -4,9 +4,9 @@ import { Foliation } from './foliation.js';
 import { namesOf } from './error.js';
 import { callback, choice, optionsOf, realNumber, typedArray, wholeNumber } from './arguments.js';
 import { levelOf, makeLoops, writeLoops } from './loops.js';
-import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
+import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeInitial, writeOptions, writeReport } from './solve.js';
 
-const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'memoryLimit', 'progress'];
+const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
 /** Symbol.dispose, also where the engine has none yet. */
@@ -22,6 +22,7 @@ function writeBuildOptions(frame, options, more = {}) {
     if (options.collapse !== undefined) fields.collapse = choice(options.collapse, 'collapse', collapses);
     if (options.ratio !== undefined) fields.ratio = realNumber(options.ratio, 'ratio');
     if (options.coarsest !== undefined) fields.coarsest = wholeNumber(options.coarsest, 'coarsest');
+    if (options.mollify !== undefined) fields.mollify = realNumber(options.mollify, 'mollify');
     if (options.memoryLimit !== undefined) fields.memory_limit = wholeNumber(options.memoryLimit, 'memoryLimit');
     if (options.progress !== undefined) callback(options.progress, 'progress');
     return frame.structure('hmf_build_options', fields);
@@ -149,11 +150,11 @@ export class Hierarchy {
     }
 
     solve(options) {
-        const given = optionsOf(options, 'options', [...OPTIMISE_OPTIONS, 'loops', 'stopLevel']);
+        const given = optionsOf(options, 'options', [...OPTIMISE_OPTIONS, 'loops', 'initial', 'stopLevel']);
         const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
         return this.perform((frame, address) => frame.module.withProgress(given.progress, fields => {
             const set = writeLoops(frame, given.loops);
-            const settings = writeOptions(frame, given, { ...fields, stop_level: level });
+            const settings = writeOptions(frame, given, { ...fields, ...writeInitial(frame, given.initial), stop_level: level });
             const report = writeReport(frame, this.#levels.length, given);
             const count = this.#levels[level].edgeCount;
             const values = frame.room(Float64Array, count);

@@ -55,6 +55,12 @@ export interface BuildOptions {
     ratio?: number;
     /** Vertices of the coarsest level to aim for; default 1000. */
     coarsest?: number;
+    /**
+     * In [0, 0.1], default 0, off: triangles without area and edges without
+     * length are accepted; the edges get longer by the least amount with which
+     * every triangle inequality holds by a margin of mollify * mean length.
+     */
+    mollify?: number;
     /** Bytes in use at any time, also in later calls with the hierarchy; default 0, no limit. */
     memoryLimit?: number;
     progress?: Progress;
@@ -141,6 +147,12 @@ export interface OptimizeOptions {
 export interface SolveOptions extends OptimizeOptions {
     /** Default: `hierarchy.loops()`. */
     loops?: LoopSet;
+    /**
+     * A foliation to start from, whose class is then that of the result, instead
+     * of loops: of a hierarchy with the same triangles, perhaps at other
+     * positions (the last frame of an animation).
+     */
+    initial?: { readonly values: Float64Array; readonly level: number };
     /** Finest level to solve; default 0, the mesh of the caller. */
     stopLevel?: number;
 }

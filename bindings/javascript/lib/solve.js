@@ -1,6 +1,6 @@
 // Options and report of hmf_solve and hmf_relax.
 import { namesOf, statusName } from './error.js';
-import { callback, choice, realNumber, wholeNumber } from './arguments.js';
+import { callback, choice, plainObject, realNumber, typedArray, wholeNumber } from './arguments.js';
 
 const methods = namesOf('HMF_METHOD_');
 const historyKinds = ['interpolation', 'sweep', 'linear-solve'];
@@ -16,6 +16,14 @@ export function writeOptions(frame, options, more = {}) {
     if (options.iterationLimit !== undefined) fields.iteration_limit = wholeNumber(options.iterationLimit, 'iterationLimit');
     if (options.progress !== undefined) callback(options.progress, 'progress');
     return frame.structure('hmf_solve_options', fields);
+}
+
+/** The fields of hmf_solve_options for a foliation to start from. */
+export function writeInitial(frame, initial) {
+    if (initial === undefined) return {};
+    plainObject(initial, 'initial', 'values and level, such as a Foliation');
+    const values = typedArray(initial.values, Float64Array, 'initial.values');
+    return { initial_values: frame.copy(values), initial_count: values.length, initial_level: wholeNumber(initial.level, 'initial.level') };
 }
 
 /** An hmf_report with room for the levels and for some history. */

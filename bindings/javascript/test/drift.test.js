@@ -30,6 +30,7 @@ test('every structure of the header has its fields in order, and JavaScript know
     // Of C alone; arrays of JavaScript know their length.
     const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'progress_user', 'reserved'];
     const otherwise = ['hmf_report.level_count', 'hmf_report.values_written', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
+        'hmf_solve_options.initial_values', 'hmf_solve_options.initial_count', 'hmf_solve_options.initial_level',
         'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics'];
     for (const [, name, body] of declared) {
         const fields = body.split(/[;,]/).map(field => /([a-z_0-9]+)(\[\d+\])?\s*$/.exec(field.trim())?.[1]).filter(Boolean);

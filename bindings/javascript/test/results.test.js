@@ -148,6 +148,29 @@ test('values go down to a coarse level and up again, relax brings them back', ()
     hierarchy.dispose();
 });
 
+test('a foliation of the same triangles elsewhere is a start', () => {
+    const { positions, triangles } = pretzel(2, 2), moved = positions.map((x, i) => (i % 3 === 0 ? 1.1 * x : x));
+    const [first, second] = [positions, moved].map(places => new hmf.Hierarchy(places, triangles, { coarsest: 100 }));
+    const loops = { ...first.loops({ level: 0 }), weights: [1, 2] };
+    const initial = first.solve({ loops }), next = second.solve({ initial }), expected = second.solve({ loops });
+    assert.equal(next.report.converged, true);
+    next.values.forEach((x, e) => assert.ok(Math.abs(x - expected.values[e]) < 1e-6));
+    assert.throws(() => second.solve({ initial: initial.values }), /initial is Float64Array; give an object with values and level/);
+    assert.throws(() => second.solve({ initial: { values: initial.values } }), /initial.level is undefined/);
+    assert.throws(() => second.solve({ initial: { values: new Float64Array(5), level: 0 } }), error => error.name === 'HmfError');
+    first.dispose();
+    second.dispose();
+});
+
+test('mollify accepts triangles without area', () => {
+    const { positions, triangles } = torus(12, 8);
+    positions.copyWithin(0, 3 * 8, 3 * 8 + 3); // two vertices at one place
+    assert.throws(() => new hmf.Hierarchy(positions, triangles), error => error.statusName === 'HMF_ERROR_MESH_DEGENERATE');
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { mollify: 1e-5 });
+    assert.equal(hierarchy.solve().report.converged, true);
+    hierarchy.dispose();
+});
+
 test('the methods agree on the energy', () => {
     const { positions, triangles } = pretzel(2, 2);
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
