@@ -303,6 +303,72 @@ TEST_P(Leaves, Cylinders) {
     }
 }
 
+// Closed, oriented, manifold, only quads, of the right genus; irregular vertices
+// exactly at the zeros; on the surface.
+TEST_P(Leaves, Quads) {
+    double area = 0;
+    for (size_t t = 0; t < mesh.triangle_count; ++t) {
+        double a[3], b[3];
+        for (size_t k = 0; k < 3; ++k) {
+            const auto at = [&](size_t c) { return mesh.positions[3 * mesh.triangle_vertices[3 * t + c] + k]; };
+            a[k] = at(1) - at(0);
+            b[k] = at(2) - at(0);
+        }
+        const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+        area += 0.5 * std::sqrt(x * x + y * y + z * z);
+    }
+    const std::vector<hmf_singularity> zeros = zeros_of(*hierarchy, 0, solution.values);
+    for (const double length : {0.0, 0.07, 0.2, 1.0, 100.0}) {
+        SCOPED_TRACE(length);
+        hmf_quad_options options;
+        hmf_quad_options_init(&options);
+        options.edge_length = length;
+        size_t vertices = 0, count = 0;
+        hmf_error error{};
+        const std::vector<double>& F = solution.values;
+        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, nullptr, 0, nullptr, 0, &vertices, &count, &error), HMF_OK) << error.message;
+        std::vector<double> positions(3 * vertices);
+        std::vector<uint32_t> quads(4 * count);
+        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, positions.data(), vertices, quads.data(), count, &vertices, &count, &error), HMF_OK);
+        std::map<std::pair<uint32_t, uint32_t>, int> sides;
+        std::vector<int> valence(vertices, 0);
+        for (size_t q = 0; q < count; ++q)
+            for (size_t s = 0; s < 4; ++s) {
+                ASSERT_LT(quads[4 * q + s], vertices);
+                ++sides[{quads[4 * q + s], quads[4 * q + (s + 1) % 4]}];
+                ++valence[quads[4 * q + s]];
+            }
+        size_t bad = 0;
+        for (const auto& side : sides) bad += side.second != 1 || side.first.first == side.first.second || !sides.count({side.first.second, side.first.first});
+        EXPECT_EQ(bad, 0u) << "sides";
+        for (size_t v = 0; v < vertices; ++v) ASSERT_EQ(valence[v], v < zeros.size() ? 2 * (2 - zeros[v].index) : 4) << v;
+        // V - E + F with E = 2 F: one component of the right genus, if the fans close as counted above.
+        EXPECT_EQ(static_cast<long>(vertices) - static_cast<long>(count), 2 - 2 * static_cast<long>(hmf_genus(hierarchy->get())));
+        for (double x : positions) ASSERT_TRUE(std::isfinite(x));
+        if (length == 0.07) {
+            EXPECT_GT(static_cast<double>(count), 0.5 * area / (length * length));
+            EXPECT_LT(static_cast<double>(count), 2 * area / (length * length));
+        }
+        // A fan round each vertex: following the quads comes back after all of them.
+        std::map<std::pair<uint32_t, uint32_t>, uint32_t> before; // (vertex, next) -> previous in the quad
+        for (size_t q = 0; q < count; ++q)
+            for (size_t s = 0; s < 4; ++s) before[{quads[4 * q + s], quads[4 * q + (s + 1) % 4]}] = quads[4 * q + (s + 3) % 4];
+        std::vector<char> seen(vertices, 0);
+        for (const auto& start : before) {
+            const uint32_t v = start.first.first;
+            if (seen[v]) continue;
+            seen[v] = 1;
+            int turns = 0;
+            uint32_t next = start.first.second;
+            do {
+                next = before.at({v, next});
+                ++turns;
+            } while (next != start.first.second && turns <= valence[v]);
+            ASSERT_EQ(turns, valence[v]) << v;
+        }
+    }
+}
+
 TEST_P(Leaves, ForeignLoopsAreRefused) {
     const size_t n = sample.weights.size();
     std::vector<hmf_cylinder> list(n);

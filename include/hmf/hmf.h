@@ -689,6 +689,40 @@ HMF_API hmf_status hmf_cylinders(const hmf_hierarchy *hierarchy, size_t level, c
                                  uint32_t *leaf_triangles, size_t triangle_capacity,
                                  size_t *cylinder_count, size_t *triangle_count, hmf_error *error);
 
+typedef struct hmf_quad_options {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as many quads as triangles / 2 */
+} hmf_quad_options;
+
+/* Fills in the defaults.  NULL is allowed and does nothing. */
+HMF_API void hmf_quad_options_init(hmf_quad_options *options);
+
+/*
+ * A closed quad mesh along the leaves: a grid on each cylinder, glued along the
+ * critical leaves.
+ *
+ *   options     NULL = defaults
+ *   positions   position_capacity x 3, or NULL; points of the surface
+ *   quads       quad_capacity x 4 vertices, or NULL; oriented as the triangles
+ *   vertex_count, quad_count   set on success
+ *
+ * The first vertices are the zeros, in the order of hmf_singularities; a zero of
+ * order m has 2 m + 4 edges, every other vertex has 4.  Closed, oriented and
+ * manifold by construction, genus as before; no two edges have the same ends.
+ * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
+ * equally long in the metric du^2 + dv^2: longer in space where the foliation is
+ * thin.  Numbers are rounded so that the grids match, with at least 3 quads
+ * across a cylinder and 2 along a critical leaf.
+ *
+ * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
+ * crosses, or if there is no match for edges so long.  Other errors: classes
+ * 100, 200, 500.
+ */
+HMF_API hmf_status hmf_quads(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
+                             const hmf_quad_options *options, double *positions, size_t position_capacity,
+                             uint32_t *quads, size_t quad_capacity, size_t *vertex_count, size_t *quad_count, hmf_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,7 +1,8 @@
-// hmf.h: trace, cylinders.
+// hmf.h: trace, cylinders, quads.
 #include "../foliation/whitehead.hpp"
 #include "../leaves/cylinder_classes.hpp"
 #include "../leaves/polyline.hpp"
+#include "../leaves/quad_mesh.hpp"
 #include "../solve/solve.hpp"
 #include "values.hpp"
 
@@ -266,6 +267,45 @@ hmf_status hmf_cylinders(const hmf_hierarchy* hierarchy, size_t level, const dou
     for (size_t i = 0; leaf_triangles && i < triangles; ++i) leaf_triangles[i] = static_cast<uint32_t>(curves.crossings[i].at);
     *cylinder_count = n;
     *triangle_count = triangles;
+    return HMF_OK;
+}
+
+void hmf_quad_options_init(hmf_quad_options* options) {
+    if (!options) return;
+    std::memset(static_cast<void*>(options), 0, sizeof *options);
+    options->struct_size = sizeof *options;
+}
+
+hmf_status hmf_quads(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, const hmf_quad_options* options,
+                     double* positions, size_t position_capacity, uint32_t* quads, size_t quad_capacity, size_t* vertex_count, size_t* quad_count,
+                     hmf_error* error) {
+    Query query(hierarchy, error);
+    Call& call = query.call;
+    if (check_level(hierarchy, level, call)) return call.status();
+    if (!vertex_count || !quad_count) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "vertex_count and quad_count must not be NULL.");
+    hmf_quad_options all;
+    if (!copy_options(options, all))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_quad_options has an unusable struct_size. Start from hmf_quad_options_init.");
+    if (!(all.edge_length >= 0) || !std::isfinite(all.edge_length))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length must be finite and not negative; 0 means the default.");
+    Leaves leaves;
+    if (leaves.load(*hierarchy, level, values, count, call)) return call.status();
+    Foliation& f = leaves.state.foliation;
+    const double* position = hierarchy->levels[level].position;
+    Cylinders cylinders;
+    FlatMetric metric;
+    QuadMesh made;
+    if (cylinders.build(f, leaves.vertices, leaves.faces, call) || flat_metric(f, position, cylinders, metric, call)) return call.status();
+    const double step = all.edge_length > 0 ? all.edge_length * std::sqrt(metric.flat_area / metric.area)
+                                            : std::sqrt(metric.flat_area / (0.5 * static_cast<double>(f.mesh.face_count)));
+    if (!(step > 0) || !std::isfinite(step)) return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
+    if (make_quads(f, position, cylinders, step, made, call)) return call.status();
+    const size_t n = made.positions.size() / 3, m = made.quads.size() / 4;
+    if ((positions && check_capacity(position_capacity, n, "positions", call)) || (quads && check_capacity(quad_capacity, m, "quads", call))) return call.status();
+    if (positions) std::memcpy(positions, made.positions.data(), 3 * n * sizeof(double));
+    if (quads) std::memcpy(quads, made.quads.data(), 4 * m * sizeof(uint32_t));
+    *vertex_count = n;
+    *quad_count = m;
     return HMF_OK;
 }
 

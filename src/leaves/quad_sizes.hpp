@@ -1,0 +1,15 @@
+// Whole numbers of quads along every arc of the critical graph and across every
+// cylinder.
+#pragma once
+
+#include "cylinders.hpp"
+
+namespace hmf {
+
+// conjugate_length: of each arc side; step: the wished edge length, in the same
+// unit as the heights of the cylinders.  columns: per arc side, the same for
+// both sides of an arc, so that both boundaries of a cylinder have equally many;
+// rows: per cylinder.  No two edges of the quad mesh have the same ends.
+hmf_status quad_sizes(const Cylinders& cylinders, const Array<double>& conjugate_length, double step, Array<int64_t>& columns, Array<int64_t>& rows, Call& call);
+
+} // namespace hmf
