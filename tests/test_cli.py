@@ -405,13 +405,77 @@ class Solve(Case):
         self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
 
 
+class Leaves(Case):
+    """Leaves and quads of a surface of genus 3, the sample of the demo."""
+
+    def test_leaves_and_quads(self):
+        folder = self.path("demo")
+        self.run_tool("demo", folder)
+        sample = os.path.join(folder, "sample.obj")
+        report, leaves, quads = self.path("r.json"), self.path("l.obj"), self.path("q.obj")
+        self.run_tool("solve", sample, "--weights", "1,1,2", "--leaves", leaves, "--spacing", "0.1", "--quads", quads, "--size", "0.1", "--report", report)
+        with open(report) as f:
+            found = json.load(f)
+        cylinders = found["cylinders"]
+        self.assertEqual([c["height"] for c in sorted(cylinders, key=lambda c: c["loop"])], [1, 1, 2])
+        self.assertEqual(sorted(c["loop"] for c in cylinders), [0, 1, 2])
+        self.assertAlmostEqual(sum(c["height"] * c["circumference"] for c in cylinders) / found["energy"], 1, delta=1e-9)
+        self.assertAlmostEqual(sum(c["area"] for c in cylinders) / found["energy"], 1, delta=1e-9)
+
+        lines, groups, points = 0, set(), 0
+        with open(leaves) as f:
+            for line in f:
+                word = line.split()
+                if word[0] == "v":
+                    points += 1
+                elif word[0] == "g":
+                    groups.add(word[1])
+                    group = word[1]
+                elif word[0] == "l":
+                    lines += 1
+                    self.assertTrue(all(1 <= int(i) <= points for i in word[1:]))
+                    if group != "critical":
+                        self.assertEqual(word[1], word[-1])
+        self.assertEqual(groups, {"critical", "cylinder_0", "cylinder_1", "cylinder_2"})
+        self.assertEqual(lines, found["leaves"])
+        # 8 zeros, counted with their orders; a zero of order m has m + 2 prongs.
+        self.assertTrue(40 + 8 / 2 < lines <= 40 + 3 * 8 / 2)
+
+        # The reader of the tool is CGAL's; then every defect of a mesh is looked for.
+        self.assertEqual(json.loads(self.run_tool("info", quads, "--json").stdout)["genus"], 3)
+        valence, faces = {}, 0
+        with open(quads) as f:
+            for line in f:
+                if line[0] == "f":
+                    corners = line.split()[1:]
+                    self.assertEqual(len(corners), 4)
+                    faces += 1
+                    for corner in corners:
+                        valence[corner] = valence.get(corner, 0) + 1
+        self.assertEqual(faces, found["quads"])
+        self.assertEqual(sum((k - 4) / 2 for k in valence.values()), 8)
+        try:
+            import trimesh
+        except ImportError:
+            return
+        surface = trimesh.load(quads, process=False)
+        self.assertTrue(surface.is_watertight and surface.is_winding_consistent)
+        self.assertEqual(surface.euler_number, -4)
+
+    def test_refusals(self):
+        for option in ("--spacing", "--size"):
+            self.run_tool("solve", self.mesh, option, "0", status=2)
+        self.run_tool("solve", self.mesh, "--leaves", self.path("l.txt"), status=2)
+        self.run_tool("solve", self.mesh, "--leaves", self.path("x.obj"), "--quads", self.path("x.obj"), status=2)
+
+
 class Demo(Case):
     def test_demo(self):
         folder = self.path("demo")
         done = self.run_tool("demo", folder)
         image = os.path.join(folder, "image.png")
         self.assertIn(image, done.stdout.splitlines()[-1])
-        self.assertEqual({"sample.obj", "image.png", "leaves.obj", "textured.obj", "textured.mtl", "textured.png", "values.csv", "values.npy", "report.json", "history.csv"}, set(os.listdir(folder)))
+        self.assertEqual({"sample.obj", "image.png", "leaves.obj", "quads.obj", "textured.obj", "textured.mtl", "textured.png", "values.csv", "values.npy", "report.json", "history.csv"}, set(os.listdir(folder)))
         report = json.loads(self.read("demo/report.json").decode())
         self.assertEqual(report["mesh"]["genus"], 3)
         self.assertGreater(report["mesh"]["vertices"], 15000)

@@ -57,4 +57,28 @@ std::vector<hmf_cylinder> find_cylinders(const hmf_hierarchy* hierarchy, const F
     return list;
 }
 
+size_t write_quads(const std::string& path, const hmf_hierarchy* hierarchy, const Foliation& foliation, double size, const std::string& mesh_name) {
+    hmf_quad_options options;
+    hmf_quad_options_init(&options);
+    options.edge_length = size;
+    std::vector<double> positions;
+    std::vector<uint32_t> quads;
+    size_t vertex_count = 0, quad_count = 0;
+    hmf_error error{};
+    for (int round = 0; round < 2; ++round) {
+        const hmf_status status = hmf_quads(hierarchy, 0, foliation.values.data(), foliation.values.size(), &options, round ? positions.data() : nullptr,
+                                            positions.size() / 3, round ? quads.data() : nullptr, quads.size() / 4, &vertex_count, &quad_count, &error);
+        if (status != HMF_OK) fail_with(status, error, mesh_name);
+        positions.resize(3 * vertex_count);
+        quads.resize(4 * quad_count);
+    }
+    Output output(path);
+    for (size_t v = 0; v < vertex_count; ++v)
+        std::fprintf(output.file(), "v %.9g %.9g %.9g\n", positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
+    for (size_t q = 0; q < quad_count; ++q)
+        std::fprintf(output.file(), "f %u %u %u %u\n", quads[4 * q] + 1, quads[4 * q + 1] + 1, quads[4 * q + 2] + 1, quads[4 * q + 3] + 1);
+    output.close();
+    return quad_count;
+}
+
 } // namespace cli

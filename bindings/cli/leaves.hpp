@@ -1,4 +1,4 @@
-// Leaves of a result, as a file of polylines.
+// What follows from the leaves of a result: polylines, cylinders, quads.
 #pragma once
 
 #include <string>
@@ -16,5 +16,9 @@ size_t write_leaves(const std::string& path, const hmf_hierarchy* hierarchy, con
 
 // The cylinders of a converged result, each with its loop.
 std::vector<hmf_cylinder> find_cylinders(const hmf_hierarchy* hierarchy, const Foliation& foliation, const hmf_loop_set& loops, const std::string& mesh_name);
+
+// A quad mesh along the leaves as OBJ; size: wished length of an edge, 0 = the
+// default.  Returns the number of quads; throws Failure.
+size_t write_quads(const std::string& path, const hmf_hierarchy* hierarchy, const Foliation& foliation, double size, const std::string& mesh_name);
 
 } // namespace cli

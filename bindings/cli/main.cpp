@@ -32,7 +32,7 @@ void expect_extension(const char* option, const std::string& path, std::initiali
 
 void check_outputs(const std::string& mesh, const SolveRequest& request) {
     std::vector<std::string> outputs = request.values;
-    for (const std::string& path : {request.report, request.history, request.image, request.leaves})
+    for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.quads})
         if (!path.empty()) outputs.push_back(path);
     if (!request.obj.empty())
         for (const char* extension : {".obj", ".mtl", ".png"}) outputs.push_back(with_extension(request.obj, extension));
@@ -66,6 +66,7 @@ int demo(const std::string& folder) {
     request.history = in_folder("history.csv");
     request.image = in_folder("image.png");
     request.leaves = in_folder("leaves.obj");
+    request.quads = in_folder("quads.obj");
     request.obj = in_folder("textured.obj");
     const int status = solve(mesh, seconds_since(start), request);
     std::printf("The picture is in %s\n", request.image.c_str());
@@ -135,6 +136,8 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"stripes", "checkerboard"}).description(""))
         ->type_name("stripes|checkerboard")
         ->capture_default_str();
+    solve_command->add_option("--quads", request.quads, "quad mesh along the leaves, irregular only at the zeros")->type_name("FILE.obj");
+    solve_command->add_option("--size", request.quad_size, "wished length of an edge of a quad; default: half as many quads as triangles")->check(CLI::PositiveNumber);
 
     try {
         app.parse(argc, argv);
@@ -154,6 +157,7 @@ int run(int argc, char** argv) {
     expect_extension("--history", request.history, {".csv"});
     expect_extension("--image", request.image, {".png"});
     expect_extension("--leaves", request.leaves, {".obj"});
+    expect_extension("--quads", request.quads, {".obj"});
     expect_extension("--obj", request.obj, {".obj"});
     request.checkerboard = pattern == "checkerboard";
     if (request.checkerboard && request.image.empty()) throw Failure(EXIT_USAGE, "--pattern says how --image looks; give --image FILE.png");

@@ -197,7 +197,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.obj})
+    for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.quads, request.obj})
         if (!path.empty()) check_writable(path);
 
     InterruptGuard guard;
@@ -299,6 +299,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
     if (!request.leaves.empty() && status == HMF_OK) summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
+    if (!request.quads.empty()) summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
     if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, name);
     const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
     // Asked for, or for the report, which tells how conformal the result is.

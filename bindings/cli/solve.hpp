@@ -20,8 +20,8 @@ struct SolveRequest {
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, obj;
-    double leaf_spacing = 0;
+    std::string report, history, image, leaves, quads, obj;
+    double leaf_spacing = 0, quad_size = 0;
     bool checkerboard = false; // in the picture, instead of stripes
 };
 

@@ -88,6 +88,7 @@ void write_report(const std::string& path, const Summary& summary) {
         for (const hmf_cylinder& c : summary.cylinders)
             report["cylinders"].push_back({{"loop", c.loop}, {"height", c.height}, {"circumference", c.circumference}, {"modulus", c.modulus}, {"area", c.area}});
     }
+    if (summary.quads > 0) report["quads"] = summary.quads;
     const std::string text = report.dump(2) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());

@@ -18,7 +18,7 @@ struct Summary {
     std::string method;
     double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
     uint64_t peak_memory_bytes = 0;
-    size_t leaves = 0; // lines written, 0 where not wanted
+    size_t leaves = 0, quads = 0; // lines and quads written, 0 where not wanted
     std::vector<hmf_cylinder> cylinders; // with the leaves
     hmf_report report{};
     std::vector<hmf_level_report> levels;
