@@ -1,6 +1,6 @@
 #!/bin/sh
-# hmf.h compiles alone and included twice, in every C standard and in C++,
-# without a warning, with each compiler that is installed.
+# hmf.h compiles alone and included twice, in every C standard and in C++, and
+# hmf.hpp in C++17 and C++20, without a warning, with each compiler that is installed.
 # Prints a line "ok", "not ok" or "skip" for each check, as all check_*.sh do.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -18,6 +18,17 @@ hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error)
 }
 END
 cp "$work/twice.c" "$work/twice.cpp"
+cat > "$work/classes.cpp" <<'END'
+#include <hmf/hmf.hpp>
+#include <hmf/hmf.hpp>
+hmf::Solution use(const std::vector<double>& positions, const std::vector<uint32_t>& triangles);
+hmf::Solution use(const std::vector<double>& positions, const std::vector<uint32_t>& triangles)
+{
+    const hmf::Hierarchy hierarchy(positions, triangles);
+    hmf::Solution solution = hierarchy.solve(hierarchy.loops(0));
+    return solution.foliation.zeros_and_poles().empty() ? solution.foliation.relax() : std::move(solution);
+}
+END
 
 check() { # name, then the command
     name=$1
@@ -41,5 +52,21 @@ for cc in gcc clang; do
         check "$cc-$std" $cc -std=$std $warnings -Wstrict-prototypes -Wc++-compat "$work/twice.c"
     done
     check "$cc-c++17" $cc -x c++ -std=c++17 $warnings -Wold-style-cast "$work/twice.cpp"
+    for std in c++17 c++20; do
+        check "$cc-hpp-$std" $cc -x c++ -std=$std $warnings -Wold-style-cast "$work/classes.cpp"
+    done
 done
+
+# hmf.hpp leaves out no function of hmf.h but those that only fill in defaults,
+# and names every choice.
+complete() {
+    missing=0
+    sed 's|/\*.*\*/||' "$root/include/hmf/hmf.hpp" > "$work/code.hpp" # without comments
+    for symbol in $(sed -n 's/^HMF_API .*[ *]\(hmf_[a-z_]*\)(.*/\1/p' "$root/include/hmf/hmf.h" | grep -v -e '_options_init$' -e '^hmf_version$' -e '^hmf_status_string$') \
+        $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LOOP\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$root/include/hmf/hmf.h"); do
+        grep -qw "$symbol" "$work/code.hpp" || { echo "hmf.hpp lacks $symbol"; missing=1; }
+    done
+    return $missing
+}
+check hpp-complete complete
 exit $failed

@@ -3,7 +3,7 @@
 #
 # Installs the library, moves the tree, and uses it from there in each way:
 # find_package, pkg-config, cc alone, and add_subdirectory; static and shared.
-# The example of the README is built and run as well.
+# The examples of the README and of bindings/ are built and run as well.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
@@ -42,16 +42,65 @@ use_add_subdirectory() { # ON or OFF, build folder
         cmake --build "$2" -j2 && "$2/consumer"
 }
 
-use_pkg_config() { # prefix, source, program
+build_with_pkg_config() { # prefix, standard, source, program, warnings
     pc=$(dirname "$(find "$1" -name hmf.pc)")
     flags=$(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs hmf) || return 1
     # The flags come last: a static library follows the object that needs it.
-    cc -std=c99 -Wall -Wextra -Werror "$2" -o "$3" $flags && LD_LIBRARY_PATH=$(dirname "$pc") "$3"
+    cc "-std=$2" -Wall -Wextra -Werror ${5:-} "$3" -o "$4" $flags
+}
+
+use_pkg_config() { # prefix, source, program
+    build_with_pkg_config "$1" c99 "$2" "$3" && LD_LIBRARY_PATH=$(dirname "$pc") "$3"
 }
 
 use_cc() { # prefix, program
     lib=$(dirname "$(dirname "$(find "$1" -name hmf.pc)")")
     cc "$root/tests/consumers/main.c" -I"$1/include" -L"$lib" -lhmf -lstdc++ -lm -o "$2" && LD_LIBRARY_PATH=$lib "$2"
+}
+
+use_hpp() { # prefix, build folder
+    cmake -S "$root/tests/consumers/cpp" -B "$2" -DCMAKE_PREFIX_PATH="$1" -DHMF_EXAMPLE="$root/bindings/cpp/torus.cpp" &&
+        cmake --build "$2" && "$2/consumer" && "$2/torus" | tee "$2/torus.txt"
+}
+
+# The C example on the same torus as the C++ example: the same values.
+use_c_example() { # prefix, folder, output of the C++ example
+    mkdir -p "$2" && cat > "$2/torus.obj" << 'END' &&
+v 3 -3 0
+v -3 3 0
+v -3 -3 1
+v 3 3 1
+v -1 -2 3
+v 1 2 3
+v 0 0 15
+f 1 2 4
+f 1//1 4//1 3//1
+f 2/1 3/1 5/1
+f 2/1/1 5/1/1 4/1/1
+f 3 4 6
+f 3 6 5
+f 4 5 7
+f 4 7 6
+f 5 6 1
+f 5 1 7
+f 6 7 2
+f 6 2 1
+f 7 1 3
+f 7 3 2
+END
+        build_with_pkg_config "$1" c89 "$root/bindings/c/solve_obj.c" "$2/solve_obj" -Wpedantic &&
+        "$2/solve_obj" "$2/torus.obj" "$2/values.csv" && cut -d, -f3 "$2/values.csv" > "$2/values.txt" &&
+        tail -n +2 "$3" | cmp - "$2/values.txt" && [ "$(wc -l < "$2/values.txt")" -eq 21 ] &&
+        ! "$2/solve_obj" "$2/no.obj" "$2/no.csv"
+}
+
+# Each line of the C++ block of the README is one of the example.
+readme_shows_cpp_example() {
+    awk '/^```cpp$/ { on = 1; next } /^```/ { if (on) exit } on { sub(/^ */, ""); print }' "$root/README.md" > "$work/readme.cpp"
+    [ "$(wc -l < "$work/readme.cpp")" -gt 3 ] || return 1
+    while IFS= read -r line; do
+        grep -qF "$line" "$root/bindings/cpp/torus.cpp" || { echo "not in the example: $line"; return 1; }
+    done < "$work/readme.cpp"
 }
 
 version_matches() { # prefix
@@ -70,10 +119,13 @@ for shared in OFF ON; do
     check "$kind-add_subdirectory" use_add_subdirectory $shared "$work/add_subdirectory-$kind"
     check "$kind-pkg-config" use_pkg_config "$prefix" "$root/tests/consumers/main.c" "$work/pkg-config-$kind"
     check "$kind-cc" use_cc "$prefix" "$work/cc-$kind"
+    check "$kind-hpp" use_hpp "$prefix" "$work/hpp-$kind"
 done
 
 # The first C block of the README.
 awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' "$root/README.md" > "$work/readme.c"
 check "readme-has-example" grep -q hmf_solve "$work/readme.c"
 check "readme-example" use_pkg_config "$work/moved-static" "$work/readme.c" "$work/readme"
+check "readme-shows-cpp-example" readme_shows_cpp_example
+check "c-example" use_c_example "$work/moved-static" "$work/c-example" "$work/hpp-static/torus.txt"
 exit $failed

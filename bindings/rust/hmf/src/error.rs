@@ -102,6 +102,10 @@ statuses! {
     ERROR_VALUE_NOT_CLOSED = HMF_ERROR_VALUE_NOT_CLOSED;
     /// The values have a pole.
     ERROR_VALUE_POLE = HMF_ERROR_VALUE_POLE;
+    /// The values are too far from the minimum of the energy.
+    ERROR_VALUE_NOT_HARMONIC = HMF_ERROR_VALUE_NOT_HARMONIC;
+    /// The values do not belong to the given loops, or to no loops that can be followed.
+    ERROR_VALUE_CLASS = HMF_ERROR_VALUE_CLASS;
     /// A defect of the library itself; please report it.
     ERROR_INTERNAL = HMF_ERROR_INTERNAL;
 }
@@ -186,9 +190,9 @@ impl Error {
         self.element
     }
 
-    /// Number of the element, counted from 0; `None` where there is no element.
-    pub fn index(&self) -> Option<u64> {
-        self.element.map(|_| self.index)
+    /// Number of the element, counted from 0; of the given point where a point is bad.
+    pub fn index(&self) -> u64 {
+        self.index
     }
 
     /// What is wrong and what to do.

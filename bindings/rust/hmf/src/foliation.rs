@@ -2,6 +2,8 @@
 
 use crate::error::{call, Result, Status};
 use crate::hierarchy::Hierarchy;
+use crate::parameterize::Parameterizer;
+use crate::trace::Tracer;
 use hmf_sys as sys;
 use std::ptr;
 
@@ -143,6 +145,45 @@ impl Foliation {
     /// Class 500 if the values are not closed; class 200.
     pub fn zeros_and_poles(&self) -> Result<Vec<Singularity>> {
         self.list(None)
+    }
+
+    /// Options for a conformal parameterisation of this foliation, all at their defaults.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
+    /// # fn main() -> hmf::Result<()> {
+    /// # let (positions, triangles) = plate(2, 1, 3, 2);
+    /// # let hierarchy = hmf::Hierarchy::build(&positions, &triangles)?;
+    /// let foliation = hierarchy.solver().solve()?.foliation;
+    /// let map = foliation.parameterizer().parameterize()?;
+    /// assert_eq!(map.corner_uv.len(), triangles.len());
+    /// println!("mean dilatation {:.2}, {} seam edges", map.dilatation_mean, map.seam_edge_count);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn parameterizer(&self) -> Parameterizer<'_> {
+        Parameterizer::new(self)
+    }
+
+    /// Which leaves of this foliation to follow.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
+    /// # fn main() -> hmf::Result<()> {
+    /// # let (positions, triangles) = plate(2, 1, 3, 2);
+    /// # let hierarchy = hmf::Hierarchy::build(&positions, &triangles)?;
+    /// let foliation = hierarchy.solver().solve()?.foliation;
+    /// let leaves = foliation.tracer().critical().spacing(0.2).trace()?;
+    /// for line in &leaves.lines {
+    ///     let points: &[[f64; 3]] = &leaves.points[line.points.clone()];
+    ///     println!("{:?} of {} points, length {:.3}", line.kind, points.len(), line.length);
+    /// }
+    /// # assert!(leaves.lines.len() > 6);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn tracer(&self) -> Tracer<'_> {
+        Tracer::new(self)
     }
 
     fn list(&self, mut arrays: Option<&mut Singularities>) -> Result<Vec<Singularity>> {

@@ -198,8 +198,8 @@ pub struct LevelInfo {
     pub edge_count: usize,
     /// Triangles.
     pub triangle_count: usize,
-    /// Edges whose weight was below the floor and was raised to it. On level 0,
-    /// the intrinsic triangulation, only edges whose flip would join a vertex to itself.
+    /// Edges whose weight was below the floor and was raised to it; 0 on level 0, the
+    /// intrinsic Delaunay triangulation.
     pub non_delaunay_count: usize,
 }
 

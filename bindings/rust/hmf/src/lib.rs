@@ -6,15 +6,19 @@ mod foliation;
 mod hierarchy;
 mod loops;
 mod memory;
+mod parameterize;
 mod progress;
 mod solve;
+mod trace;
 
 pub use error::{Element, Error, Result, Status};
 pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
 pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
 pub use loops::{LoopElements, Loops, LoopsKind};
+pub use parameterize::{Parameterization, Parameterizer};
 pub use progress::Progress;
 pub use solve::{HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
+pub use trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 
 /// Version of the library that is linked: major, minor, patch.
 pub fn version() -> (u32, u32, u32) {

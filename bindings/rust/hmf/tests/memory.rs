@@ -37,7 +37,7 @@ fn resident() -> Option<usize> {
 
 #[test]
 fn a_thousand_failing_calls_leave_nothing() {
-    let (positions, triangles) = plate(2, 1, 6, 5);
+    let (positions, triangles) = plate(2, 1, 3, 2);
     let held = LIVE.load(Ordering::Relaxed);
     let hierarchy = Hierarchy::build(&positions, &triangles).unwrap();
     // The hierarchy is counted by both sides; the reference to it is Rust's.
@@ -53,7 +53,7 @@ fn a_thousand_failing_calls_leave_nothing() {
         let mut calls = 0;
         let cancel = |_: f64| {
             calls += 1;
-            [Progress::Continue, Progress::Cancel][usize::from(calls > 30)]
+            [Progress::Continue, Progress::Cancel][usize::from(calls > 10)]
         };
         assert!(Hierarchy::build(&positions, &triangles[1..]).is_err());
         assert!(hierarchy.solver().progress(cancel).solve().is_err());

@@ -1,6 +1,6 @@
 //! The whole way from a mesh to a foliation, and what can be asked of it.
 
-use hmf::{Collapse, Foliation, Hierarchy, HistoryKind, Loops, LoopsKind, Method, Solution, Status};
+use hmf::{Collapse, Foliation, Hierarchy, HistoryKind, LineEnd, LineKind, Loops, LoopsKind, Method, Solution, Status};
 use std::collections::HashMap;
 
 include!("support/mesh.rs");
@@ -224,6 +224,95 @@ fn limits_give_a_result_with_their_status() {
 
     let mut solver = hierarchy.solver().method(Method::Whitehead).tolerance(1e-12).iteration_limit(1);
     assert_eq!(solver.solve().unwrap().status(), Status::LIMIT_ITERATIONS);
+}
+
+#[test]
+fn parameterization_integrates_the_foliation() {
+    let hierarchy = genus_2();
+    let foliation = hierarchy.solver().solve().unwrap().foliation;
+    let mut last = 0.0;
+    let map = foliation.parameterizer().progress(|fraction| last = fraction).parameterize().unwrap();
+    assert_eq!(map.cone.iter().map(|cone| 2 - cone).sum::<i32>(), -4);
+    assert_eq!(map.seam.iter().filter(|&&seam| seam).count() as u64, map.seam_edge_count);
+    assert!((map.area / foliation.energy().unwrap() - 1.0).abs() < 0.1);
+    assert!(map.seam_length > 0.0 && map.dilatation_mean >= 1.0);
+    assert_eq!(map.differential.len(), map.dilatation.len());
+
+    // The two images of an edge agree through its transition, exactly.
+    let (sides, corners) = (hierarchy.triangle_edges(0).unwrap(), hierarchy.triangle_vertices(0).unwrap());
+    let mut first: HashMap<(u32, u32), [f64; 2]> = HashMap::new();
+    for (t, (side, corner)) in sides.iter().zip(&corners).enumerate() {
+        for (s, edge) in side.iter().enumerate() {
+            let [sign, du, dv] = map.transition[*edge as usize];
+            assert!(map.seam[*edge as usize] || [sign, du, dv] == [1.0, 0.0, 0.0]);
+            for c in [s, (s + 1) % 3] {
+                let [u, v] = map.corner_uv[t][c];
+                match first.get(&(*edge, corner[c])) {
+                    None => _ = first.insert((*edge, corner[c]), [u, v]),
+                    Some([u1, v1]) => assert_eq!([sign * u1 + du, sign * v1 + dv], [u, v]),
+                }
+            }
+        }
+    }
+
+    // Where all other edges cost nothing, the seams run elsewhere.
+    let others: Vec<u32> = (0..map.seam.len() as u32).filter(|&edge| !map.seam[edge as usize]).collect();
+    let again = foliation.parameterizer().seam_edges(&others).parameterize().unwrap();
+    let same = again.seam.iter().zip(&map.seam).filter(|(new, old)| **new && **old).count();
+    assert!((same as u64) < map.seam_edge_count / 4, "{same} of {} seams stayed", map.seam_edge_count);
+    let error = foliation.parameterizer().seam_edges(&[u32::MAX]).parameterize().unwrap_err();
+    assert_eq!((error.status(), error.index()), (Status::ERROR_OPTIONS, u64::from(u32::MAX)));
+
+    let start = hierarchy.initialize(&hierarchy.loops(0, LoopsKind::Cut).unwrap()).unwrap();
+    assert_eq!(start.parameterizer().parameterize().unwrap_err().status(), Status::ERROR_VALUE_NOT_HARMONIC);
+    let cancelled = foliation.parameterizer().progress(|_| hmf::Progress::Cancel).parameterize();
+    assert_eq!(cancelled.unwrap_err().status(), Status::CANCELLED);
+}
+
+#[test]
+fn leaves_are_level_sets() {
+    let hierarchy = genus_2();
+    let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap();
+    let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
+    let zeros = foliation.zeros_and_poles().unwrap();
+    let critical = foliation.tracer().trace().unwrap();
+    assert!(!critical.lines.is_empty());
+    for line in &critical.lines {
+        assert_eq!((line.kind, line.closed, line.cylinder), (LineKind::Critical, false, None));
+        for end in [line.begin, line.end] {
+            assert!(matches!(end, LineEnd::Zero(zero) if (zero as usize) < zeros.len()));
+        }
+    }
+
+    let leaves = foliation.tracer().critical().spacing(0.1).point(5, [0.5, 0.25, 0.25]).trace().unwrap();
+    let of = |kind| leaves.lines.iter().filter(move |line| line.kind == kind);
+    assert_eq!(of(LineKind::Critical).count(), critical.lines.len());
+    assert_eq!(of(LineKind::Point).map(|line| line.source).collect::<Vec<_>>(), [0]);
+    // Heights in one cylinder are evenly spaced, and lengths are those of the polylines.
+    let levels: Vec<_> = of(LineKind::Level).collect();
+    assert!(levels.len() >= 10);
+    for pair in levels.windows(2).filter(|pair| pair[0].cylinder == pair[1].cylinder) {
+        assert_eq!(pair[0].source + 1, pair[1].source);
+        assert!((pair[1].height - pair[0].height - 0.1).abs() < 0.05);
+    }
+    let ends = hierarchy.edge_vertices(0).unwrap();
+    let positions = hierarchy.positions(0).unwrap();
+    let distance = |p: [f64; 3], q: [f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt();
+    for line in levels {
+        assert!(line.closed && line.begin == LineEnd::Closed && line.end == LineEnd::Closed);
+        let points = &leaves.points[line.points.clone()];
+        let length: f64 = (0..points.len()).map(|k| distance(points[k], points[(k + 1) % points.len()])).sum();
+        assert!(close(length, line.length));
+        for (point, edge) in points.iter().zip(&leaves.point_edges[line.points.clone()]) {
+            let [a, b] = ends[edge.unwrap() as usize].map(|end| positions[end as usize]);
+            assert!((distance(*point, a) + distance(*point, b) - distance(a, b)).abs() < 1e-9);
+        }
+    }
+
+    let limited = foliation.tracer().point(5, [0.5, 0.25, 0.25]).length_limit(1e-3).trace().unwrap();
+    assert_eq!((limited.lines[0].begin, limited.lines[0].end), (LineEnd::Limit, LineEnd::Limit));
+    let bad = foliation.tracer().point(5, [1.0, 0.0, 0.0]).point(u32::MAX, [1.0, 0.0, 0.0]).trace().unwrap_err();
+    assert_eq!((bad.status(), bad.index()), (Status::ERROR_OPTIONS, 1));
 }
 
 /// The README shows the example as it is.

@@ -1,0 +1,404 @@
+// hmf.hpp: the classes give what the C calls give, failures become exceptions,
+// and exceptions of a progress function pass through.
+#include <hmf/hmf.hpp>
+
+#include "support/meshes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+#include <type_traits>
+
+namespace {
+
+test::TriMesh mesh() { return test::pretzel(2, 3); }
+
+hmf::Hierarchy make(const hmf::BuildOptions& options = {}) {
+    const test::TriMesh m = mesh();
+    return hmf::Hierarchy(m.positions, m.triangles, options);
+}
+
+hmf::BuildOptions with_levels() {
+    hmf::BuildOptions options;
+    options.coarsest = 100;
+    return options;
+}
+
+// The error of a call that must fail.
+template <class Call>
+hmf::Error error_of(Call&& call) {
+    try {
+        call();
+    } catch (const hmf::Error& error) {
+        EXPECT_GT(std::string(error.what()).size(), 20u);
+        return error;
+    }
+    ADD_FAILURE() << "the call succeeded";
+    return hmf::Error(HMF_OK, HMF_ELEMENT_NONE, 0, "");
+}
+
+static_assert(!std::is_copy_constructible_v<hmf::Hierarchy> && std::is_nothrow_move_constructible_v<hmf::Hierarchy>);
+static_assert(!std::is_copy_constructible_v<hmf::Foliation> && std::is_nothrow_move_constructible_v<hmf::Foliation>);
+static_assert(std::is_base_of_v<std::runtime_error, hmf::Error>);
+static_assert(!std::is_convertible_v<std::vector<float>, hmf::Span<double>>);
+static_assert(!std::is_convertible_v<std::vector<std::array<float, 6>>, hmf::Span<double>>);
+
+TEST(Hpp, SameValuesAsC) {
+    const test::TriMesh m = mesh();
+    hmf_hierarchy* raw = nullptr;
+    ASSERT_EQ(HMF_OK, hmf_build(m.positions.data(), m.vertex_count(), 0, m.triangles.data(), m.triangle_count(), nullptr, &raw, nullptr));
+    std::vector<double> expected(m.triangle_count() * 3 / 2);
+    ASSERT_EQ(HMF_OK, hmf_solve(raw, nullptr, nullptr, expected.data(), expected.size(), nullptr, nullptr));
+    hmf_destroy(raw);
+
+    const hmf::Hierarchy hierarchy(m.positions, m.triangles);
+    const hmf::Solution solution = hierarchy.solve();
+    EXPECT_EQ(HMF_OK, solution.status);
+    EXPECT_EQ("", solution.message);
+    EXPECT_EQ(expected, solution.foliation.values());
+    EXPECT_EQ(expected, hierarchy.solve(hierarchy.loops(hierarchy.coarsest_level())).foliation.values());
+}
+
+TEST(Hpp, SpansOfManyContainers) {
+    const test::TriMesh m = mesh();
+    std::vector<std::array<double, 3>> points(m.vertex_count());
+    for (size_t i = 0; i < points.size(); ++i) points[i] = {m.positions[3 * i], m.positions[3 * i + 1], m.positions[3 * i + 2]};
+    const hmf::Hierarchy hierarchy(points, hmf::Span<uint32_t>(m.triangles.data(), m.triangles.size()));
+    EXPECT_EQ(m.positions, hierarchy.positions(0));
+    EXPECT_EQ(m.triangles, hierarchy.triangle_vertices(0));
+    const uint32_t three[] = {4, 5, 6};
+    EXPECT_EQ(3u, hmf::Span<uint32_t>(three).size());
+    EXPECT_EQ(6u, hmf::Span<uint32_t>(three)[2]);
+    EXPECT_EQ(0u, hmf::Span<double>().size());
+}
+
+TEST(Hpp, Levels) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    EXPECT_EQ(2u, hierarchy.genus());
+    EXPECT_GT(hierarchy.memory(), 0u);
+    ASSERT_GT(hierarchy.level_count(), 2u);
+    EXPECT_EQ(hierarchy.level_count() - 1, hierarchy.coarsest_level());
+    for (size_t level = 0; level < hierarchy.level_count(); ++level) {
+        const hmf::LevelInfo info = hierarchy.level(level);
+        EXPECT_EQ(info.vertex_count + info.triangle_count + 2, info.edge_count);
+        const std::vector<uint32_t> ends = hierarchy.edge_vertices(level), sides = hierarchy.triangle_edges(level);
+        const std::vector<uint32_t> corners = hierarchy.triangle_vertices(level);
+        ASSERT_EQ(2 * info.edge_count, ends.size());
+        ASSERT_EQ(3 * info.triangle_count, sides.size());
+        ASSERT_EQ(3 * info.triangle_count, corners.size());
+        EXPECT_EQ(info.edge_count, hierarchy.weights(level).size());
+        EXPECT_EQ(3 * info.vertex_count, hierarchy.positions(level).size());
+        for (size_t t = 0; t < corners.size(); t += 3)
+            for (size_t s = 0; s < 3; ++s) {
+                const uint32_t a = corners[t + s], b = corners[t + (s + 1) % 3], *e = &ends[2 * sides[t + s]];
+                EXPECT_TRUE((e[0] == a && e[1] == b) || (e[0] == b && e[1] == a));
+            }
+    }
+    EXPECT_EQ(HMF_ERROR_LEVEL, error_of([&] { hierarchy.weights(hierarchy.level_count()); }).status());
+}
+
+TEST(Hpp, ReportAndSingularities) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    const hmf::Solution solution = hierarchy.solve();
+    const hmf::Report& report = solution.report;
+    EXPECT_EQ(hmf::Method::newton, report.method);
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(report.residual_max, 1e-8);
+    EXPECT_EQ(0u, report.poles);
+    EXPECT_EQ(4u, report.zeros);
+    EXPECT_EQ(-4, report.index_sum);
+    EXPECT_EQ(hierarchy.level_count(), report.levels.size());
+    EXPECT_EQ(report.history_count, report.history.size());
+    EXPECT_GT(report.history.size(), 3u);
+
+    const hmf::Singularities all = solution.foliation.singularities();
+    int sum = 0;
+    for (int32_t index : all.vertex_index) sum += index;
+    for (int32_t index : all.triangle_index) sum += index;
+    EXPECT_EQ(-4, sum);
+    for (const hmf::Singularity& at : all.list) sum -= at.index;
+    EXPECT_EQ(0, sum);
+    EXPECT_EQ(all.list.size(), solution.foliation.zeros_and_poles().size());
+    EXPECT_EQ(all.vertex_index.size(), all.vertex_cluster.size());
+
+    double largest = 0;
+    for (double r : solution.foliation.residuals()) largest = std::fmax(largest, r);
+    EXPECT_LT(largest, 1e-8);
+    EXPECT_NEAR(report.energy, solution.foliation.energy(), 1e-12 * report.energy);
+
+    hmf::SolveOptions two;
+    two.history_capacity = 2;
+    EXPECT_EQ(2u, hierarchy.solve(two).report.history.size());
+}
+
+// The small loop round a vertex makes a pole there: five of them, and more singularities
+// than a foliation of the library has.
+TEST(Hpp, ListsMoreSingularitiesThanALibraryFoliationHas) {
+    const hmf::Hierarchy hierarchy = make();
+    const std::vector<uint32_t> ends = hierarchy.edge_vertices(0);
+    std::vector<double> values(ends.size() / 2);
+    for (size_t e = 0; e < values.size(); ++e)
+        for (uint32_t v : {0u, 200u, 400u, 600u, 800u}) values[e] += (ends[2 * e] == v) + (ends[2 * e + 1] == v);
+    const hmf::Foliation foliation = hierarchy.foliation(0, values);
+    const std::vector<hmf::Singularity> list = foliation.singularities().list;
+    EXPECT_GT(list.size(), 4u);
+    EXPECT_EQ(list.size(), foliation.zeros_and_poles().size());
+    int sum = 0;
+    for (const hmf::Singularity& at : list) sum += at.index;
+    EXPECT_EQ(-4, sum);
+    EXPECT_EQ(HMF_ERROR_VALUE_POLE, error_of([&] { foliation.energy(); }).status());
+}
+
+TEST(Hpp, LoopsUpAndDown) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    hmf::Loops loops = hierarchy.loops(1);
+    ASSERT_EQ(2u, loops.size());
+    EXPECT_EQ(loops.elements.size(), loops[0].size() + loops[1].size());
+    loops.weights = {1, 0.5};
+
+    const hmf::Foliation start = hierarchy.initialize(loops);
+    const hmf::Solution relaxed = start.relax();
+    hmf::SolveOptions options;
+    options.stop_level = 1;
+    const hmf::Solution solved = hierarchy.solve(loops, options);
+    EXPECT_EQ(1u, solved.foliation.level());
+    EXPECT_LT(solved.report.energy, start.energy());
+    EXPECT_NEAR(solved.report.energy, relaxed.report.energy, 1e-9 * solved.report.energy);
+
+    // The energy is the sum that the header defines.
+    const std::vector<double> weights = hierarchy.weights(1);
+    double sum = 0;
+    for (size_t e = 0; e < weights.size(); ++e) sum += weights[e] * solved.foliation.values()[e] * solved.foliation.values()[e];
+    EXPECT_NEAR(sum, solved.foliation.energy(), 1e-12 * sum);
+
+    const hmf::Foliation fine = solved.foliation.to_level(0), back = fine.to_level(1);
+    EXPECT_EQ(0u, fine.level());
+    EXPECT_NEAR(solved.report.energy, back.relax().report.energy, 1e-9 * sum);
+
+    hmf::Loops own;
+    own.add({0, 1});
+    own.add(std::vector<uint32_t>{2, 3, 4}, 2);
+    EXPECT_EQ((std::vector<uint64_t>{0, 2, 5}), own.offsets);
+    EXPECT_EQ((std::vector<double>{1, 2}), own.weights);
+    EXPECT_EQ(HMF_ELEMENT_LOOP, error_of([&] { hierarchy.solve(own); }).element());
+    own.weights.pop_back();
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.solve(own); }).status());
+    own.weights.push_back(1);
+    own.elements.pop_back();
+    EXPECT_EQ(HMF_ERROR_LOOP_COUNT, error_of([&] { hierarchy.initialize(own); }).status());
+}
+
+TEST(Hpp, Errors) {
+    test::TriMesh m = mesh();
+    const std::vector<double> short_positions(m.positions.begin(), m.positions.end() - 1);
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(short_positions, m.triangles); }).status());
+    const std::vector<uint32_t> hole(m.triangles.begin(), m.triangles.end() - 3);
+    EXPECT_EQ(HMF_ERROR_MESH_BOUNDARY, error_of([&] { hmf::Hierarchy(m.positions, hole); }).status());
+    const std::vector<uint32_t> rest(m.triangles.begin(), m.triangles.end() - 2);
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(m.positions, rest); }).status());
+    m.positions[30] = std::nan("");
+    const hmf::Error error = error_of([&] { hmf::Hierarchy(m.positions, m.triangles); });
+    EXPECT_EQ(HMF_ERROR_MESH_NOT_FINITE, error.status());
+    EXPECT_EQ(HMF_ELEMENT_VERTEX, error.element());
+    EXPECT_EQ(10u, error.index());
+
+    hmf::Hierarchy hierarchy = make();
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.foliation(0, {1, 2, 3}); }).status());
+    EXPECT_EQ(HMF_ERROR_VALUE_NOT_CLOSED, error_of([&] {
+                  std::vector<double> values(hierarchy.level(0).edge_count);
+                  values[0] = 1;
+                  hierarchy.foliation(0, values).energy();
+              }).status());
+    const hmf::Hierarchy moved = std::move(hierarchy);
+    EXPECT_EQ(2u, moved.genus());
+    EXPECT_EQ(HMF_ERROR_NULL, error_of([&] { hierarchy.solve(); }).status()); // NOLINT: what a moved-from object does is documented
+}
+
+TEST(Hpp, FoliationOutlivesItsHierarchy) {
+    hmf::Foliation foliation = make().solve().foliation;
+    const double energy = foliation.energy();
+    hmf::Foliation moved = std::move(foliation);
+    EXPECT_EQ(energy, moved.energy());
+    EXPECT_EQ(HMF_ERROR_NULL, error_of([&] { foliation.energy(); }).status()); // NOLINT
+    const std::vector<double> values = std::move(moved).values();
+    EXPECT_FALSE(values.empty());
+}
+
+TEST(Hpp, LimitsGiveAResult) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    hmf::SolveOptions options;
+    options.time_limit = 1e-9;
+    const hmf::Solution solution = hierarchy.solve(options);
+    EXPECT_EQ(HMF_LIMIT_TIME, solution.status);
+    EXPECT_NE(std::string::npos, solution.message.find("time_limit"));
+    EXPECT_FALSE(solution.report.converged);
+    EXPECT_GT(solution.foliation.energy(), 0);
+}
+
+TEST(Hpp, Progress) {
+    std::vector<double> fractions;
+    hmf::BuildOptions build = with_levels();
+    build.progress = [&](double fraction) {
+        fractions.push_back(fraction);
+        return hmf::Progress::proceed;
+    };
+    const hmf::Hierarchy hierarchy = make(build);
+    EXPECT_EQ(1, fractions.back());
+
+    hmf::SolveOptions options;
+    options.progress = [](double) { return hmf::Progress::cancel; };
+    EXPECT_EQ(HMF_CANCELLED, error_of([&] { hierarchy.solve(options); }).status());
+    int calls = 0;
+    options.progress = [&](double) { return ++calls > 20 ? hmf::Progress::finish : hmf::Progress::proceed; };
+    const hmf::Solution solution = hierarchy.solve(options);
+    EXPECT_EQ(HMF_CANCELLED, solution.status);
+    EXPECT_EQ(0u, solution.report.poles);
+}
+
+struct Unusual {
+    int number;
+};
+
+TEST(Hpp, ExceptionsOfTheProgressFunctionPass) {
+    int calls = 0;
+    const hmf::ProgressFunction thrower = [&](double) -> hmf::Progress {
+        if (++calls == 3) throw Unusual{42};
+        return hmf::Progress::proceed;
+    };
+    const auto number_of = [&](auto&& call) {
+        calls = 0;
+        try {
+            call();
+        } catch (const Unusual& unusual) {
+            EXPECT_EQ(3, calls); // not asked again
+            return unusual.number;
+        }
+        return 0;
+    };
+    hmf::BuildOptions build = with_levels();
+    build.progress = thrower;
+    EXPECT_EQ(42, number_of([&] { make(build); }));
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    hmf::SolveOptions options;
+    options.progress = thrower;
+    EXPECT_EQ(42, number_of([&] { hierarchy.solve(options); }));
+    const hmf::Foliation start = hierarchy.initialize(hierarchy.loops(0));
+    EXPECT_EQ(42, number_of([&] { start.relax(options); }));
+    options.progress = nullptr;
+    EXPECT_EQ(HMF_OK, hierarchy.solve(options).status);
+}
+
+TEST(Hpp, Parameterization) {
+    const hmf::Hierarchy hierarchy = make();
+    const hmf::Foliation foliation = hierarchy.solve().foliation;
+    const hmf::Parameterization map = foliation.parameterize();
+    int sum = 0;
+    for (int32_t cone : map.cone) sum += 2 - cone;
+    EXPECT_EQ(-4, sum);
+    uint64_t seams = 0;
+    for (uint8_t seam : map.seam) seams += seam;
+    EXPECT_EQ(map.seam_edge_count, seams);
+    EXPECT_GE(map.dilatation_mean, 1);
+    EXPECT_NEAR(foliation.energy(), map.area, 0.1 * map.area);
+
+    // Both triangles of an edge agree through its transition, exactly.
+    const std::vector<uint32_t> sides = hierarchy.triangle_edges(0), corners = hierarchy.triangle_vertices(0);
+    std::vector<int> seen(map.seam.size(), -1); // side of the first triangle
+    for (size_t h = 0; h < sides.size(); ++h) {
+        int& first = seen[sides[h]];
+        if (first < 0) {
+            first = static_cast<int>(h);
+            continue;
+        }
+        const double* t = &map.transition[3 * sides[h]];
+        const size_t f = static_cast<size_t>(first), next_h = h - h % 3 + (h % 3 + 1) % 3, next_f = f - f % 3 + (f % 3 + 1) % 3;
+        ASSERT_EQ(corners[h], corners[next_f]);
+        for (size_t k = 0; k < 2; ++k) {
+            EXPECT_EQ(map.corner_uv[2 * h + k], t[0] * map.corner_uv[2 * next_f + k] + t[1 + k]);
+            EXPECT_EQ(map.corner_uv[2 * next_h + k], t[0] * map.corner_uv[2 * f + k] + t[1 + k]);
+        }
+    }
+
+    hmf::ParameterizeOptions options;
+    options.seam_edges = {UINT32_MAX};
+    EXPECT_EQ(HMF_ELEMENT_EDGE, error_of([&] { foliation.parameterize(options); }).element());
+    options.seam_edges.clear();
+    options.progress = [](double) -> hmf::Progress { throw Unusual{1}; };
+    EXPECT_THROW(foliation.parameterize(options), Unusual);
+    EXPECT_EQ(HMF_ERROR_VALUE_NOT_HARMONIC, error_of([&] { hierarchy.initialize(hierarchy.loops(0)).parameterize(); }).status());
+}
+
+TEST(Hpp, Leaves) {
+    const hmf::Hierarchy hierarchy = make();
+    const hmf::Foliation foliation = hierarchy.solve(hierarchy.loops(0, hmf::LoopsKind::tunnel)).foliation;
+    const hmf::Leaves critical = foliation.trace();
+    ASSERT_GT(critical.lines.size(), 0u);
+    for (const hmf::Line& line : critical.lines) EXPECT_EQ(HMF_LINE_CRITICAL, line.kind);
+
+    hmf::TraceOptions options;
+    options.spacing = 0.25;
+    options.point_triangles = {7, 8};
+    options.point_barycentrics = {0.5, 0.25, 0.25, 0.25, 0.5, 0.25};
+    const hmf::Leaves leaves = foliation.trace(options);
+    ASSERT_EQ(leaves.lines.size() + 1, leaves.offsets.size());
+    EXPECT_EQ(leaves.offsets.back() * 3, leaves.points.size());
+    EXPECT_EQ(leaves.offsets.back(), leaves.point_edges.size());
+    // Closed leaves: the length is that of the polyline.
+    size_t levels = 0;
+    for (size_t k = 0; k < leaves.lines.size(); ++k) {
+        if (leaves.lines[k].kind != HMF_LINE_LEVEL) continue;
+        ++levels;
+        ASSERT_EQ(1, leaves.lines[k].closed);
+        double length = 0;
+        const uint64_t begin = leaves.offsets[k], end = leaves.offsets[k + 1];
+        for (uint64_t i = begin; i < end; ++i) {
+            const double *p = &leaves.points[3 * i], *q = &leaves.points[3 * (i + 1 < end ? i + 1 : begin)];
+            length += std::sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+        }
+        EXPECT_NEAR(length, leaves.lines[k].length, 1e-9 * length);
+    }
+    EXPECT_EQ(leaves.lines.size(), levels + 2);
+    EXPECT_EQ(1u, leaves.lines.back().source);
+    options.point_barycentrics.pop_back();
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { foliation.trace(options); }).status());
+}
+
+std::atomic<int64_t> live{0};
+
+TEST(Hpp, AllocatorOfTheCallerGetsEverythingBack) {
+    hmf::BuildOptions options = with_levels();
+    options.allocate = [](void*, size_t size) {
+        live += static_cast<int64_t>(size);
+        return std::malloc(size);
+    };
+    options.release = [](void*, void* block, size_t size) {
+        live -= static_cast<int64_t>(size);
+        std::free(block);
+    };
+    EXPECT_GT(hmf::Hierarchy::memory_estimate(mesh().vertex_count(), mesh().triangle_count(), options), 0u);
+    {
+        const hmf::Hierarchy hierarchy = make(options);
+        EXPECT_EQ(static_cast<int64_t>(hierarchy.memory()), live);
+        hierarchy.solve().foliation.to_level(1);
+        EXPECT_EQ(static_cast<int64_t>(hierarchy.memory()), live);
+        options.progress = [](double) -> hmf::Progress { throw Unusual{1}; };
+        EXPECT_THROW(make(options), Unusual);
+        EXPECT_EQ(static_cast<int64_t>(hierarchy.memory()), live);
+    }
+    EXPECT_EQ(0, live);
+}
+
+TEST(Hpp, ThreadsShareAHierarchy) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    const std::vector<double> expected = hierarchy.solve().foliation.values();
+    std::vector<std::thread> threads;
+    std::atomic<int> same{0};
+    for (int i = 0; i < 3; ++i) threads.emplace_back([&] { same += hierarchy.solve().foliation.values() == expected; });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(3, same);
+}
+
+} // namespace
