@@ -366,6 +366,46 @@ TEST(Hpp, Leaves) {
     EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { foliation.trace(options); }).status());
 }
 
+TEST(Hpp, Cylinders) {
+    const hmf::Hierarchy hierarchy = make();
+    hmf::Loops loops = hierarchy.loops(0, hmf::LoopsKind::tunnel);
+    loops.weights = {1, 0.5};
+    const hmf::Solution solution = hierarchy.solve(loops);
+    const hmf::Cylinders cylinders = solution.foliation.cylinders(&loops);
+    ASSERT_EQ(2u, cylinders.list.size());
+    double area = 0;
+    for (const hmf::Cylinder& cylinder : cylinders.list) {
+        ASSERT_LT(cylinder.loop, 2u);
+        EXPECT_EQ(loops.weights[cylinder.loop], cylinder.height);
+        area += cylinder.area;
+    }
+    EXPECT_NEAR(solution.report.energy, area, 1e-6 * area);
+    // The middle leaves, with the heights as weights, give the same foliation.
+    EXPECT_NEAR(solution.report.energy, hierarchy.solve(cylinders.leaves).report.energy, 1e-9 * area);
+    EXPECT_EQ(HMF_NONE, solution.foliation.cylinders().list[0].loop);
+    const hmf::Loops others = hierarchy.loops(0, hmf::LoopsKind::handle);
+    EXPECT_EQ(HMF_ERROR_VALUE_CLASS, error_of([&] { solution.foliation.cylinders(&others); }).status());
+}
+
+TEST(Hpp, StartsFromValues) {
+    const hmf::Hierarchy hierarchy = make(with_levels());
+    const hmf::Solution first = hierarchy.solve();
+    hmf::SolveOptions options;
+    options.initial_values = first.foliation.values();
+    EXPECT_NEAR(first.report.energy, hierarchy.solve(options).report.energy, 1e-9 * first.report.energy);
+    options.initial_level = 1;
+    EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.solve(options); }).status());
+}
+
+TEST(Hpp, MollifyAcceptsTrianglesWithoutArea) {
+    test::TriMesh m = mesh();
+    for (size_t k = 0; k < 3; ++k) m.positions[3 * m.triangles[1] + k] = m.positions[3 * m.triangles[0] + k];
+    EXPECT_EQ(HMF_ERROR_MESH_DEGENERATE, error_of([&] { hmf::Hierarchy(m.positions, m.triangles); }).status());
+    hmf::BuildOptions options;
+    options.mollify = 1e-5;
+    EXPECT_EQ(2u, hmf::Hierarchy(m.positions, m.triangles, options).genus());
+}
+
 std::atomic<int64_t> live{0};
 
 TEST(Hpp, AllocatorOfTheCallerGetsEverythingBack) {

@@ -137,6 +137,7 @@ struct BuildOptions {
     hmf_release_fn release = nullptr;
     void* allocator_user = nullptr;
     ProgressFunction progress;
+    double mollify = 0;
 };
 
 /* hmf_solve_options; zero means the default. */
@@ -147,6 +148,8 @@ struct SolveOptions {
     uint64_t iteration_limit = 0;
     std::size_t stop_level = 0;
     std::size_t history_capacity = 4096; /* most entries of Report::history */
+    Span<double> initial_values;         /* borrowed until the call ends */
+    std::size_t initial_level = 0;
     ProgressFunction progress;
 };
 
@@ -195,6 +198,7 @@ using LevelReport = hmf_level_report;
 using HistoryEntry = hmf_history_entry;
 using Singularity = hmf_singularity;
 using Line = hmf_line;
+using Cylinder = hmf_cylinder;
 
 /* hmf_report with its own arrays. */
 struct Report {
@@ -229,6 +233,12 @@ struct Leaves {
     std::vector<uint64_t> offsets;     /* line_count + 1; line k has the points offsets[k] .. offsets[k+1]-1 */
     std::vector<double> points;        /* point_count x 3 */
     std::vector<uint32_t> point_edges; /* point_count, or HMF_NONE */
+};
+
+/* Outputs of hmf_cylinders. */
+struct Cylinders {
+    std::vector<Cylinder> list;
+    Loops leaves; /* the leaf in the middle of each as a triangle loop, weights: the heights */
 };
 
 /* hmf_parameterization with its own arrays, all of which are filled. */
@@ -296,6 +306,7 @@ inline hmf_build_options raw(const BuildOptions& options) {
     all.allocate = options.allocate;
     all.release = options.release;
     all.allocator_user = options.allocator_user;
+    all.mollify = options.mollify;
     return all;
 }
 
@@ -307,6 +318,9 @@ inline hmf_solve_options raw(const SolveOptions& options) {
     all.time_limit = options.time_limit;
     all.iteration_limit = options.iteration_limit;
     all.stop_level = options.stop_level;
+    all.initial_values = options.initial_values.data();
+    all.initial_count = options.initial_values.size();
+    all.initial_level = options.initial_level;
     return all;
 }
 
@@ -433,6 +447,32 @@ public:
         leaves.point_edges.resize(points);
         call(true);
         return leaves;
+    }
+
+    /* hmf_cylinders; loops: those that the values belong to, or NULL. */
+    Cylinders cylinders(const Loops* loops = nullptr) const {
+        hmf_loop_set set = {};
+        if (loops) set = detail::raw(*loops);
+        Cylinders own;
+        std::size_t count = 0, size = 0;
+        // Without the list and the loops it is quick.
+        const auto call = [&](bool fill) {
+            detail::check([&](hmf_error* error) {
+                return hmf_cylinders(handle_.get(), level_, values_.data(), values_.size(), fill && loops ? &set : nullptr,
+                                     fill ? own.list.data() : nullptr, own.list.size(), fill ? own.leaves.offsets.data() : nullptr,
+                                     own.leaves.offsets.size(), fill ? own.leaves.elements.data() : nullptr, own.leaves.elements.size(),
+                                     &count, &size, error);
+            });
+        };
+        call(false);
+        own.list.resize(count);
+        own.leaves.level = level_;
+        own.leaves.kind = LoopElements::triangles;
+        own.leaves.offsets.resize(count + 1);
+        own.leaves.elements.resize(size);
+        call(true);
+        for (const Cylinder& cylinder : own.list) own.leaves.weights.push_back(cylinder.height);
+        return own;
     }
 
     /* hmf_parameterize */

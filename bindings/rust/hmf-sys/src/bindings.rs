@@ -268,6 +268,16 @@ pub struct hmf_line {
     pub height: f64,
     pub length: f64,
 }
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_cylinder {
+    pub loop_: u32,
+    pub reserved: u32,
+    pub height: f64,
+    pub circumference: f64,
+    pub modulus: f64,
+    pub area: f64,
+}
 extern "C" {
     pub fn hmf_version() -> u32;
     pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
@@ -439,6 +449,22 @@ extern "C" {
         point_capacity: usize,
         line_count: *mut usize,
         point_count: *mut usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_cylinders(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        values: *const f64,
+        count: usize,
+        loops: *const hmf_loop_set,
+        list: *mut hmf_cylinder,
+        capacity: usize,
+        leaf_offsets: *mut u64,
+        offset_capacity: usize,
+        leaf_triangles: *mut u32,
+        triangle_capacity: usize,
+        cylinder_count: *mut usize,
+        triangle_count: *mut usize,
         error: *mut hmf_error,
     ) -> hmf_status;
 }

@@ -34,6 +34,7 @@ pub struct Builder<'a> {
     ratio: f64,
     coarsest: u64,
     memory_limit: u64,
+    mollify: f64,
     progress: Option<Closure<'a>>,
 }
 
@@ -62,6 +63,17 @@ impl<'a> Builder<'a> {
     /// hierarchy. Default: no limit.
     pub fn memory_limit(mut self, bytes: u64) -> Self {
         self.memory_limit = bytes;
+        self
+    }
+
+    /// Accepts triangles without area and edges without length: in [0, 0.1], try 1e-5.
+    /// Default: 0, off.
+    ///
+    /// The edges of level 0 get longer by the least amount, the same for all, with which
+    /// every triangle inequality holds by a margin of `mollify` times the mean length.
+    /// Only the weights of level 0 change; meshes that keep the margin anyway stay as they are.
+    pub fn mollify(mut self, margin: f64) -> Self {
+        self.mollify = margin;
         self
     }
 
@@ -146,7 +158,7 @@ impl<'a> Builder<'a> {
             allocator_user: std::ptr::null_mut(),
             progress: None,
             progress_user: std::ptr::null_mut(),
-            mollify: 0.0,
+            mollify: self.mollify,
         }
     }
 }
@@ -158,6 +170,7 @@ impl fmt::Debug for Builder<'_> {
             .field("ratio", &self.ratio)
             .field("coarsest", &self.coarsest)
             .field("memory_limit", &self.memory_limit)
+            .field("mollify", &self.mollify)
             .finish_non_exhaustive()
     }
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![warn(rust_2018_idioms)]
 
+mod cylinders;
 mod error;
 mod foliation;
 mod hierarchy;
@@ -11,6 +12,7 @@ mod progress;
 mod solve;
 mod trace;
 
+pub use cylinders::Cylinder;
 pub use error::{Element, Error, Result, Status};
 pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
 pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};

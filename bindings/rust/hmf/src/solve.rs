@@ -45,6 +45,7 @@ pub enum Method {
 pub struct Solver<'a> {
     hierarchy: Hierarchy,
     loops: Option<&'a Loops>,
+    start: Option<&'a Foliation>,
     method: Method,
     tolerance: f64,
     time_limit: Duration,
@@ -59,6 +60,7 @@ impl<'a> Solver<'a> {
         Solver {
             hierarchy,
             loops: None,
+            start: None,
             method: Method::default(),
             tolerance: 0.0,
             time_limit: Duration::ZERO,
@@ -74,6 +76,17 @@ impl<'a> Solver<'a> {
     /// with [`Method::SingleLevel`]), weights 1.
     pub fn loops(mut self, loops: &'a Loops) -> Self {
         self.loops = Some(loops);
+        self
+    }
+
+    /// A foliation to start from instead of loops; the class is its class. It may be
+    /// of another hierarchy with the same triangles at other positions, as the last
+    /// frame of an animation. Only for [`solve`](Solver::solve).
+    ///
+    /// Its values are restricted to the coarsest level, and solved from there. Where they
+    /// are close to the minimum, [`relax`](Solver::relax) is faster.
+    pub fn start(mut self, foliation: &'a Foliation) -> Self {
+        self.start = Some(foliation);
         self
     }
 
@@ -145,7 +158,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).
-    /// Loops and `stop_level` are not used.
+    /// Loops, `start` and `stop_level` are not used.
     ///
     /// # Errors
     ///
@@ -232,9 +245,9 @@ impl<'a> Solver<'a> {
             stop_level: self.stop_level as u64,
             progress: None,
             progress_user: std::ptr::null_mut(),
-            initial_values: std::ptr::null(),
-            initial_count: 0,
-            initial_level: 0,
+            initial_values: self.start.map_or(std::ptr::null(), |start| start.values().as_ptr()),
+            initial_count: self.start.map_or(0, |start| start.values().len() as u64),
+            initial_level: self.start.map_or(0, |start| start.level() as u64),
         }
     }
 }
@@ -244,6 +257,7 @@ impl fmt::Debug for Solver<'_> {
         f.debug_struct("Solver")
             .field("hierarchy", &self.hierarchy)
             .field("loops", &self.loops)
+            .field("start", &self.start.map(Foliation::level))
             .field("method", &self.method)
             .field("tolerance", &self.tolerance)
             .field("time_limit", &self.time_limit)

@@ -151,7 +151,7 @@ const EMPTY: sys::hmf_line = sys::hmf_line {
 };
 
 /// An index that may be `HMF_NONE`.
-fn element(index: u32) -> Option<u32> {
+pub(crate) fn element(index: u32) -> Option<u32> {
     (index != sys::HMF_NONE).then_some(index)
 }
 
@@ -209,7 +209,7 @@ pub struct Line {
     pub begin: LineEnd,
     /// Where it ends.
     pub end: LineEnd,
-    /// The cylinder that it lies in; `None` for critical leaves.
+    /// The cylinder that it lies in, an index into [`Foliation::cylinders`]; `None` for critical leaves.
     pub cylinder: Option<u32>,
     /// Number of the given point; of the level, from the lower side of its cylinder;
     /// of the critical leaf.

@@ -315,6 +315,60 @@ fn leaves_are_level_sets() {
     assert_eq!((bad.status(), bad.index()), (Status::ERROR_OPTIONS, 1));
 }
 
+#[test]
+fn cylinders_fill_the_surface() {
+    let hierarchy = genus_2();
+    let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap().with_weights(&[1.0, 0.5]).unwrap();
+    let solution = hierarchy.solver().loops(&loops).solve().unwrap();
+    let foliation = &solution.foliation;
+    let cylinders = foliation.cylinders(Some(&loops)).unwrap();
+    assert_eq!(cylinders.len(), 2);
+    for cylinder in &cylinders {
+        assert_eq!(cylinder.height, loops.weights()[cylinder.loop_index.unwrap() as usize]);
+        assert!(close(cylinder.modulus * cylinder.circumference, cylinder.height));
+        assert!(close(cylinder.area, cylinder.height * cylinder.circumference));
+        // The middle leaf is a loop that the library takes.
+        hierarchy.initialize(&Loops::triangles(0).with(&cylinder.leaf, 1.0)).unwrap();
+    }
+    let area: f64 = cylinders.iter().map(|cylinder| cylinder.area).sum();
+    assert!((area / solution.report.energy - 1.0).abs() < 1e-6);
+    let lines = foliation.tracer().spacing(0.3).trace().unwrap().lines;
+    assert!(lines.iter().all(|line| line.height < cylinders[line.cylinder.unwrap() as usize].height));
+
+    assert!(foliation.cylinders(None).unwrap().iter().all(|cylinder| cylinder.loop_index.is_none()));
+    let others = hierarchy.loops(0, LoopsKind::Handle).unwrap();
+    assert_eq!(foliation.cylinders(Some(&others)).unwrap_err().status(), Status::ERROR_VALUE_CLASS);
+}
+
+/// The last frame of an animation starts the next one.
+#[test]
+fn solving_starts_from_values() {
+    let (mut positions, triangles) = plate(2, 1, 6, 5);
+    let build = |positions: &[_]| Hierarchy::builder().coarsest(200).build(positions, &triangles).unwrap();
+    let before = build(&positions);
+    let loops = before.loops(0, LoopsKind::Tunnel).unwrap();
+    let last = before.solver().loops(&loops).solve().unwrap().foliation;
+    for point in &mut positions {
+        point[0] *= 1.1;
+    }
+    let after = build(&positions);
+    let started = after.solver().start(&last).solve().unwrap();
+    let solved = after.solver().loops(&loops).solve().unwrap();
+    assert!(started.report.converged && close(started.report.energy, solved.report.energy));
+    assert!(after.solver().start(&last).loops(&loops).solve().is_err());
+}
+
+#[test]
+fn mollifying_accepts_triangles_without_area() {
+    let (mut positions, triangles) = plate(1, 1, 2, 1);
+    let [a, b, _] = triangles[0];
+    positions[b as usize] = positions[a as usize];
+    let error = Hierarchy::build(&positions, &triangles).unwrap_err();
+    assert_eq!(error.status(), Status::ERROR_MESH_DEGENERATE);
+    let hierarchy = Hierarchy::builder().mollify(1e-5).build(&positions, &triangles).unwrap();
+    assert_eq!(hierarchy.solver().solve().unwrap().report.poles, 0);
+}
+
 /// The README shows the example as it is.
 #[test]
 fn readme_shows_the_example() {
