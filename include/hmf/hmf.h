@@ -298,6 +298,7 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 #define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece */
 #define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
 #define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
+#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 (genus 1: one), together they cut the surface into pairs of pants */
 
 /* A set of closed curves on a level, as flat arrays. */
 typedef struct hmf_loop_set {

@@ -61,7 +61,9 @@ hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t le
     unit = unit_of_weights(largest);
     if (!weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) weights[c] = static_cast<int64_t>((given_weights ? given_weights[c] : 1.0) / unit);
-    return set ? check_loops(loop_mesh(h, level), loops, call) : HMF_OK;
+    if (!set) return HMF_OK;
+    const hmf_status status = check_loops(loop_mesh(h, level), loops, call);
+    return status ? status : pull_tight(loop_mesh(h, level), call, loops);
 }
 
 // The solve options with all defaults in place.

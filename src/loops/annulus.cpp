@@ -31,6 +31,7 @@ bool Annulus::add_copy(Place entry, double distance) {
     }
     for (uint32_t s = 0; s < copy.sides; ++s) copy.length[s] = length_(edge_of(copy.side[s].half_edge));
     for (uint32_t& to : copy.to) to = NONE;
+    copy.same = NONE;
     copy.distance = distance;
     return copies_.push(copy);
 }
@@ -132,6 +133,42 @@ void Annulus::close_up(uint32_t a) {
     }
 }
 
+// The fan from side a of the border to the next one, if it is more than a full
+// turn round a vertex: its last regions are the first ones again.
+bool Annulus::find_same(uint32_t a) {
+    const uint32_t b = border_[a].after, link_a = border_[a].link, link_b = border_[b].link;
+    const Place place = copies_[link_a / 4].side[link_a % 4];
+    if (a == b || place.position != count(place.half_edge)) return true;
+    size_t degree = 0;
+    uint32_t h = twin(place.half_edge);
+    do {
+        ++degree;
+        h = mesh_.rotate_cw(h);
+    } while (h != twin(place.half_edge));
+    fan_.clear();
+    int32_t turns = 0;
+    uint32_t at = link_a;
+    for (;;) {
+        if (!fan_.push({at / 4, turns})) return false;
+        if (fan_.size() > degree) {
+            const Wedge first = fan_[fan_.size() - 1 - degree];
+            Copy& one = copies_[first.copy];
+            Copy& other = copies_[at / 4];
+            if (one.same == NONE && other.same == NONE) {
+                one.same = at / 4;
+                one.turns[3] = turns - first.turns;
+                other.same = first.copy;
+                other.turns[3] = first.turns - turns;
+            }
+        }
+        const Copy& copy = copies_[at / 4];
+        const uint32_t s = at % 4 + 1 < copy.sides ? at % 4 + 1 : 0;
+        if (at - at % 4 + s == link_b) return true;
+        turns += copy.turns[s];
+        at = copy.to[s];
+    }
+}
+
 bool Annulus::grow(size_t capacity) {
     heap_.clear();
     const auto enqueue = [&](uint32_t b) {
@@ -139,10 +176,12 @@ bool Annulus::grow(size_t capacity) {
         const Copy& copy = copies_[link / 4];
         return push({copy.distance + copy.length[link % 4], b});
     };
-    // Vertices that the loop itself goes all the way round do not exist: it is
-    // tight.  So the first borders do not close up by themselves.
     for (uint32_t b = 0; b < border_.size(); ++b)
-        if (!enqueue(b)) return false;
+        if (border_[b].link != NONE) close_up(b);
+    for (uint32_t b = 0; b < border_.size(); ++b)
+        if (border_[b].link != NONE && !find_same(b)) return false;
+    for (uint32_t b = 0; b < border_.size(); ++b)
+        if (border_[b].link != NONE && !enqueue(b)) return false;
     while (!heap_.empty() && copies_.size() < capacity) {
         const Entry top = pop();
         const uint32_t b = top.item, link = border_[b].link;
@@ -167,6 +206,9 @@ bool Annulus::grow(size_t capacity) {
         close_up(last);
         if (border_[b].link != NONE && border_[b].after == last) close_up(b);
         if (border_[before].link != NONE && border_[before].after == b) close_up(before);
+        const uint32_t sides[3] = {before, b, last};
+        for (const uint32_t side : sides)
+            if (border_[side].link != NONE && !find_same(side)) return false;
     }
     return true;
 }
@@ -198,12 +240,13 @@ bool Annulus::search(Array<uint32_t>& out) {
             if (state == goal) { arrived = true; break; }
             if (++work % 16384 == 0 && !call_.tick(0, true)) return false;
             const Copy& copy = copies_[state / TURNS];
-            for (uint32_t s = 0; s < copy.sides; ++s) {
-                if (copy.to[s] == NONE) continue;
+            for (uint32_t s = 0; s < 4; ++s) {
+                const uint32_t next = s == 3 ? copy.same : s < copy.sides && copy.to[s] != NONE ? copy.to[s] / 4 : NONE;
+                if (next == NONE) continue;
                 const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
                 if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
-                const uint32_t to = copy.to[s] / 4 * TURNS + static_cast<uint32_t>(turn);
-                const double d = top.distance + copy.length[s];
+                const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
+                const double d = s == 3 ? top.distance : top.distance + copy.length[s];
                 if (stamp_[to] >= 2 * epoch && !(d < distance_[to])) continue;
                 stamp_[to] = 2 * epoch;
                 distance_[to] = d;
@@ -217,7 +260,7 @@ bool Annulus::search(Array<uint32_t>& out) {
         for (uint32_t state = goal; state != start;) {
             const uint32_t link = from_[state];
             const Copy& copy = copies_[link / 4];
-            if (!out.push(copy.side[link % 4].half_edge)) return false;
+            if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
             state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
         }
         for (size_t i = 0, j = out.size(); i + 1 < j; ++i) {
@@ -235,6 +278,7 @@ bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, s
     copies_.start(call_.memory);
     border_.start(call_.memory);
     heap_.start(call_.memory);
+    fan_.start(call_.memory);
     out.start(call_.memory);
     return build_strip(loop) && grow(capacity) && search(out);
 }

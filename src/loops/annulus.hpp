@@ -11,6 +11,10 @@
 //         v                              v
 //
 // so that turns round a vertex do not count, and turns round the strip do.
+// A loop with a finger round some vertices comes back into the region where
+// the finger began: two copies of the strip are the same region of the cover,
+// and a link without length joins them.
+//
 // Links carry 0 or 1 turn; a shortest path from a copy to itself one turn on,
 // least over the copies where turns are counted, is the shortest loop.
 #pragma once
@@ -30,8 +34,8 @@ public:
     // The surface is cut along the curves with `count` crossings per edge; the
     // loop leaves regions at the given places.  Copies are at most `capacity`
     // (at least those of the loop).  On success `out` is the loop found, a
-    // shortest one within the strip, in the same direction.  False: out of
-    // memory or cancelled.
+    // shortest one within the strip, in the same direction; it may go back and
+    // forth.  False: out of memory or cancelled.
     bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, Array<uint32_t>& out);
 
 private:
@@ -39,12 +43,14 @@ private:
         Place side[3];      // counter-clockwise
         double length[3];   // to the region beyond
         uint32_t to[3];     // 4 * copy + side, or NONE at the border
-        int32_t turns[3];
+        int32_t turns[4];
         uint32_t sides;
+        uint32_t same;      // a copy that is the same region, or NONE; its turns are turns[3]
         double distance;    // from the loop
     };
     struct Border { uint32_t link, before, after; }; // link: 4 * copy + side
     struct Entry { double distance; uint32_t item; };
+    struct Wedge { uint32_t copy; int32_t turns; }; // of a fan, turns since its first
 
     uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
     Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
@@ -53,6 +59,7 @@ private:
     bool build_strip(const Array<Place>& loop);
     bool grow(size_t capacity);
     void close_up(uint32_t a);
+    bool find_same(uint32_t a);
     bool search(Array<uint32_t>& out);
     bool push(Entry entry);
     Entry pop();
@@ -64,6 +71,7 @@ private:
     Array<Copy> copies_;
     Array<Border> border_;
     Array<Entry> heap_;
+    Array<Wedge> fan_;
     Array<double> distance_;
     Array<uint32_t> from_, stamp_;
 };

@@ -19,6 +19,7 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
     case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, call, out);
     case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);
     case HMF_LOOPS_TUNNEL: return handle_system(h, false, call, out);
+    case HMF_LOOPS_PANTS: return pants_decomposition(mesh, position, call, out);
     default: return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.", static_cast<int>(kind));
     }
 }
@@ -28,17 +29,18 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
 hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
     hmf_status status = find_loops(h, kind, call, out);
     const size_t coarsest = h.level_count - 1;
+    if (!status && level == coarsest) status = pull_tight(loop_mesh(h, level), call, out);
     if (status || level == coarsest) return status;
     LoopCarrier carrier;
     if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
         if (!carrier.refine(call)) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
         if (!carrier.read(0, out.count(), out, call.memory)) return call.out_of_memory();
-        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, call, out);
+        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
     }
-    return HMF_OK;
+    return pull_tight(loop_mesh(h, level), call, out);
 }
 
 } // namespace hmf

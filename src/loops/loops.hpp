@@ -27,9 +27,18 @@ hmf_status cut_system(const Mesh& mesh, const double* position, const uint64_t* 
 // homology.
 hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
 
-// Shortens simple disjoint loops within their classes; they stay disjoint, in
-// their order and with their directions.
-hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops);
+// 3 genus - 3 disjoint loops (one for genus 1), pairwise not freely homotopic:
+// they cut the surface into pairs of pants.  The first are a cut system.
+hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out);
+
+// Shortens simple disjoint loops within their classes, but those before
+// `first`; they stay disjoint, in their order and with their directions.
+// The search reaches `width` times as far as usual.
+hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, Call& call, Loops& loops);
+
+// Takes the fingers off essential disjoint loops, so that their initial
+// foliation has no poles.  Classes, order and directions stay.
+hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
 
 // Loops of the caller: elements are faces (element_kind HMF_LOOP_TRIANGLES)
 // or vertices (HMF_LOOP_VERTICES) of mesh.  Removes backtracking.  Checks

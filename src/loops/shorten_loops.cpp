@@ -14,10 +14,10 @@ constexpr double GAIN = 1e-9;    // relative, what counts as shorter
 
 class Shortener {
 public:
-    Shortener(const Mesh& mesh, const double* position, Loops& loops, Call& call)
-        : mesh_(mesh), call_(call), loops_(loops), length_(mesh, position), annulus_(mesh, length_, call) {}
+    Shortener(const Mesh& mesh, const double* position, size_t width, Loops& loops, Call& call)
+        : mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position), annulus_(mesh, length_, call) {}
 
-    hmf_status run() {
+    hmf_status run(size_t first) {
         const size_t n = loops_.count();
         if (!curves_.allocate(mesh_, call_.memory)) return call_.out_of_memory();
         const Answer answer = disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory);
@@ -27,7 +27,7 @@ public:
         // A loop may gain from room that another one has left: twice.
         for (int pass = 0; pass < 2; ++pass) {
             bool gained = false;
-            for (size_t c = 0; c < n; ++c)
+            for (size_t c = first; c < n; ++c)
                 for (int round = 0; round < ROUNDS; ++round) {
                     bool shorter = false;
                     const hmf_status status = shorten(c, shorter);
@@ -35,7 +35,7 @@ public:
                     gained |= shorter;
                     if (!shorter) break;
                 }
-            if (!gained || n == 1) break;
+            if (!gained || n == first + 1) break;
         }
         return HMF_OK;
     }
@@ -81,21 +81,23 @@ private:
         const size_t n = static_cast<size_t>(end - first);
         if (!find_places(c)) return call_.out_of_memory();
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
-        const bool searched = annulus_.shortest(curves_.count, places_, STRIP * n + 512, found_);
+        const bool searched = annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
         if (!searched) return stopped();
-        const double before = length(loops_.crossings.data() + first, n), after = length(found_.data(), found_.size());
-        if (found_.empty() || !(after < before * (1 - GAIN))) return HMF_OK;
+        size_t from = 0, to = 0;
+        remove_backtracking(found_, from, to);
+        const double before = length(loops_.crossings.data() + first, n), after = length(found_.data() + from, to - from);
+        if (from == to || !(after < before * (1 - GAIN))) return HMF_OK;
         // The new loop in place of the old one, if the loops stay simple and disjoint.
         Loops changed;
         changed.offsets.start(call_.memory);
         changed.crossings.start(call_.memory);
         if (!changed.offsets.push(0)) return call_.out_of_memory();
         for (size_t k = 0; k < loops_.count(); ++k) {
-            const uint32_t* const from = k == c ? found_.data() : loops_.crossings.data() + loops_.offsets[k];
-            const size_t m = k == c ? found_.size() : static_cast<size_t>(loops_.offsets[k + 1] - loops_.offsets[k]);
+            const uint32_t* const crossings = k == c ? found_.data() + from : loops_.crossings.data() + loops_.offsets[k];
+            const size_t m = k == c ? to - from : static_cast<size_t>(loops_.offsets[k + 1] - loops_.offsets[k]);
             for (size_t i = 0; i < m; ++i)
-                if (!changed.crossings.push(from[i])) return call_.out_of_memory();
+                if (!changed.crossings.push(crossings[i])) return call_.out_of_memory();
             if (!changed.offsets.push(changed.crossings.size())) return call_.out_of_memory();
         }
         Answer answer = disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory);
@@ -112,6 +114,7 @@ private:
     const Mesh& mesh_;
     Call& call_;
     Loops& loops_;
+    size_t width_;
     DualLength length_;
     Annulus annulus_;
     Multicurve curves_;
@@ -121,9 +124,9 @@ private:
 
 } // namespace
 
-hmf_status shorten_loops(const Mesh& mesh, const double* position, Call& call, Loops& loops) {
-    Shortener shortener(mesh, position, loops, call);
-    return shortener.run();
+hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, Call& call, Loops& loops) {
+    Shortener shortener(mesh, position, width, loops, call);
+    return shortener.run(first);
 }
 
 } // namespace hmf

@@ -1,0 +1,241 @@
+// A pants decomposition: a cut system leaves a sphere with 2 genus holes.  As
+// long as it has more than three, two of them that are close are taken off by
+// a loop round both:
+//
+//          ______________           The new loop runs along A, over to B,
+//         /  __      __  \          along B and back, with A, the way and B
+//        |  /  \____/  \  |         on its right.  Its length is estimated
+//        |  \A_/ way\B_/  |         as A + B + 2 way; the pair where that is
+//         \______________/          least is taken.  Then it is shortened.
+//
+// Both sides of it keep at least two holes, or one and the new one, so it is
+// essential, and parallel to no other loop.
+#include "cut_surface.hpp"
+#include "disjoint.hpp"
+#include "dual_length.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+class Pants {
+public:
+    Pants(const Mesh& mesh, const double* position, Loops& loops, Call& call)
+        : mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory), length_(mesh, position) {}
+
+    hmf_status run() {
+        if (!curves_.allocate(mesh_, memory_)) return call_.out_of_memory();
+        const size_t genus = loops_.count();
+        while (loops_.count() + 3 < 3 * genus) {
+            if (!call_.tick(static_cast<double>(loops_.count()) / (3.0 * static_cast<double>(genus)), true))
+                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (!cut() || !spread()) return call_.out_of_memory();
+            if (!choose()) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(), "No further loop was found. Please report this.");
+            if (!join()) return call_.out_of_memory();
+            const hmf_status status = shorten_loops(mesh_, position_, loops_.count() - 1, 2, call_, loops_);
+            if (status) return status;
+        }
+        return shorten_loops(mesh_, position_, 0, 1, call_, loops_);
+    }
+
+private:
+    // A side of a loop (2 * component, + 1 for the right one), after one of its crossings.
+    struct Seed { uint32_t side, crossing; };
+    struct Pair { uint32_t a, b; }; // of seeds
+    struct Entry { double distance; uint32_t region; };
+
+    bool cut() {
+        if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes || !cut_.build(mesh_, curves_, true, memory_)) return false;
+        const size_t n = loops_.count();
+        if (!piece_.allocate(memory_, cut_.region_count) || !holes_.allocate_filled(memory_, cut_.region_count, 0u) || !around_.allocate_filled(memory_, n, 0.0))
+            return false;
+        for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
+        for (size_t s = 0; s < cut_.segment_count; ++s) unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
+        for (size_t k = 0; k < n; ++k)
+            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i) around_[k] += length_(edge_of(curves_.components.crossings[i]));
+        return true;
+    }
+
+    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.region < b.region); }
+    bool push(Entry entry) {
+        if (!heap_.push(entry)) return false;
+        size_t i = heap_.size() - 1;
+        for (; i && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
+        heap_[i] = entry;
+        return true;
+    }
+    Entry pop() {
+        const Entry top = heap_[0], entry = heap_.back();
+        heap_.pop();
+        const size_t n = heap_.size();
+        if (n == 0) return top;
+        size_t i = 0;
+        for (size_t child = 1; child < n; child = 2 * i + 1) {
+            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
+            if (!before(heap_[child], entry)) break;
+            heap_[i] = heap_[child];
+            i = child;
+        }
+        heap_[i] = entry;
+        return top;
+    }
+
+    // From all sides of all loops at once: the nearest side of each region.
+    bool spread() {
+        const size_t n = cut_.region_count;
+        seeds_.start(memory_);
+        heap_.start(memory_);
+        pairs_.start(memory_);
+        if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE) || !from_.allocate_filled(memory_, n, NONE)) return false;
+        for (uint32_t k = 0; k < curves_.components.count(); ++k) {
+            const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
+            uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
+            if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
+            bool counted[2] = {false, false};
+            for (uint64_t i = first; i < end; ++i) {
+                // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
+                const uint32_t e = edge_of(h), count = curves_.count[e];
+                for (uint32_t right = 0; right < 2; ++right) {
+                    const uint32_t q = right ? p : p + 1;
+                    const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
+                    const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
+                    const uint32_t seed = static_cast<uint32_t>(seeds_.size());
+                    if (!seeds_.push({2 * k + right, static_cast<uint32_t>(i - first)})) return false;
+                    if (!counted[right]) ++holes_[find_root(piece_.data(), r)];
+                    counted[right] = true;
+                    if (seed_[r] == NONE) {
+                        seed_[r] = seed;
+                        distance_[r] = 0;
+                        if (!push({0, r})) return false;
+                    } else if (seeds_[seed_[r]].side != seeds_[seed].side) {
+                        if (!pairs_.push({seed_[r], seed})) return false;
+                    }
+                }
+                curves_.step(mesh_, h, p);
+            }
+        }
+        while (!heap_.empty()) {
+            const Entry top = pop();
+            if (top.distance > distance_[top.region]) continue;
+            for (uint32_t i = 0; i < 3; ++i) {
+                const uint32_t link = cut_.link[3 * size_t{top.region} + i];
+                if (link == NONE) break;
+                const uint32_t to = cut_.region[link ^ 1u];
+                const double d = top.distance + length_(cut_.segment_edge[link >> 1]);
+                if (!(d < distance_[to])) continue;
+                distance_[to] = d;
+                seed_[to] = seed_[top.region];
+                from_[to] = link;
+                if (!push({d, to})) return false;
+            }
+        }
+        return true;
+    }
+
+    double estimate(uint32_t a, uint32_t b, double way) const { return around_[seeds_[a].side / 2] + around_[seeds_[b].side / 2] + 2 * way; }
+
+    // The pair of holes, and the link that their way crosses in the middle
+    // (NONE: they meet in one region).
+    bool choose() {
+        double best = HUGE_VAL;
+        for (const Pair& pair : pairs_) {
+            const uint32_t r = region_of_seed(pair.a);
+            if (holes_[find_root(piece_.data(), r)] <= 3 || !(estimate(pair.a, pair.b, 0) < best)) continue;
+            best = estimate(pair.a, pair.b, 0);
+            chosen_ = pair;
+            middle_ = NONE;
+        }
+        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
+            if (seed_[r] == NONE || seed_[q] == NONE || seeds_[seed_[r]].side == seeds_[seed_[q]].side) continue;
+            if (holes_[find_root(piece_.data(), r)] <= 3) continue;
+            const double length = estimate(seed_[r], seed_[q], distance_[r] + length_(cut_.segment_edge[s]) + distance_[q]);
+            if (!(length < best)) continue;
+            best = length;
+            chosen_ = {seed_[r], seed_[q]};
+            middle_ = 2 * s;
+        }
+        return best < HUGE_VAL;
+    }
+
+    uint32_t region_of_seed(uint32_t seed) const {
+        const uint32_t k = seeds_[seed].side / 2;
+        const uint32_t e = edge_of(curves_.components.crossings[curves_.components.offsets[k]]);
+        const uint32_t segment = cut_.segment_first[e] + curves_.begin[k] - curves_.first[e];
+        // begin leaves through half-edge 2e: on its left is the segment behind.
+        return cut_.region[2 * size_t{segment + (seeds_[seed].side & 1u ? 0 : 1)} + 1];
+    }
+
+    // Once along the loop of a seed, with the loop on the right.
+    bool go_round(Array<uint32_t>& walk, uint32_t seed) const {
+        const uint32_t k = seeds_[seed].side / 2, right = seeds_[seed].side & 1u, i = seeds_[seed].crossing;
+        const uint64_t first = curves_.components.offsets[k], n = curves_.components.offsets[k + 1] - first;
+        for (uint64_t t = 0; t < n; ++t) {
+            const uint64_t at = right ? (i + n - t) % n : (i + 1 + t) % n;
+            const uint32_t h = curves_.components.crossings[first + at];
+            if (!walk.push(right ? twin(h) : h)) return false;
+        }
+        return true;
+    }
+
+    bool join() {
+        Array<uint32_t> walk, way;
+        walk.start(memory_);
+        way.start(memory_);
+        if (middle_ != NONE) {
+            for (uint32_t r = cut_.region[middle_]; from_[r] != NONE; r = cut_.region[from_[r]])
+                if (!way.push(from_[r])) return false;
+            for (size_t i = 0, j = way.size(); i + 1 < j; ++i) {
+                --j;
+                const uint32_t link = way[i];
+                way[i] = way[j];
+                way[j] = link;
+            }
+            if (!way.push(middle_)) return false;
+            for (uint32_t r = cut_.region[middle_ ^ 1u]; from_[r] != NONE; r = cut_.region[from_[r]])
+                if (!way.push(from_[r] ^ 1u)) return false;
+        }
+        if (!go_round(walk, chosen_.a)) return false;
+        for (const uint32_t link : way)
+            if (!walk.push(cut_.half_edge(link))) return false;
+        if (!go_round(walk, chosen_.b)) return false;
+        for (size_t i = way.size(); i-- > 0;)
+            if (!walk.push(twin(cut_.half_edge(way[i])))) return false;
+        size_t begin = 0, end = 0;
+        remove_backtracking(walk, begin, end);
+        for (size_t i = begin; i < end; ++i)
+            if (!loops_.crossings.push(walk[i])) return false;
+        return loops_.offsets.push(loops_.crossings.size());
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    Loops& loops_;
+    Call& call_;
+    Memory& memory_;
+    DualLength length_;
+    Multicurve curves_;
+    CutSurface cut_;
+    Array<uint32_t> piece_, holes_; // per region; number of holes at the root of a piece
+    Array<double> around_;          // length per component
+    Array<Seed> seeds_;
+    Array<Pair> pairs_;             // that meet in one region
+    Array<double> distance_;        // per region
+    Array<uint32_t> seed_, from_;
+    Array<Entry> heap_;
+    Pair chosen_{NONE, NONE};
+    uint32_t middle_ = NONE;
+};
+
+} // namespace
+
+hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out) {
+    const hmf_status status = cut_system(mesh, position, nullptr, call, out);
+    if (status) return status;
+    Pants pants(mesh, position, out, call);
+    return pants.run();
+}
+
+} // namespace hmf

@@ -1,0 +1,130 @@
+// Loops without fingers.  A loop that is simple and disjoint from the others
+// may still meet an edge twice although it could be pulled off it:
+//
+//      \   ________   /          A cluster of vertices that no loop separates,
+//       \ / a--b   \ /           a disk, with one closed corner (or none that
+//        /  |\ |   |             another loop holds): the innermost loop comes
+//       (   | \|   )             through the edge opposite to that corner,
+//     ---\--c--d--/---           crosses every edge that leaves the cluster,
+//         \_|  |_/               and goes back through the same edge.
+//           :  :
+//
+// Its index is positive, so it would be a pole of the initial foliation
+// ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The
+// finger is taken off; each time the crossings become fewer.
+#include "../foliation/foliation.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+namespace {
+
+class Tightener {
+public:
+    Tightener(const Mesh& mesh, Loops& loops, Call& call) : mesh_(mesh), loops_(loops), call_(call), memory_(call.memory) {}
+
+    hmf_status run() {
+        if (!weight_.allocate_filled(memory_, loops_.count(), int64_t{2}) || !value_.allocate(memory_, mesh_.edge_count) ||
+            !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u) || !cluster_.allocate(memory_, mesh_.vertex_count) ||
+            !index_.allocate(memory_, mesh_.vertex_count))
+            return call_.out_of_memory();
+        foliation_.mesh = mesh_;
+        foliation_.value = value_.data();
+        foliation_.stamp = stamp_.data();
+        foliation_.members.start(memory_);
+        finger_.start(memory_);
+        loop_.start(memory_);
+        for (;;) {
+            if (!call_.tick(0, true)) return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            initial_foliation(mesh_, loops_, weight_.data(), value_.data());
+            const SingularityCount count = count_singularities(foliation_, index_.data(), cluster_.data(), nullptr, nullptr);
+            if (foliation_.out_of_memory) return call_.out_of_memory();
+            if (count.poles == 0) return HMF_OK;
+            bool removed = false;
+            for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+                if (cluster_[v] != v || index_[v] <= 0) continue;
+                bool found = false;
+                if (!trace_finger(v) || !remove_finger(found)) return call_.out_of_memory();
+                removed |= found;
+            }
+            if (!removed) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "The loops could not be pulled tight. Please report this.");
+        }
+    }
+
+private:
+    // The half-edges that leave the cluster of v, counter-clockwise from the
+    // closed corner, turned round: as the innermost loop crosses them.
+    bool trace_finger(uint32_t v) {
+        explore_cluster(foliation_, v, NONE, NONE, NONE, 0, 0);
+        if (foliation_.out_of_memory) return false;
+        finger_.clear();
+        uint32_t first = NONE;
+        for (const uint32_t u : foliation_.members) {
+            uint32_t h = mesh_.out[u];
+            do {
+                const uint32_t ahead = mesh_.rotate_ccw(h);
+                if (foliation_.at(h) > 0 && foliation_.at(ahead) > 0 && foliation_.corner2(h) == 0) first = ahead;
+                h = ahead;
+            } while (h != mesh_.out[u]);
+        }
+        if (first == NONE) return true;
+        uint32_t g = first;
+        do {
+            if (!finger_.push(twin(g))) return false;
+            const uint32_t ahead = mesh_.rotate_ccw(g);
+            g = foliation_.at(ahead) > 0 ? ahead : twin(mesh_.next[g]);
+        } while (g != first);
+        return true;
+    }
+
+    // Does the loop cross the edges of the finger from place i on, in one of the two ways?
+    bool matches(const uint32_t* loop, size_t n, size_t i, bool reversed) const {
+        const size_t m = finger_.size();
+        if (m == 0 || m >= n) return false;
+        for (size_t k = 0; k < m; ++k)
+            if (loop[(i + k) % n] != (reversed ? twin(finger_[m - 1 - k]) : finger_[k])) return false;
+        return true;
+    }
+
+    bool remove_finger(bool& found) {
+        for (size_t c = 0; c < loops_.count(); ++c) {
+            const uint32_t* const loop = loops_.crossings.data() + loops_.offsets[c];
+            const size_t n = static_cast<size_t>(loops_.offsets[c + 1] - loops_.offsets[c]), m = finger_.size();
+            for (size_t i = 0; i < n; ++i) {
+                if (!matches(loop, n, i, false) && !matches(loop, n, i, true)) continue;
+                loop_.clear();
+                for (size_t k = m; k < n; ++k)
+                    if (!loop_.push(loop[(i + k) % n])) return false;
+                size_t begin = 0, end = 0;
+                remove_backtracking(loop_, begin, end);
+                // Shorter, so the others move up.
+                const uint64_t gap = n - (end - begin);
+                for (size_t k = begin; k < end; ++k) loops_.crossings[loops_.offsets[c] + (k - begin)] = loop_[k];
+                for (uint64_t at = loops_.offsets[c + 1]; at < loops_.offsets[loops_.count()]; ++at) loops_.crossings[at - gap] = loops_.crossings[at];
+                for (uint64_t k = 0; k < gap; ++k) loops_.crossings.pop();
+                for (size_t k = c + 1; k <= loops_.count(); ++k) loops_.offsets[k] -= gap;
+                found = true;
+                return true;
+            }
+        }
+        return true;
+    }
+
+    const Mesh& mesh_;
+    Loops& loops_;
+    Call& call_;
+    Memory& memory_;
+    Foliation foliation_;
+    Array<int64_t> weight_, value_;
+    Array<uint32_t> stamp_, cluster_, finger_, loop_;
+    Array<int32_t> index_;
+};
+
+} // namespace
+
+hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops) {
+    Tightener tightener(mesh, loops, call);
+    return tightener.run();
+}
+
+} // namespace hmf
