@@ -166,14 +166,16 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     if (bytes.byte() % 2 && loops.set.level < levels) {
         // The library's own, perhaps spoiled.
         loops.set.element_kind = HMF_LOOP_TRIANGLES;
-        hmf_status status = hmf_loops(h, loops.set.level, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, &count, &total, &error);
-        expect_status(status, error, {2});
+        const int32_t kind = HMF_LOOPS_CUT + static_cast<int32_t>(bytes.below(4));
+        const bool in_space = kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL; // which a dented surface may not be
+        hmf_status status = hmf_loops(h, loops.set.level, kind, nullptr, 0, nullptr, 0, &count, &total, &error);
+        expect_status(status, error, {2, in_space ? 3 : 2, in_space ? 1 : 2});
         if (status != HMF_OK) count = total = 0;
         loops.offsets.assign(count + 1, 0);
         loops.elements.assign(total, 0);
         if (count > 0) {
             error = hmf_error{};
-            status = hmf_loops(h, loops.set.level, HMF_LOOPS_CUT, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error);
+            status = hmf_loops(h, loops.set.level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error);
             expect_status(status, error, {2});
             if (status != HMF_OK) std::fill(loops.offsets.begin(), loops.offsets.end(), 0);
         }

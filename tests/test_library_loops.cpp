@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "../src/loops/cut_surface.hpp"
 #include "../src/loops/disjoint.hpp"
 #include "../src/loops/library_loops.hpp"
 
@@ -229,7 +230,7 @@ TEST(CarriedLoops, SameClassOnEveryLevel) {
     const TriMesh mesh = pretzel(3, 3);
     const Hierarchy hierarchy(mesh, 0.5, 200);
     ASSERT_GT(hierarchy.levels(), 3u);
-    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS}) {
         double first = 0;
         for (size_t level = 0; level < hierarchy.levels(); ++level) {
             Loops loops = library_loops(hierarchy, level, kind);
@@ -245,11 +246,138 @@ TEST(CarriedLoops, SameClassOnEveryLevel) {
 
 TEST(CarriedLoops, Deterministic) {
     const Hierarchy a(pretzel(2, 3)), b(pretzel(2, 3));
-    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS}) {
         const Loops x = library_loops(a, 0, kind), y = library_loops(b, 0, kind);
         EXPECT_EQ(x.offsets, y.offsets);
         EXPECT_EQ(x.elements, y.elements);
     }
+}
+
+// The loops cut the surface into pieces of Euler characteristic -1, all of
+// them pairs of pants, as there are 2 genus - 2 and none is closed.
+void expect_pants(const TriMesh& mesh) {
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const size_t g = mesh.genus;
+    for (const size_t level : {size_t{0}, hierarchy.coarsest()}) {
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf_error error{};
+        hmf::Call call(memory, &error, nullptr, nullptr);
+        hmf::Loops loops;
+        const hmf::Mesh& on = hmf::loop_mesh(*hierarchy.get(), level);
+        ASSERT_EQ(hmf::library_loops(*hierarchy.get(), level, HMF_LOOPS_PANTS, call, loops), HMF_OK) << error.message;
+        ASSERT_EQ(loops.count(), g == 1 ? 1 : 3 * g - 3);
+        EXPECT_EQ(hmf::check_loops(on, loops, call), HMF_OK) << error.message;
+        hmf::Multicurve curves;
+        hmf::CutSurface cut;
+        ASSERT_TRUE(curves.allocate(on, memory));
+        ASSERT_EQ(hmf::disjoint(on, loops, 0, loops.count(), curves, nullptr, memory), hmf::Answer::yes);
+        ASSERT_TRUE(cut.build(on, curves, false, memory));
+        std::vector<uint32_t> parent(cut.region_count);
+        for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
+        for (size_t s = 0; s < cut.segment_count; ++s) hmf::unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
+        std::vector<long> euler(cut.region_count, 0);
+        size_t pieces = 0;
+        for (uint32_t r = 0; r < cut.region_count; ++r) {
+            pieces += parent[r] == r;
+            ++euler[hmf::find_root(parent.data(), r)];
+        }
+        for (size_t s = 0; s < cut.segment_count; ++s) --euler[hmf::find_root(parent.data(), cut.region[2 * s])];
+        std::vector<bool> counted(on.vertex_count, false);
+        for (size_t s = 0; s < cut.segment_count; ++s)
+            for (size_t end = 0; end < 2; ++end) {
+                const uint32_t point = cut.point[2 * s + end];
+                if (point >= on.vertex_count || counted[point]) continue;
+                counted[point] = true;
+                ++euler[hmf::find_root(parent.data(), cut.region[2 * s])];
+            }
+        EXPECT_EQ(pieces, g == 1 ? 1 : 2 * g - 2);
+        for (uint32_t r = 0; r < cut.region_count; ++r)
+            if (parent[r] == r) { EXPECT_EQ(euler[r], g == 1 ? 0 : -1); }
+    }
+    const Loops loops = library_loops(hierarchy, 0, HMF_LOOPS_PANTS);
+    const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+    EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
+    EXPECT_EQ(solution.report.poles, 0u);
+}
+
+TEST(PantsLoops, Torus) { expect_pants(torus(40, 16, 3, 1)); }
+
+TEST(PantsLoops, Plates) {
+    for (size_t g : {2, 3, 6}) expect_pants(plate(g));
+    expect_pants(pretzel(3, 2));
+    expect_pants(joined_tori(24, 12, 8, 10));
+}
+
+// A finger of a triangle loop: over a side of one of its triangles, round the
+// vertex beyond, and back.  Empty if the triangles there belong to the loops.
+std::vector<uint32_t> with_finger(const LevelMesh& mesh, const Loops& loops, size_t c, size_t place) {
+    std::vector<bool> used(mesh.triangle_count, false);
+    for (const uint32_t t : loops.elements) used[t] = true;
+    std::vector<std::vector<uint32_t>> beside(mesh.edge_count);
+    for (uint32_t i = 0; i < 3 * mesh.triangle_count; ++i) beside[mesh.triangle_edges[i]].push_back(i / 3);
+    const auto beyond = [&](uint32_t t, size_t s) {
+        const std::vector<uint32_t>& two = beside[mesh.triangle_edges[3 * t + s]];
+        return two[0] == t ? two[1] : two[0];
+    };
+    const std::vector<uint32_t> loop(loops.elements.begin() + static_cast<long>(loops.offsets[c]), loops.elements.begin() + static_cast<long>(loops.offsets[c + 1]));
+    const uint32_t t = loop[place % loop.size()];
+    for (size_t s = 0; s < 3; ++s) {
+        const uint32_t first = beyond(t, s), edge = mesh.triangle_edges[3 * t + s];
+        if (used[first]) continue;
+        size_t side = 0;
+        while (mesh.triangle_edges[3 * first + side] != edge) ++side;
+        // Out on the side where the loop comes from: clockwise on its left.
+        size_t before = 0;
+        while (beyond(t, before) != loop[(place + loop.size() - 1) % loop.size()]) ++before;
+        const bool clockwise = s == (before + 2) % 3;
+        const uint32_t apex = mesh.triangle_vertices[3 * first + (side + 2) % 3];
+        std::vector<uint32_t> fan = {t, first};
+        bool free = true;
+        for (uint32_t at = first;;) {
+            size_t corner = 0;
+            while (mesh.triangle_vertices[3 * at + corner] != apex) ++corner;
+            at = beyond(at, clockwise ? corner : (corner + 2) % 3);
+            fan.push_back(at);
+            free = free && !used[at];
+            if (at == first) break;
+        }
+        if (!free) continue;
+        fan.push_back(t);
+        std::vector<uint32_t> longer(loop.begin(), loop.begin() + static_cast<long>(place % loop.size()));
+        longer.insert(longer.end(), fan.begin(), fan.end());
+        longer.insert(longer.end(), loop.begin() + static_cast<long>(place % loop.size()) + 1, loop.end());
+        return longer;
+    }
+    return {};
+}
+
+TEST(DrawnLoops, FingersDoNotMatter) {
+    const TriMesh mesh = pretzel(2, 3);
+    const Hierarchy hierarchy(mesh, 0.5, 200);
+    const LevelMesh fine = read_level(hierarchy, 0);
+    const Loops straight = library_loops(hierarchy, 0);
+    const Solution expected = solve(hierarchy, &straight, solve_options(HMF_METHOD_NEWTON, 1e-11));
+    size_t tried = 0;
+    for (size_t place = 0; place < 60; place += 7) {
+        Loops wiggly;
+        for (size_t c = 0; c < straight.count(); ++c) {
+            std::vector<uint32_t> longer = with_finger(fine, straight, c, place);
+            if (longer.empty()) longer.assign(straight.elements.begin() + static_cast<long>(straight.offsets[c]), straight.elements.begin() + static_cast<long>(straight.offsets[c + 1]));
+            else ++tried;
+            wiggly.add(longer);
+        }
+        // The initial foliation of a loop with a finger would have a pole.
+        std::vector<double> values(fine.edge_count);
+        hmf_error error{};
+        const hmf_loop_set set = wiggly.view();
+        ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_OK) << error.message;
+        expect_foliation(hierarchy, fine, values);
+        const Solution solution = solve(hierarchy, &wiggly, solve_options(HMF_METHOD_NEWTON, 1e-11));
+        EXPECT_LT(solution.status, HMF_CANCELLED) << solution.error.message;
+        EXPECT_NEAR(solution.report.energy, expected.report.energy, 1e-10 * expected.report.energy);
+    }
+    EXPECT_GT(tried, 6u);
 }
 
 class RealHandles : public testing::TestWithParam<const char*> {};
@@ -262,13 +390,26 @@ TEST_P(RealHandles, LinkingIntegrals) {
     expect_handles(mesh);
 }
 
+class RealPants : public testing::TestWithParam<const char*> {};
+
+TEST_P(RealPants, AreSolved) {
+    const char* folder = std::getenv("HMF_MESHES");
+    const std::string path = std::string(folder ? folder : "") + "/" + GetParam() + ".obj";
+    TriMesh mesh;
+    if (!folder || !read_obj(path, mesh)) GTEST_SKIP() << "skipped: no " << path;
+    expect_pants(mesh);
+}
+
+std::string mesh_name(const testing::TestParamInfo<const char*>& info) {
+    std::string name = info.param;
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, RealPants, testing::Values("fertility_9.0k", "botijo_23k", "sf129110_10k", "heptoroid_36k"), mesh_name);
 INSTANTIATE_TEST_SUITE_P(Meshes, RealHandles,
                          testing::Values("fertility_9.0k", "botijo_23k", "rocker-arm_5.0k", "kitten_16k", "heptoroid_36k", "entangled-double-torus_35k", "knot1_6.4k"),
-                         [](const testing::TestParamInfo<const char*>& info) {
-                             std::string name = info.param;
-                             for (char& c : name)
-                                 if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                             return name;
-                         });
+                         mesh_name);
 
 } // namespace

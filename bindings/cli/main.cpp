@@ -99,9 +99,9 @@ int run(int argc, char** argv) {
     solve_command
         ->add_option("--loops", request.loops,
                      "cut: as many as the genus, together they cut the surface into one planar piece;\n"
-                     "handle, tunnel: such that bound inside, outside; or FILE: one loop a line,\n"
-                     "vertex indices from 0 (closed edge path) or t: and triangle indices")
-        ->type_name("cut|handle|tunnel|FILE")
+                     "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 that leave pairs of pants;\n"
+                     "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices")
+        ->type_name("cut|handle|tunnel|pants|FILE")
         ->capture_default_str();
     solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")->delimiter(',')->type_name("W,W,...");
     solve_command->add_option("--start", request.start, "values of --values to start from, instead of loops: the class is theirs")
@@ -127,7 +127,7 @@ int run(int argc, char** argv) {
     solve_command->add_option("--report", request.report, "numbers of the run, JSON")->type_name("FILE.json");
     solve_command->add_option("--history", request.history, "energy and residual over time")->type_name("FILE.csv");
     solve_command->add_option("--obj", request.obj, "mesh with (u, v) per corner as texture coordinates;\nFILE.mtl and FILE.png (a checkerboard) come with it")->type_name("FILE.obj");
-    solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow")->type_name("FILE.png");
+    solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow, loops green")->type_name("FILE.png");
     solve_command->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")->type_name("FILE.obj");
     solve_command->add_option("--spacing", request.leaf_spacing, "distance of level sets, in the unit of the weights; default a tenth of the least weight")
         ->check(CLI::PositiveNumber);
@@ -149,8 +149,6 @@ int run(int argc, char** argv) {
     const Clock::time_point start = Clock::now();
     if (*info_command) return info(read_mesh(mesh_path), mesh_path, json);
 
-    if (request.loops == "pants")
-        throw Failure(EXIT_USAGE, "--loops " + request.loops + " comes with a later version; use cut or a file of loops");
     expect_extension("--values", values, {".csv", ".npy"});
     expect_extension("--start", request.start, {".csv"});
     expect_extension("--report", request.report, {".json"});

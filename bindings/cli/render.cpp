@@ -38,7 +38,7 @@ Vec unit(Vec a) {
 }
 
 using Colour = Vec; // linear light
-constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02};
+constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02}, GREEN{0.01, 0.33, 0.06};
 
 // Principal axes of the points, the smallest first, by Jacobi rotations.
 std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
@@ -417,6 +417,31 @@ void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour 
         }
 }
 
+// A straight piece of a line, with a round end.
+void draw_rod(Canvas& canvas, Vec from, Vec to, double radius, Colour colour) {
+    const Vec axis = unit(to - from), across = unit(cross(axis, std::fabs(axis.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})), along = cross(axis, across);
+    constexpr int SECTORS = 12, RINGS = 3;
+    const auto paint = [&](const double*, const double*, const double*) { return colour; };
+    const auto direction = [&](int sector) {
+        const double turn = 6.283185307179586 * sector / SECTORS;
+        return std::cos(turn) * across + std::sin(turn) * along;
+    };
+    const auto ball = [&](int ring, int sector) {
+        const double polar = 1.5707963267948966 * ring / RINGS;
+        const Vec n = std::sin(polar) * direction(sector) + std::cos(polar) * axis;
+        return Corner{to + radius * n, n};
+    };
+    for (int sector = 0; sector < SECTORS; ++sector) {
+        const Vec n = direction(sector), m = direction(sector + 1);
+        canvas.triangle({from + radius * n, n}, {to + radius * n, n}, {to + radius * m, m}, paint);
+        canvas.triangle({from + radius * n, n}, {to + radius * m, m}, {from + radius * m, m}, paint);
+        for (int ring = 0; ring < RINGS; ++ring) {
+            canvas.triangle(ball(ring, sector), ball(ring, sector + 1), ball(ring + 1, sector + 1), paint);
+            canvas.triangle(ball(ring, sector), ball(ring + 1, sector + 1), ball(ring + 1, sector), paint);
+        }
+    }
+}
+
 } // namespace
 
 double pattern_period(const Foliation& foliation, const Potential& potential) {
@@ -430,7 +455,7 @@ double pattern_period(const Foliation& foliation, const Potential& potential) {
     return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
 }
 
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard) {
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard, const std::vector<Line>& loops) {
     std::vector<Vec> points(foliation.positions.size() / 3);
     for (size_t v = 0; v < points.size(); ++v)
         points[v] = {foliation.positions[3 * v], foliation.positions[3 * v + 1], foliation.positions[3 * v + 2]};
@@ -478,6 +503,12 @@ Image render(const Foliation& foliation, const Potential& potential, const Param
             return red * RED + (1 - red) * WHITE;
         });
     }
+    for (const Line& loop : loops)
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const auto& p = loop[i];
+            const auto& q = loop[i + 1 < loop.size() ? i + 1 : 0];
+            draw_rod(canvas, camera.to_camera({p[0], p[1], p[2]}), camera.to_camera({q[0], q[1], q[2]}), 0.0035 * size, GREEN);
+        }
     // One corner of each vertex, for its normal.
     std::vector<size_t> corner_of(points.size(), 0);
     for (size_t k = foliation.triangles.size(); k-- > 0;) corner_of[foliation.triangles[k]] = k;

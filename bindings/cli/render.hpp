@@ -1,10 +1,11 @@
 // A picture of a foliation: stripes along the leaves or squares of the
-// parameterisation, zeros blue, poles yellow.
+// parameterisation, zeros blue, poles yellow, loops green.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "loop_lines.hpp"
 #include "parameterize.hpp"
 #include "potential.hpp"
 
@@ -19,6 +20,6 @@ struct Image {
 double pattern_period(const Foliation& foliation, const Potential& potential);
 
 // checkerboard: squares of (u, v) in place of the stripes; NULL: stripes.
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard);
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard, const std::vector<Line>& loops);
 
 } // namespace cli

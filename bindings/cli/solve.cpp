@@ -125,6 +125,7 @@ int32_t loop_kind(const std::string& name) {
     if (name == "cut") return HMF_LOOPS_CUT;
     if (name == "handle") return HMF_LOOPS_HANDLE;
     if (name == "tunnel") return HMF_LOOPS_TUNNEL;
+    if (name == "pants") return HMF_LOOPS_PANTS;
     return 0;
 }
 
@@ -135,7 +136,7 @@ LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kin
     hmf_status status = hmf_level_counts(hierarchy, level, &counts, &error);
     if (status != HMF_OK) fail_with(status, error, name);
     // Room that nearly always suffices saves computing the loops twice.
-    size_t count = hmf_genus(hierarchy), element_count = counts.triangle_count;
+    size_t count = 3 * hmf_genus(hierarchy), element_count = counts.triangle_count;
     for (int round = 0; round < 2; ++round) {
         loops.offsets.resize(count + 1);
         loops.elements.resize(element_count);
@@ -319,8 +320,11 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         progress.clear();
     }
     if (!request.obj.empty() && summary.parameterized) write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
-    if (!request.image.empty())
-        write_png(request.image, render(foliation, potential, request.checkerboard && summary.parameterized ? &parameterization : nullptr));
+    if (!request.image.empty()) {
+        const LoopList drawn = loop_level == 0 ? loops : library_loops(hierarchy.get(), 0, kind, name);
+        write_png(request.image, render(foliation, potential, request.checkerboard && summary.parameterized ? &parameterization : nullptr,
+                                        loop_lines(foliation, drawn)));
+    }
     if (!request.report.empty()) write_report(request.report, summary);
 
     std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n", name.c_str(),

@@ -11,7 +11,7 @@ namespace cli {
 
 struct SolveRequest {
     std::string mesh_name;            // for messages
-    std::string loops = "cut";        // cut, handle, tunnel, or a file
+    std::string loops = "cut";        // cut, handle, tunnel, pants, or a file
     std::vector<double> loop_weights; // empty: all 1
     int32_t method = HMF_METHOD_DEFAULT;
     int32_t collapse = HMF_COLLAPSE_DEFAULT;

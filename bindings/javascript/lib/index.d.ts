@@ -117,7 +117,7 @@ export interface Level {
  * "handle": loops that bound inside the surface; "tunnel": loops that bound
  * outside.  Both need a surface that does not meet itself.
  */
-export type LoopsKind = "cut" | "handle" | "tunnel";
+export type LoopsKind = "cut" | "handle" | "tunnel" | "pants";
 
 /** Disjoint closed curves on a level. */
 export interface LoopSet {

@@ -30,7 +30,7 @@ from .foliation import Foliation, Method, optimise
 from .loops import Loops, as_loops
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
-LoopsKind = Literal["cut", "handle", "tunnel"]
+LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 
 # Share of the build in the progress of hmf.solve, about its share of the time.
 _BUILD_SHARE = 0.25
@@ -224,9 +224,10 @@ class Hierarchy:
 
         Parameters
         ----------
-        kind : "cut", "handle" or "tunnel"
+        kind : "cut", "handle", "tunnel" or "pants"
             genus many, which together cut the surface into one planar piece;
             those of "handle" bound inside the surface, those of "tunnel" outside.
+            "pants": 3 genus - 3 (genus 1: one), which leave pairs of pants.
         level : int, optional
             Default: the coarsest, where they are found fastest.
         """

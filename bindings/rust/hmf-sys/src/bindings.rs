@@ -62,6 +62,7 @@ pub const HMF_LOOP_VERTICES: i32 = 2;
 pub const HMF_LOOPS_CUT: i32 = 1;
 pub const HMF_LOOPS_HANDLE: i32 = 2;
 pub const HMF_LOOPS_TUNNEL: i32 = 3;
+pub const HMF_LOOPS_PANTS: i32 = 4;
 pub const HMF_METHOD_DEFAULT: i32 = 0;
 pub const HMF_METHOD_NEWTON: i32 = 1;
 pub const HMF_METHOD_WHITEHEAD: i32 = 2;

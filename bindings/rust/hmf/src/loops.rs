@@ -24,6 +24,8 @@ pub enum LoopsKind {
     Handle,
     /// The same, and they bound outside: they go round the holes.
     Tunnel,
+    /// 3 genus - 3 (genus 1: one); together they cut the surface into pairs of pants.
+    Pants,
 }
 
 impl LoopsKind {
@@ -32,6 +34,7 @@ impl LoopsKind {
             LoopsKind::Cut => sys::HMF_LOOPS_CUT,
             LoopsKind::Handle => sys::HMF_LOOPS_HANDLE,
             LoopsKind::Tunnel => sys::HMF_LOOPS_TUNNEL,
+            LoopsKind::Pants => sys::HMF_LOOPS_PANTS,
         }
     }
 }

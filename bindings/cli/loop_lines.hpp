@@ -1,0 +1,18 @@
+// Loops as closed lines in space, for the picture.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "potential.hpp"
+#include "read_loops.hpp"
+
+namespace cli {
+
+using Line = std::vector<std::array<double, 3>>; // closed
+
+// Loops of the input mesh: through their vertices, or through the middles of
+// the edges that their triangles share, smoothed a little.
+std::vector<Line> loop_lines(const Foliation& foliation, const LoopList& loops);
+
+} // namespace cli
