@@ -125,7 +125,7 @@ enum class Method : int32_t {
 
 enum class LoopElements : int32_t { triangles = HMF_LOOP_TRIANGLES, vertices = HMF_LOOP_VERTICES };
 
-enum class LoopsKind : int32_t { cut = HMF_LOOPS_CUT, handle = HMF_LOOPS_HANDLE, tunnel = HMF_LOOPS_TUNNEL };
+enum class LoopsKind : int32_t { cut = HMF_LOOPS_CUT, handle = HMF_LOOPS_HANDLE, tunnel = HMF_LOOPS_TUNNEL, pants = HMF_LOOPS_PANTS };
 
 /* hmf_build_options; zero means the default. */
 struct BuildOptions {
