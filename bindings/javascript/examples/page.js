@@ -5,10 +5,8 @@ import { paint, potential, stripePeriod, vertexNormals } from './stripes.js';
 const element = id => document.getElementById(id);
 const canvas = document.querySelector('canvas'), main = document.querySelector('main');
 const worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
-// Shared memory needs a page that is cross-origin isolated; without, messages do.
-const flag = globalThis.crossOriginIsolated ? new Int32Array(new SharedArrayBuffer(4)) : null;
 
-let mesh = null, scene = null, opened = null;
+let flag = null, number = 0, mesh = null, scene = null, opened = null;
 let rotation = multiply(turn(0, -0.62), turn(2, 0.12)), zoom = 1;
 
 // --- Surface ----------------------------------------------------------------
@@ -50,9 +48,12 @@ function show(shape) {
     element('report').replaceChildren();
     element('weights').replaceChildren();
     say('');
-    busy(true);
+    stop('cancel');
+    // Shared memory needs a page that is cross-origin isolated; without, messages do.
+    flag = globalThis.crossOriginIsolated ? new Int32Array(new SharedArrayBuffer(4)) : null;
     opened = null;
-    worker.postMessage({ type: 'open', ...mesh, flag: flag?.buffer });
+    busy(true);
+    worker.postMessage({ type: 'open', mesh: ++number, ...mesh, flag: flag?.buffer });
     draw();
 }
 
@@ -72,7 +73,19 @@ function busy(yes) {
 function solve() {
     busy(true);
     say('');
-    worker.postMessage({ type: 'solve', kind: element('kind').value, weights: weights() });
+    worker.postMessage({ type: 'solve', weights: weights() });
+}
+
+/** 'finish' keeps what is reached, 'cancel' does not. */
+function stop(how) {
+    if (flag) Atomics.store(flag, 0, how === 'finish' ? 2 : 1);
+    else worker.postMessage({ type: 'stop', how });
+}
+
+function askLoops() {
+    busy(true);
+    element('weights').replaceChildren();
+    worker.postMessage({ type: 'loops', kind: element('kind').value });
 }
 
 const weights = () => [...element('weights').querySelectorAll('input')].map(input => Number(input.value));
@@ -103,10 +116,14 @@ function report({ report, singularities }) {
 }
 
 worker.onmessage = ({ data }) => {
+    if (data.mesh !== number) return; // of a mesh that is gone
     if (data.type === 'progress') element('progress').value = data.fraction;
     if (data.type === 'opened') {
         opened = data;
-        addWeights(data.loopCount);
+        askLoops();
+    }
+    if (data.type === 'loops') {
+        addWeights(data.count);
         solve();
     }
     if (data.type === 'solved') {
@@ -132,11 +149,8 @@ worker.onmessage = ({ data }) => {
 worker.onerror = event => say(`The worker could not start: ${event.message ?? 'see the console'}`);
 
 element('solve').addEventListener('click', solve);
-element('stop').addEventListener('click', () => {
-    if (flag) Atomics.store(flag, 0, 2);
-    else worker.postMessage({ type: 'stop', how: 'finish' });
-});
-element('kind').addEventListener('change', () => { if (opened) solve(); });
+element('stop').addEventListener('click', () => stop('finish'));
+element('kind').addEventListener('change', () => { if (opened) askLoops(); });
 element('shape').addEventListener('change', event => { if (event.target.value !== 'file') show(makeShape(event.target.value)); });
 
 // --- Canvas -----------------------------------------------------------------

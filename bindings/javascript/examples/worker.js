@@ -2,12 +2,16 @@
 // stopped.  In a page of your own, import from 'hmf' instead.
 //
 // It takes
-//     { type: 'open', positions, triangles, flag }   flag: SharedArrayBuffer of 4 bytes, or undefined
-//     { type: 'solve', kind, weights }               of loops of the library, and one weight for each
+//     { type: 'open', mesh, positions, triangles, flag }
+//                                                    mesh: a number of yours, in all answers;
+//                                                    flag: SharedArrayBuffer of 4 bytes, or undefined
+//     { type: 'loops', kind }                        'cut', 'handle', 'tunnel', ...: those to solve for
+//     { type: 'solve', weights }                     one for each loop
 //     { type: 'stop', how }                          'cancel' or 'finish'; only without a flag
-// and posts
+// and posts, with mesh,
 //     { type: 'progress', stage, fraction }
-//     { type: 'opened', genus, loopCount, levels, triangleEdges }
+//     { type: 'opened', genus, levels, triangleEdges }
+//     { type: 'loops', count }
 //     { type: 'solved', values, report, singularities }
 //     { type: 'stopped' }                            nothing was reached yet
 //     { type: 'failed', message }
@@ -18,10 +22,12 @@
 import { HmfError, load } from '../lib/index.js';
 
 const library = load();
-let hierarchy = null, flag = null, asked = '', work = Promise.resolve();
+let hierarchy = null, loops = null, flag = null, asked = '', work = Promise.resolve();
 
-const answers = ['continue', 'cancel', 'finish'];
-let lastPost = 0;
+const wishes = ['continue', 'cancel', 'finish'];
+let lastPost = 0, mesh = 0;
+
+const answer = message => postMessage({ ...message, mesh });
 
 /** A progress function for the part of a job from one fraction to another. */
 function progress(stage, from = 0, to = 1) {
@@ -29,33 +35,38 @@ function progress(stage, from = 0, to = 1) {
         const now = performance.now();
         if (now - lastPost > 40 || fraction === 1) {
             lastPost = now;
-            postMessage({ type: 'progress', stage, fraction: from + (to - from) * fraction });
+            answer({ type: 'progress', stage, fraction: from + (to - from) * fraction });
         }
-        return flag ? answers[Atomics.load(flag, 0)] : 'continue';
+        return flag ? wishes[Atomics.load(flag, 0)] : 'continue';
     };
 }
 
-async function open({ positions, triangles, flag: shared }) {
+async function open({ mesh: number, positions, triangles, flag: shared }) {
     const hmf = await library;
+    mesh = number;
     hierarchy?.dispose();
     hierarchy = null;
     flag = shared ? new Int32Array(shared) : null;
     asked = '';
     hierarchy = new hmf.Hierarchy(positions, triangles, { progress: progress('build') });
-    postMessage({
+    answer({
         type: 'opened',
         genus: hierarchy.genus,
-        loopCount: hierarchy.loops().loops.length,
         levels: hierarchy.levels.map(level => level.vertexCount),
         triangleEdges: hierarchy.levels[0].triangleEdges(),
     });
+}
+
+function makeLoops({ kind }) {
+    loops = hierarchy.loops({ kind });
+    answer({ type: 'loops', count: loops.loops.length });
 }
 
 /** Lets waiting messages in. */
 const pause = () => new Promise(resolve => setTimeout(resolve));
 
 /** The loops start on the coarsest level; each finer one starts from the result before. */
-async function solveByLevels(loops) {
+async function solveByLevels(weighted) {
     const { levels } = hierarchy, total = levels.reduce((sum, level) => sum + level.edgeCount, 0);
     let foliation = null, done = 0;
     for (let index = levels.length - 1; index >= 0; --index) {
@@ -63,21 +74,20 @@ async function solveByLevels(loops) {
         if (asked === 'cancel') return null;
         if (asked === 'finish' && foliation) return foliation.interpolate(0);
         const next = done + levels[index].edgeCount, report = progress('solve', done / total, next / total);
-        foliation = foliation ? foliation.interpolate(index).relax({ progress: report }) : hierarchy.solve({ loops, stopLevel: index, progress: report });
+        foliation = foliation ? foliation.interpolate(index).relax({ progress: report }) : hierarchy.solve({ loops: weighted, stopLevel: index, progress: report });
         done = next;
     }
     return foliation;
 }
 
-async function solve({ kind, weights }) {
-    if (!hierarchy) throw new Error('Open a mesh first.');
+async function solve({ weights }) {
     asked = '';
-    const loops = { ...hierarchy.loops({ kind }), weights };
-    const foliation = flag ? hierarchy.solve({ loops, progress: progress('solve') }) : await solveByLevels(loops);
-    if (!foliation) return postMessage({ type: 'stopped' });
+    const weighted = { ...loops, weights };
+    const foliation = flag ? hierarchy.solve({ loops: weighted, progress: progress('solve') }) : await solveByLevels(weighted);
+    if (!foliation) return answer({ type: 'stopped' });
     // Carried up from a coarser level, it has no report of its own.
     const report = foliation.report ?? { status: 'HMF_CANCELLED', energy: foliation.energy() };
-    postMessage({ type: 'solved', values: foliation.values, report, singularities: foliation.singularities().list });
+    answer({ type: 'solved', values: foliation.values, report, singularities: foliation.singularities().list });
 }
 
 onmessage = ({ data }) => {
@@ -86,8 +96,8 @@ onmessage = ({ data }) => {
         return;
     }
     // One job after the other.
-    work = work.then(() => (data.type === 'open' ? open(data) : solve(data))).catch(error => {
-        if (error instanceof HmfError && error.statusName === 'HMF_CANCELLED') postMessage({ type: 'stopped' });
-        else postMessage({ type: 'failed', message: error.message });
+    work = work.then(() => ({ open, loops: makeLoops, solve })[data.type](data)).catch(error => {
+        if (error instanceof HmfError && error.statusName === 'HMF_CANCELLED') answer({ type: 'stopped' });
+        else answer({ type: 'failed', message: error.message });
     });
 };

@@ -106,6 +106,10 @@ for (const kind of ['isolated', 'plain']) {
         }));
         await solved(page);
         assert.equal((await table(page)).state, 'cancelled');
+        // Another surface before the first is through: only the last one is shown.
+        for (const shape of ['pretzel 3 5', 'pretzel 2 4', 'torus']) await page.selectOption('#shape', shape);
+        await solved(page);
+        assert.deepEqual([(await table(page)).genus, (await table(page)).state], ['1', 'ok']);
         // It goes on afterwards.
         await page.click('#solve');
         await page.waitForFunction(() => [...document.querySelectorAll('#report td')].some(cell => cell.textContent === 'ok'));
