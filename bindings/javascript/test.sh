@@ -84,6 +84,7 @@ group results 120 node --test test/results.test.js
 group errors 120 node --test test/errors.test.js
 group parameterize 120 node --test test/parameterize.test.js
 group trace 120 node --test test/trace.test.js
+group quads 120 node --test test/quads.test.js
 group memory 120 node --test test/memory.test.js
 group load 120 node --test test/load.test.js
 group drift 120 node --test test/drift.test.js

@@ -3,6 +3,7 @@ import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
 import { cylinders } from './cylinders.js';
 import { PARAMETERIZE_OPTIONS, parameterize } from './parameterization.js';
+import { QUAD_OPTIONS, quads } from './quads.js';
 import { TRACE_OPTIONS, trace } from './trace.js';
 import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
 
@@ -97,5 +98,10 @@ export class Foliation {
     cylinders(options) {
         const { loops } = optionsOf(options, 'options', ['loops']);
         return this.hierarchy.perform((frame, address) => cylinders(frame, address, this.level, this.values, loops));
+    }
+
+    quads(options) {
+        const given = optionsOf(options, 'options', QUAD_OPTIONS);
+        return this.hierarchy.perform((frame, address) => quads(frame, address, this.level, this.values, given));
     }
 }

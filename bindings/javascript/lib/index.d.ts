@@ -183,6 +183,21 @@ export interface Foliation {
      * belongs to, on any level, each cylinder names its own.
      */
     cylinders(options?: { loops?: LoopSet }): Cylinder[];
+    /** A closed quad mesh along the leaves. */
+    quads(options?: QuadOptions): QuadMesh;
+}
+
+export interface QuadOptions {
+    /** Wished mean length of an edge, in the unit of the positions; default: about half as many quads as triangles. */
+    edgeLength?: number;
+}
+
+/** The first vertices are the zeros, in the order of `singularities()`; a zero of order m has 2 m + 4 edges, every other vertex has 4. */
+export interface QuadMesh {
+    /** Three coordinates for each vertex. */
+    positions: Float64Array;
+    /** Four vertices a, b, c, d for each quad; the sides a-d and b-c lie on leaves. */
+    quads: Uint32Array;
 }
 
 /** In the flat metric du^2 + dv^2.  The place in the list is that of `Line.cylinder`. */

@@ -26,6 +26,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     const moduli: number[] = foliation.cylinders({ loops }).map(cylinder => cylinder.modulus);
 
+    const corners: Uint32Array = foliation.quads({ edgeLength: 0.1 }).quads;
+
     // @ts-expect-error: positions are doubles
     new hmf.Hierarchy(new Float32Array(3), triangles);
     // @ts-expect-error: a number is no source
@@ -44,7 +46,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli);
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli, ...corners);
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {
