@@ -113,9 +113,10 @@ export interface Level {
 }
 
 /**
- * All are cut systems: together they cut the surface into one planar piece.
- * "handle": loops that bound inside the surface; "tunnel": loops that bound
- * outside.  Both need a surface that does not meet itself.
+ * "cut": genus many loops that together cut the surface into one planar piece;
+ * "handle", "tunnel": the same, but bounding inside, or outside, the surface,
+ * which must not meet itself; "pants": 3 genus - 3 loops (genus 1: one) that
+ * cut it into pairs of pants.
  */
 export type LoopsKind = "cut" | "handle" | "tunnel" | "pants";
 

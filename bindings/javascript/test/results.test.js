@@ -125,6 +125,16 @@ test('handle loops go round no hole of a plate, tunnel loops do', () => {
     hierarchy.dispose();
 });
 
+test('pants loops: 3 genus - 3, each the core of a cylinder', () => {
+    const { positions, triangles } = pretzel(3, 2), hierarchy = new hmf.Hierarchy(positions, triangles);
+    const loops = hierarchy.loops({ kind: 'pants', level: 0 });
+    assert.equal(loops.loops.length, 3 * 3 - 3);
+    const foliation = hierarchy.solve({ loops }), { report } = foliation;
+    assert.deepEqual([report.converged, report.zeros, report.poles], [true, 8, 0]);
+    assert.deepEqual(foliation.cylinders({ loops }).map(({ loop, height }) => [loop, height]).sort(), loops.loops.map((_, i) => [i, 1]));
+    hierarchy.dispose();
+});
+
 test('values go down to a coarse level and up again, relax brings them back', () => {
     const { positions, triangles } = pretzel(2, 2);
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
