@@ -99,12 +99,15 @@ def test_options_are_keywords() -> None:
     solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
     both = set(inspect.signature(hmf.solve).parameters)
     assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles"}
-    assert fields("hmf_solve_options") - hidden == solve - {"self", "loops", "weights"}
+    initial = {"initial_values", "initial_count", "initial_level"}
+    assert fields("hmf_solve_options") - hidden - initial == solve - {"self", "loops", "weights", "initial"}
     assert (build | solve) - {"self"} == both
     parameterize = set(inspect.signature(hmf.Foliation.parameterize).parameters)
     assert fields("hmf_parameterize_options") - hidden == parameterize - {"self"}
     trace = set(inspect.signature(hmf.Foliation.trace).parameters)
     assert fields("hmf_trace_options") - hidden == trace - {"self"}
+    quads = set(inspect.signature(hmf.Foliation.quads).parameters)
+    assert fields("hmf_quad_options") - hidden == quads - {"self"}
 
 
 def test_reports_have_all_fields() -> None:

@@ -252,3 +252,34 @@ def test_plates_have_the_sizes_of_the_contract() -> None:
     for size, vertices, triangles in (((1, 1, 4, 4), 512, 1024), ((2, 1, 8, 7), 3006, 6016), ((3, 2, 15, 10), 20240, 40500)):
         points, corners = sample.plate(*size)
         assert (len(points), len(corners)) == (vertices, triangles)
+
+
+def test_initial_values(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+    """The class comes from the values, also from those of another frame."""
+    first = hierarchy.solve(weights=[1, 3])
+    again = hierarchy.solve(initial=first)
+    check_harmonic(again)
+    assert again.energy == pytest.approx(first.energy, rel=1e-10)
+    stretched = hmf.Hierarchy(pretzel[0] * [1.0, 1.2, 1.0], pretzel[1], coarsest=200)
+    moved = stretched.solve(initial=first)
+    check_harmonic(moved)
+    # The same class: its energy is that of the first values carried over and relaxed.
+    assert moved.energy == pytest.approx(stretched.foliation(first.values).relax().energy, rel=1e-8)
+    with pytest.raises(ValueError, match="no loops"):
+        hierarchy.solve(hierarchy.loops(), initial=first)
+    with pytest.raises(ValueError, match="no weights"):
+        hierarchy.solve(weights=[1, 3], initial=first)
+    with pytest.raises(hmf.FoliationError):
+        hierarchy.solve(initial=hierarchy.foliation(np.arange(len(first), dtype=float)))
+
+
+def test_mollify_accepts_a_triangle_without_area(pretzel: Mesh) -> None:
+    positions, triangles = pretzel[0].copy(), pretzel[1]
+    a, b, c = triangles[100]
+    positions[a] = (positions[b] + positions[c]) / 2
+    with pytest.raises(hmf.MeshError) as caught:
+        hmf.solve(positions, triangles)
+    assert caught.value.status is hmf.Status.ERROR_MESH_DEGENERATE
+    foliation = hmf.solve(positions, triangles, mollify=1e-5)
+    check_foliation(foliation)
+    assert foliation.converged

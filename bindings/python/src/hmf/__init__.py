@@ -34,6 +34,7 @@ from .hierarchy import Hierarchy, Level, memory_estimate, solve
 from .leaves import Leaf, Leaves
 from .loops import Loops
 from .parameterization import Parameterization
+from .quads import QuadMesh
 from .report import HistoryEntry, LevelReport, Report
 
 
@@ -70,6 +71,7 @@ __all__ = [
     "Progress",
     "ProgressCallback",
     "ProgressOption",
+    "QuadMesh",
     "Report",
     "Singularities",
     "Singularity",

@@ -30,6 +30,7 @@ from .errors import Cancelled, LimitWarning, Status
 from .leaves import Leaves, trace
 from .loops import Loops
 from .parameterization import Parameterization, parameterize
+from .quads import QuadMesh, make_quads
 from .report import Report, ReportBuffer
 
 if TYPE_CHECKING:
@@ -282,6 +283,7 @@ class Foliation:
                 time_limit=time_limit,
                 iteration_limit=iteration_limit,
                 stop_level=0,
+                initial=None,
                 callback=callback,
                 stacklevel=3,
             )
@@ -365,6 +367,26 @@ class Foliation:
         """
         return cylinders(self, loops, weights)
 
+    def quads(self, *, edge_length: float | None = None) -> QuadMesh:
+        """A closed quad mesh along the leaves: a grid on each cylinder, glued along the critical leaves.
+
+        A zero of order m has 2 m + 4 edges, every other vertex has 4.
+
+        Parameters
+        ----------
+        edge_length : float, optional
+            Wished mean length of an edge, in the unit of the positions;
+            default: about half as many quads as there are triangles.
+
+        Raises
+        ------
+        UnsupportedError
+            A zero goes round a part of the surface that no leaf crosses, or no grids match for edges so long.
+        FoliationError
+            The values cannot be used.
+        """
+        return make_quads(self, edge_length)
+
     def __repr__(self) -> str:
         return f"<Foliation on level {self._level}: {len(self._values)} edges, {self._status.name}>"
 
@@ -380,6 +402,7 @@ def optimise(
     time_limit: float | None,
     iteration_limit: int | None,
     stop_level: int,
+    initial: Foliation | None,
     callback: ProgressCallback | None,
     stacklevel: int,
 ) -> Foliation:
@@ -395,6 +418,10 @@ def optimise(
     if iteration_limit is not None:
         options.iteration_limit = as_count(iteration_limit, "iteration_limit")
     options.stop_level = stop_level
+    if initial is not None:
+        options.initial_values = pointer(initial.values, "double *")
+        options.initial_count = initial.values.size
+        options.initial_level = initial.level
     watch = Watch(callback)
     alive = watch.install(options)
     report = ReportBuffer()

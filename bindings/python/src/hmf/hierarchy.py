@@ -36,7 +36,13 @@ LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 _BUILD_SHARE = 0.25
 
 
-def _build_options(ratio: float | None, coarsest: int | None, collapse: Collapse | None, memory_limit: int | None) -> Any:
+def _build_options(
+    ratio: float | None,
+    coarsest: int | None,
+    collapse: Collapse | None,
+    memory_limit: int | None,
+    mollify: float | None,
+) -> Any:
     options = ffi.new("hmf_build_options *")
     lib.hmf_build_options_init(options)
     if ratio is not None:
@@ -47,6 +53,8 @@ def _build_options(ratio: float | None, coarsest: int | None, collapse: Collapse
         options.collapse = constant("COLLAPSE", collapse, "collapse")
     if memory_limit is not None:
         options.memory_limit = as_count(memory_limit, "memory_limit")
+    if mollify is not None:
+        options.mollify = mollify
     return options
 
 
@@ -135,6 +143,11 @@ class Hierarchy:
         to one end, or that of least quadric error to its best point.
     memory_limit : int, optional
         Bytes in use at any time, 0 = none; also bounds each later call.
+    mollify : float, optional
+        In [0, 0.1], default 0 = off; try 1e-5.  Accepts triangles without
+        area and edges without length: the edges of level 0 get longer by the
+        least amount with which every triangle inequality holds by a margin of
+        mollify * mean length.
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
@@ -163,11 +176,18 @@ class Hierarchy:
         coarsest: int | None = None,
         collapse: Collapse | None = None,
         memory_limit: int | None = None,
+        mollify: float | None = None,
         progress: ProgressOption = None,
     ) -> None:
+        self._options: dict[str, Any] = {
+            "ratio": ratio,
+            "coarsest": coarsest,
+            "collapse": collapse,
+            "memory_limit": memory_limit,
+            "mollify": mollify,
+        }
         with progress_callback(progress, "hmf build") as callback:
-            self._build(positions, triangles, _build_options(ratio, coarsest, collapse, memory_limit), callback)
-        self._options = {"ratio": ratio, "coarsest": coarsest, "collapse": collapse, "memory_limit": memory_limit}
+            self._build(positions, triangles, _build_options(**self._options), callback)
 
     def _build(self, positions: ArrayLike, triangles: ArrayLike, options: Any, callback: ProgressCallback | None) -> None:
         points = as_positions(positions)
@@ -275,6 +295,7 @@ class Hierarchy:
         loops: Loops | Sequence[ArrayLike] | None = None,
         weights: ArrayLike | None = None,
         *,
+        initial: Foliation | None = None,
         method: Method | None = None,
         tolerance: float | None = None,
         time_limit: float | None = None,
@@ -291,6 +312,11 @@ class Hierarchy:
             your mesh, as vertices.  Default: ``self.loops("cut")``.
         weights : (number of loops,) floats, optional
             Positive, the unit of the values; default those of the loops.
+        initial : Foliation, optional
+            Instead of loops: start from its values, in their class.  It may
+            lie on another hierarchy of the same triangles, for example of the
+            last frame of an animation.  Where it is close to the minimum
+            already, :meth:`Foliation.relax` is faster.
         method : "newton", "whitehead" or "single_level", optional
             Newton steps on the twisted Laplacian (default), Whitehead moves
             up the hierarchy, or Whitehead moves on your mesh alone.
@@ -316,18 +342,21 @@ class Hierarchy:
 
         Raises
         ------
-        LoopError, OptionsError, LevelError, OutOfMemoryError, Cancelled
+        LoopError, FoliationError, OptionsError, LevelError, OutOfMemoryError, Cancelled
             See there.
         KeyboardInterrupt
             Control-C cancels; it takes at most some 50 ms.
         """
         with progress_callback(progress, "hmf solve") as callback:
-            return self._solve(loops, weights, method, tolerance, time_limit, iteration_limit, stop_level, callback)
+            return self._solve(
+                loops, weights, initial, method, tolerance, time_limit, iteration_limit, stop_level, callback
+            )
 
     def _solve(
         self,
         loops: Loops | Sequence[ArrayLike] | None,
         weights: ArrayLike | None,
+        initial: Foliation | None,
         method: Method | None,
         tolerance: float | None,
         time_limit: float | None,
@@ -335,6 +364,8 @@ class Hierarchy:
         stop_level: int,
         callback: ProgressCallback | None,
     ) -> Foliation:
+        if initial is not None and (loops is not None or weights is not None):
+            raise ValueError("initial values have a class and weights of their own: give no loops and no weights.")
         if loops is None and weights is not None:
             loops = self.loops(level=0 if method == "single_level" else None)
         chosen = None if loops is None else as_loops(loops, weights)
@@ -353,6 +384,7 @@ class Hierarchy:
             time_limit=time_limit,
             iteration_limit=iteration_limit,
             stop_level=level,
+            initial=initial,
             callback=callback,
             stacklevel=4,
         )
@@ -372,9 +404,10 @@ def memory_estimate(
     ratio: float | None = None,
     coarsest: int | None = None,
     collapse: Collapse | None = None,
+    mollify: float | None = None,
 ) -> int:
     """Upper bound of the bytes that building a :class:`Hierarchy` uses at its peak; 0 if the counts are unusable."""
-    options = _build_options(ratio, coarsest, collapse, None)
+    options = _build_options(ratio, coarsest, collapse, None, mollify)
     vertices, triangles = as_count(vertex_count, "vertex_count"), as_count(triangle_count, "triangle_count")
     return int(lib.hmf_memory_estimate(vertices, triangles, options))
 
@@ -389,6 +422,8 @@ def solve(
     coarsest: int | None = None,
     collapse: Collapse | None = None,
     memory_limit: int | None = None,
+    mollify: float | None = None,
+    initial: Foliation | None = None,
     method: Method | None = None,
     tolerance: float | None = None,
     time_limit: float | None = None,
@@ -409,11 +444,13 @@ def solve(
             coarsest=coarsest,
             collapse=collapse,
             memory_limit=memory_limit,
+            mollify=mollify,
             progress=part(callback, 0.0, _BUILD_SHARE),
         )
         return hierarchy._solve(
             loops,
             weights,
+            initial,
             method,
             tolerance,
             time_limit,
