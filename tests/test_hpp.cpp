@@ -387,6 +387,20 @@ TEST(Hpp, Cylinders) {
     EXPECT_EQ(HMF_ERROR_VALUE_CLASS, error_of([&] { solution.foliation.cylinders(&others); }).status());
 }
 
+TEST(Hpp, Quads) {
+    const hmf::Hierarchy hierarchy = make();
+    const hmf::Foliation foliation = hierarchy.solve(hierarchy.loops(0, hmf::LoopsKind::tunnel)).foliation;
+    const hmf::QuadMesh mesh = foliation.quads();
+    // Every edge has two quads, so that vertices - edges + quads = 2 - 2 genus.
+    ASSERT_EQ(0u, mesh.positions.size() % 3);
+    EXPECT_EQ(mesh.quads.size() / 4, mesh.positions.size() / 3 + 2);
+    std::vector<int> degree(mesh.positions.size() / 3);
+    for (uint32_t v : mesh.quads) ++degree[v];
+    const std::vector<hmf::Singularity> zeros = foliation.zeros_and_poles();
+    for (size_t v = 0; v < degree.size(); ++v) EXPECT_EQ(v < zeros.size() ? 4 - 2 * zeros[v].index : 4, degree[v]);
+    EXPECT_EQ(HMF_ERROR_OPTIONS, error_of([&] { foliation.quads(-1); }).status());
+}
+
 TEST(Hpp, StartsFromValues) {
     const hmf::Hierarchy hierarchy = make(with_levels());
     const hmf::Solution first = hierarchy.solve();

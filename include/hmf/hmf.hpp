@@ -241,6 +241,12 @@ struct Cylinders {
     Loops leaves; /* the leaf in the middle of each as a triangle loop, weights: the heights */
 };
 
+/* Outputs of hmf_quads. */
+struct QuadMesh {
+    std::vector<double> positions; /* vertex_count x 3 */
+    std::vector<uint32_t> quads;   /* quad_count x 4 */
+};
+
 /* hmf_parameterization with its own arrays, all of which are filled. */
 struct Parameterization {
     std::vector<double> corner_uv;    /* triangle_count x 3 x 2 */
@@ -473,6 +479,26 @@ public:
         call(true);
         for (const Cylinder& cylinder : own.list) own.leaves.weights.push_back(cylinder.height);
         return own;
+    }
+
+    /* hmf_quads; edge_length 0: about as many quads as triangles / 2 */
+    QuadMesh quads(double edge_length = 0) const {
+        hmf_quad_options options = {};
+        options.struct_size = sizeof options;
+        options.edge_length = edge_length;
+        QuadMesh mesh;
+        std::size_t vertices = 0, quads = 0;
+        const auto call = [&](bool fill) {
+            detail::check([&](hmf_error* error) {
+                return hmf_quads(handle_.get(), level_, values_.data(), values_.size(), &options, fill ? mesh.positions.data() : nullptr,
+                                 vertices, fill ? mesh.quads.data() : nullptr, quads, &vertices, &quads, error);
+            });
+        };
+        call(false);
+        mesh.positions.resize(3 * vertices);
+        mesh.quads.resize(4 * quads);
+        call(true);
+        return mesh;
     }
 
     /* hmf_parameterize */

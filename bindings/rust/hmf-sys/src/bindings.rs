@@ -279,6 +279,13 @@ pub struct hmf_cylinder {
     pub modulus: f64,
     pub area: f64,
 }
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_quad_options {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub edge_length: f64,
+}
 extern "C" {
     pub fn hmf_version() -> u32;
     pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
@@ -466,6 +473,21 @@ extern "C" {
         triangle_capacity: usize,
         cylinder_count: *mut usize,
         triangle_count: *mut usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_quad_options_init(options: *mut hmf_quad_options);
+    pub fn hmf_quads(
+        hierarchy: *const hmf_hierarchy,
+        level: usize,
+        values: *const f64,
+        count: usize,
+        options: *const hmf_quad_options,
+        positions: *mut f64,
+        position_capacity: usize,
+        quads: *mut u32,
+        quad_capacity: usize,
+        vertex_count: *mut usize,
+        quad_count: *mut usize,
         error: *mut hmf_error,
     ) -> hmf_status;
 }

@@ -5,6 +5,7 @@ use crate::error::{call, Result, Status};
 use crate::hierarchy::Hierarchy;
 use crate::loops::Loops;
 use crate::parameterize::Parameterizer;
+use crate::quads::{quads, QuadMesh};
 use crate::trace::Tracer;
 use hmf_sys as sys;
 use std::ptr;
@@ -203,6 +204,22 @@ impl Foliation {
     /// others of class 500, and classes 100, 200, 400.
     pub fn cylinders(&self, loops: Option<&Loops>) -> Result<Vec<Cylinder>> {
         cylinders(self, loops)
+    }
+
+    /// A closed quad mesh along the leaves of a harmonic foliation: a grid on each
+    /// cylinder, glued along the critical leaves.
+    ///
+    /// `edge_length` is the wished mean length of an edge, in the unit of the positions.
+    /// With `None` there are about half as many quads as triangles. Numbers are rounded so
+    /// that the grids match, with at least 3 quads across a cylinder and 2 along a
+    /// critical leaf.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_UNSUPPORTED`] if a zero goes round a part of the surface that no
+    /// leaf crosses, or if there is no match for edges so long; classes 100, 200, 500.
+    pub fn quads(&self, edge_length: Option<f64>) -> Result<QuadMesh> {
+        quads(self, edge_length.unwrap_or(0.0))
     }
 
     fn list(&self, mut arrays: Option<&mut Singularities>) -> Result<Vec<Singularity>> {

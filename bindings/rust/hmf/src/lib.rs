@@ -9,6 +9,7 @@ mod loops;
 mod memory;
 mod parameterize;
 mod progress;
+mod quads;
 mod solve;
 mod trace;
 
@@ -19,6 +20,7 @@ pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
 pub use loops::{LoopElements, Loops, LoopsKind};
 pub use parameterize::{Parameterization, Parameterizer};
 pub use progress::Progress;
+pub use quads::QuadMesh;
 pub use solve::{HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
 pub use trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 

@@ -340,6 +340,34 @@ fn cylinders_fill_the_surface() {
     assert_eq!(foliation.cylinders(Some(&others)).unwrap_err().status(), Status::ERROR_VALUE_CLASS);
 }
 
+#[test]
+fn quads_are_regular_but_at_the_zeros() {
+    let hierarchy = genus_2();
+    let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap();
+    let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
+    let zeros = foliation.zeros_and_poles().unwrap();
+    let mesh = foliation.quads(None).unwrap();
+    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
+    let mut degree = vec![0; mesh.positions.len()];
+    for quad in &mesh.quads {
+        for s in 0..4 {
+            let (a, b) = (quad[s], quad[(s + 1) % 4]);
+            *edges.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { 3 };
+            degree[a as usize] += 1;
+        }
+    }
+    // Closed and oriented: once in either direction. The genus is that of the surface.
+    assert!(edges.values().all(|&uses| uses == 4));
+    assert_eq!(mesh.positions.len() as i64 - edges.len() as i64 + mesh.quads.len() as i64, 2 - 2 * 2);
+    for (vertex, degree) in degree.into_iter().enumerate() {
+        assert_eq!(degree, zeros.get(vertex).map_or(4, |zero| 4 - 2 * zero.index));
+    }
+    let finer = foliation.quads(Some(5.0)).unwrap();
+    let coarser = foliation.quads(Some(20.0)).unwrap();
+    assert!(finer.quads.len() > 4 * coarser.quads.len());
+    assert_eq!(foliation.quads(Some(f64::NAN)).unwrap_err().status(), Status::ERROR_OPTIONS);
+}
+
 /// The last frame of an animation starts the next one.
 #[test]
 fn solving_starts_from_values() {
