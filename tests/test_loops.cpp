@@ -6,6 +6,7 @@
 #include <cstring>
 #include <set>
 
+#include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/cut_surface.hpp"
 #include "../src/loops/loops.hpp"
 #include "support/make_mesh.hpp"

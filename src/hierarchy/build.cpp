@@ -78,6 +78,7 @@ private:
     hmf_status number();
     hmf_status replay();
     bool input_positions();
+    hmf_status measure_input();
     hmf_status make_delaunay();
 
     hmf_hierarchy& h_;
@@ -90,6 +91,9 @@ private:
     WorkMesh work_;
     Array<Level> levels_;
     Array<uint32_t> flips_;
+    double* weight_ = nullptr;     // of level 0: sums of cotangents first
+    Metric metric_;                // of the input; empty if it is Delaunay
+    bool is_delaunay_ = false;
     Arena scratch_;              // of the numberings
     Array<Numbering> numberings_; // of all levels but the coarsest: level k -> k + 1 first, then to the final numbers
     size_t collapse_count_ = 0;
@@ -121,8 +125,26 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
     status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, call_);
     if (status) return status;
+    status = measure_input();
+    if (status) return status;
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
+}
+
+// Sums of cotangents for the weights of level 0, while the mesh is in spatial
+// order, where its triangles are close together; lengths and areas for flips.
+hmf_status Builder::measure_input() {
+    if (!(weight_ = h_.arena.take<double>(edge_count_)) || !measure(work_.mesh, work_.position.data(), h_.memory, metric_))
+        return call_.out_of_memory();
+    if (options_.mollify > 0) mollify(work_.mesh, options_.mollify, metric_);
+    for (const double area : metric_.four_areas)
+        if (!(area > 0)) // all points are one
+            return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0, "The mesh has no extent. Check the positions.");
+    const hmf_status status = cotangent_sums(work_.mesh, metric_, weight_, call_, 0.18);
+    if (status) return status;
+    is_delaunay_ = is_delaunay(work_.mesh, weight_);
+    if (is_delaunay_) metric_ = Metric();
+    return HMF_OK;
 }
 
 // Positions and weights of the level that the working mesh is, in its numbers.
@@ -131,7 +153,9 @@ hmf_status Builder::keep_geometry(Level& level, double fraction) {
     if (!(level.position = h_.arena.take<double>(coordinates)) || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
         return call_.out_of_memory();
     for (size_t n = 0; n < coordinates; ++n) level.position[n] = work_.position[n] / scale_;
-    return coarse_weights(work_.mesh, work_.position.data(), level.weight, level.raised_count, call_, fraction);
+    const hmf_status status = cotangent_sums(work_.mesh, work_.position.data(), level.weight, call_, fraction);
+    if (!status) level.raised_count = coarse_weights(work_.mesh, level.weight);
+    return status;
 }
 
 hmf_status Builder::coarsen() {
@@ -191,15 +215,21 @@ hmf_status Builder::number() {
     h_.level_count = levels_.size();
     if (!(h_.levels = h_.arena.take<Level>(levels_.size())) || !(h_.flips = h_.arena.take<uint32_t>(flips_.size()))) return call_.out_of_memory();
     for (size_t k = 0; k < levels_.size(); ++k) h_.levels[k] = levels_[k];
+    h_.levels[0].weight = weight_;
     if (!flips_.empty()) std::memcpy(h_.flips, flips_.data(), flips_.size() * sizeof(uint32_t));
     flips_.release();
     if (h_.level_count == 1) return HMF_OK;
     Array<double> copy;
-    if (!copy.allocate(h_.memory, h_.levels[1].mesh.edge_count)) return call_.out_of_memory(); // positions need no more
+    if (!copy.allocate(h_.memory, edge_count_)) return call_.out_of_memory(); // the largest
+    // width values for each element
+    const auto permute = [&copy](double* value, size_t count, size_t width, const uint32_t* number) {
+        std::memcpy(copy.data(), value, width * count * sizeof(double));
+        for (size_t x = 0; x < count; ++x)
+            for (size_t c = 0; c < width; ++c) value[width * number[x] + c] = copy[width * x + c];
+    };
     for (size_t k = h_.level_count - 1; k-- > 0;) {
         const Level& level = h_.levels[k];
         const Numbering& numbers = numberings_[k];
-        const size_t vertices = level.mesh.vertex_count, edges = level.mesh.edge_count;
         if (k + 1 < numberings_.size()) {
             // Flips come after the collapses, in the numbers of the coarser level.
             const Numbering& coarser = numberings_[k + 1];
@@ -208,15 +238,15 @@ hmf_status Builder::number() {
         }
         if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
         renumber_collapses(h_.collapses + level.collapse_begin, level.collapse_end - level.collapse_begin, numbers);
-        if (k == 0) break;
         if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
-        std::memcpy(copy.data(), level.position, 3 * vertices * sizeof(double));
-        for (size_t v = 0; v < vertices; ++v)
-            for (size_t c = 0; c < 3; ++c) level.position[3 * size_t{numbers.vertex[v]} + c] = copy[3 * v + c];
-        std::memcpy(copy.data(), level.weight, edges * sizeof(double));
-        for (size_t e = 0; e < edges; ++e) level.weight[numbers.edge[e]] = copy[e];
+        permute(level.weight, level.mesh.edge_count, 1, numbers.edge);
+        if (k > 0) permute(level.position, level.mesh.vertex_count, 3, numbers.vertex);
     }
     const Numbering& finest = numberings_[0];
+    if (!is_delaunay_) {
+        permute(metric_.length.data(), edge_count_, 1, finest.edge);
+        permute(metric_.four_areas.data(), face_count_, 1, finest.face);
+    }
     for (uint32_t e = 0; e < edge_count_; ++e) h_.edge_internal[e] = finest.edge[h_.edge_internal[e]];
     for (uint32_t v = 0; v < vertex_count_; ++v) h_.vertex_internal[v] = finest.vertex[h_.vertex_internal[v]];
     return call_.tick(0.65) ? HMF_OK : HMF_CANCELLED;
@@ -261,29 +291,19 @@ bool Builder::input_positions() {
 
 hmf_status Builder::make_delaunay() {
     Level& level = h_.levels[0];
-    Metric metric;
-    if (!(level.weight = h_.arena.take<double>(edge_count_))) return call_.out_of_memory();
-    double* sum = level.weight; // of cotangents, until they are weights
     level.mesh = h_.input;
-    const auto measure_input = [&](double fraction) {
-        if (!measure(h_.input, level.position, scale_, h_.memory, metric)) return call_.out_of_memory();
-        if (options_.mollify > 0) mollify(h_.input, options_.mollify, metric);
-        for (const double area : metric.four_areas)
-            if (!(area > 0)) // all points are one
-                return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0, "The mesh has no extent. Check the positions.");
-        return cotangent_sums(h_.input, metric, sum, call_, fraction);
-    };
-    hmf_status status = measure_input(0.9);
-    if (status) return status;
-    if (!is_delaunay(h_.input, sum)) {
+    if (!is_delaunay_) {
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
         copy_prefix(h_.input, level.mesh);
         // A log that grows would need three times its room.  Few flips fit into
         // this one; of many it gives the number, and a second run writes them.
         Array<uint32_t> log;
-        if (!log.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
+        Metric start;
+        if (!log.allocate(h_.memory, edge_count_ / 4) || !start.allocate(h_.memory, edge_count_, face_count_)) return call_.out_of_memory();
+        std::memcpy(start.length.data(), metric_.length.data(), edge_count_ * sizeof(double));
+        std::memcpy(start.four_areas.data(), metric_.four_areas.data(), face_count_ * sizeof(double));
         size_t& count = h_.intrinsic_flip_count;
-        status = intrinsic_delaunay(level.mesh, metric, sum, log.data(), log.size(), count, call_, 0.91, 0.94);
+        hmf_status status = intrinsic_delaunay(level.mesh, metric_, weight_, log.data(), log.size(), count, call_, 0.9, 0.94);
         if (status) return status;
         if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(count))) return call_.out_of_memory();
         if (count <= log.size()) {
@@ -291,12 +311,13 @@ hmf_status Builder::make_delaunay() {
         } else {
             const size_t capacity = count;
             copy_prefix(h_.input, level.mesh);
-            status = measure_input(0.94);
-            if (!status) status = intrinsic_delaunay(level.mesh, metric, sum, h_.intrinsic_flips, capacity, count, call_, 0.95, 0.98);
+            status = cotangent_sums(h_.input, start, weight_, call_, 0.94);
+            if (!status) status = intrinsic_delaunay(level.mesh, start, weight_, h_.intrinsic_flips, capacity, count, call_, 0.95, 0.98);
             if (status) return status;
+            assert(count == capacity);
         }
     }
-    level.raised_count = intrinsic_weights(level.mesh, level.weight);
+    level.raised_count = intrinsic_weights(level.mesh, weight_);
     return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
 }
 
@@ -342,7 +363,8 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
     const uint64_t slack = 65536 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
-    const uint64_t input = 24 * F + 4 * V + 4 * E; // the caller's triangles and the maps
+    const uint64_t input = 24 * F + 4 * V + 4 * E + 8 * E; // the caller's triangles, the maps, weights of level 0
+    const uint64_t metric = 8 * E + 8 * F;
     const uint64_t work = 28 * E + 33 * V + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
     const uint64_t log = sizeof(Collapse) * records;
     const uint64_t flips = 4 * COARSE_FLIPS_PER_EDGE * coarse;
@@ -354,10 +376,10 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     // sides and grows by doubling.
     const uint64_t loading = input + work + 16 * F + 8 * F + 12 * V + 48 * F;
     // The log of flips grows by doubling: three times its length while it does.
-    const uint64_t coarsening = input + work + log + 3 * flips + geometry + numberings + mesh;
-    const uint64_t numbering = input + log + 3 * flips + geometry + numberings + mesh + 8 * E;
-    const uint64_t replaying = input + log + flips + geometry + coarse_meshes + mesh + 24 * V;
-    const uint64_t finishing = replaying + 8 * E + mesh + 8 * E + 8 * F + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+    const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh;
+    const uint64_t numbering = input + metric + log + 3 * flips + geometry + numberings + mesh + 8 * E;
+    const uint64_t replaying = input + metric + log + flips + geometry + coarse_meshes + mesh + 24 * V;
+    const uint64_t finishing = replaying + mesh + metric + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;
     const uint64_t stages[4] = {loading, coarsening, numbering, finishing};
     for (const uint64_t stage : stages)

@@ -10,6 +10,7 @@
 //
 //      loop c  (   annulus   )  loop d      c and d are freely homotopic,
 //                                           unless c = d (on a torus)
+#include "../base/disjoint_sets.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 

@@ -33,18 +33,4 @@ struct CutSurface {
     uint32_t half_edge(uint32_t half_segment) const { return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u); }
 };
 
-// Sets as trees with path halving; the smaller number is the root.
-inline uint32_t find_root(uint32_t* parent, uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-inline bool unite(uint32_t* parent, uint32_t i, uint32_t j) {
-    i = find_root(parent, i);
-    j = find_root(parent, j);
-    if (i == j) return false;
-    if (i < j) parent[j] = i;
-    else parent[i] = j;
-    return true;
-}
-
 } // namespace hmf

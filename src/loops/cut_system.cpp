@@ -22,6 +22,7 @@
 //     each loop: its nodes, states, are regions with a sum of labels.
 //  3. Cutting only makes loops longer, so the length found at a root is a lower
 //     bound for it later: roots are tried in that order, and mostly few.
+#include "../base/disjoint_sets.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"

@@ -95,11 +95,15 @@ double four_areas(double a, double b, double c) {
 
 } // namespace
 
-bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric) {
-    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
+bool Metric::allocate(Memory& memory, uint32_t edge_count, uint32_t face_count) {
+    return length.allocate(memory, edge_count) && four_areas.allocate(memory, face_count);
+}
+
+bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric) {
+    if (!metric.allocate(memory, mesh.edge_count, mesh.face_count)) return false;
     const auto difference = [&](uint32_t h, double* d) {
         const double *a = position + size_t{3} * mesh.origin[h], *b = position + size_t{3} * mesh.target(h);
-        for (int c = 0; c < 3; ++c) d[c] = scale * (b[c] - a[c]);
+        for (int c = 0; c < 3; ++c) d[c] = b[c] - a[c];
     };
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         double u[3];

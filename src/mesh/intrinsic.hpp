@@ -18,11 +18,13 @@ constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
 struct Metric {
     Array<double> length;     // per edge
     Array<double> four_areas; // per face
+
+    bool allocate(Memory& memory, uint32_t edge_count, uint32_t face_count);
 };
 
-// The metric of the positions (3 per vertex), times scale: a power of two that
-// makes their squares harmless.  false: out of memory.
-bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric);
+// The metric of positions (3 per vertex) whose fourth powers are harmless.
+// false: out of memory.
+bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric);
 
 // All edges get longer by the least amount that keeps every triangle
 // inequality by a margin of factor * mean length [Sharp and Crane 2020].

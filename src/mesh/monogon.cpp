@@ -14,6 +14,8 @@
 // this finds all of them, in linear time.
 #include "monogon.hpp"
 
+#include "../base/disjoint_sets.hpp"
+
 namespace hmf {
 
 namespace {
@@ -26,14 +28,6 @@ struct Piece {
     uint32_t edge;        // these edges, by exclusive or: the edge itself if there is one
     bool inside;          // of a monogon
 };
-
-uint32_t root(Array<uint32_t>& parent, uint32_t face) {
-    while (parent[face] != face) {
-        parent[face] = parent[parent[face]];
-        face = parent[face];
-    }
-    return face;
-}
 
 } // namespace
 
@@ -54,14 +48,13 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
         if (joins_itself(mesh, e)) {
             ++self_edges[mesh.origin[2 * e]];
         } else {
-            const uint32_t a = root(parent, mesh.face[2 * e]), b = root(parent, mesh.face[2 * e + 1]);
-            parent[a < b ? b : a] = a < b ? a : b;
+            unite(parent.data(), mesh.face[2 * e], mesh.face[2 * e + 1]);
         }
     }
-    for (uint32_t f = 0; f < mesh.face_count; ++f) ++piece[root(parent, f)].euler;
+    for (uint32_t f = 0; f < mesh.face_count; ++f) ++piece[find_root(parent.data(), f)].euler;
     for (uint32_t e = 0; e < mesh.edge_count; ++e)
         for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
-            Piece& p = piece[root(parent, mesh.face[h])];
+            Piece& p = piece[find_root(parent.data(), mesh.face[h])];
             if (joins_itself(mesh, e)) {
                 ++p.sides;
                 p.edge ^= e;
@@ -70,15 +63,15 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
             }
         }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        if (self_edges[v] == 0) ++piece[root(parent, mesh.face[mesh.out[v]])].euler;
+        if (self_edges[v] == 0) ++piece[find_root(parent.data(), mesh.face[mesh.out[v]])].euler;
     for (uint32_t f = 0; f < mesh.face_count; ++f)
         if (parent[f] == f && piece[f].sides == 1 && piece[f].euler == 1 && !queue.push(f)) return false;
     for (size_t i = 0; i < queue.size(); ++i) {
         Piece& inner = piece[queue[i]];
         if (inner.sides != 1) continue; // the whole surface is left
         const uint32_t e = inner.edge, v = mesh.origin[2 * e];
-        const uint32_t left = root(parent, mesh.face[2 * e]);
-        const uint32_t other = left == queue[i] ? root(parent, mesh.face[2 * e + 1]) : left;
+        const uint32_t left = find_root(parent.data(), mesh.face[2 * e]);
+        const uint32_t other = left == queue[i] ? find_root(parent.data(), mesh.face[2 * e + 1]) : left;
         Piece& outer = piece[other];
         inner.inside = true;
         edge[e] = 1;
@@ -89,7 +82,7 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
         if (outer.sides == 1 && outer.euler == 1 && !queue.push(other)) return false;
     }
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        if (piece[root(parent, mesh.face[h])].inside) edge[edge_of(h)] = 1;
+        if (piece[find_root(parent.data(), mesh.face[h])].inside) edge[edge_of(h)] = 1;
         else vertex[mesh.origin[h]] &= static_cast<uint8_t>(~INSIDE);
     }
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {

@@ -11,6 +11,8 @@
 // and all that it touches is near in memory.
 #include "validate.hpp"
 
+#include "../base/disjoint_sets.hpp"
+
 namespace hmf {
 
 namespace {
@@ -206,45 +208,43 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
 }
 
 hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, Call& call) {
-    Array<uint32_t> waiting;
-    Array<uint8_t> reached;
-    if (!waiting.allocate(call.memory, mesh.vertex_count) || !reached.allocate_filled(call.memory, mesh.vertex_count, 0)) return call.out_of_memory();
+    Array<uint32_t> component;
+    if (!component.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
     const auto callers_vertex = [&](uint32_t internal) {
         uint32_t v = 0;
         while (origin.vertex_internal[v] != internal) ++v;
         return v;
     };
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        if (degree[v] == 0) {
-            const uint32_t number = callers_vertex(v);
-            return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, number,
-                             "Vertex %u belongs to no triangle. Remove it and renumber the others.", number);
-        }
-    uint32_t size = 0, done = 0;
-    waiting[size++] = origin.vertex_internal[origin.triangles[0]];
-    reached[waiting[0]] = 1;
-    while (size > 0) {
-        if (++done % TICK == 0 && !call.tick(0.11 + 0.03 * done / mesh.vertex_count)) return HMF_CANCELLED;
-        const uint32_t v = waiting[--size], first = mesh.out[v];
-        uint32_t steps = 0, h = first;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        component[v] = v;
+        if (degree[v] > 0) continue;
+        const uint32_t number = callers_vertex(v);
+        return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, number,
+                         "Vertex %u belongs to no triangle. Remove it and renumber the others.", number);
+    }
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (v % TICK == 0 && !call.tick(0.11 + 0.02 * v / mesh.vertex_count)) return HMF_CANCELLED;
+        uint32_t steps = 0, h = mesh.out[v];
         do {
-            const uint32_t w = mesh.target(h);
-            if (!reached[w]) {
-                reached[w] = 1;
-                waiting[size++] = w;
-            }
             h = mesh.rotate_cw(h);
             ++steps;
-        } while (h != first);
-        if (steps != degree[v]) {
-            const uint32_t number = callers_vertex(v);
-            return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
-                             "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", number);
-        }
+        } while (h != mesh.out[v]);
+        if (steps == degree[v]) continue;
+        const uint32_t number = callers_vertex(v);
+        return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
+                         "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", number);
     }
-    if (done == mesh.vertex_count) return HMF_OK;
+    uint32_t components = mesh.vertex_count;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (e % TICK == 0 && !call.tick(0.13 + 0.01 * e / mesh.edge_count)) return HMF_CANCELLED;
+        components -= unite(component.data(), mesh.origin[2 * e], mesh.origin[2 * e + 1]);
+    }
+    if (components == 1) return HMF_OK;
+    const auto component_of = [&](uint32_t triangle) {
+        return find_root(component.data(), origin.vertex_internal[origin.triangles[size_t{3} * triangle]]);
+    };
     uint32_t lost = 0;
-    while (reached[origin.vertex_internal[origin.triangles[size_t{3} * lost]]]) ++lost;
+    while (component_of(lost) == component_of(0)) ++lost;
     return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
                      "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
 }
@@ -253,18 +253,23 @@ hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint3
     Array<uint32_t> face, number;
     if (!face.allocate(call.memory, mesh.face_count) || !number.allocate_filled(call.memory, mesh.edge_count, NONE)) return call.out_of_memory();
     for (uint32_t f = 0; f < mesh.face_count; ++f) face[ordered.number(f)] = f;
-    uint32_t count = 0;
+    // Several passes without branches: each access to memory in the order of the
+    // caller may miss the caches, and a wrong guess would wait for it.
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.14 + 0.03 * t / mesh.face_count)) return HMF_CANCELLED;
-        for (uint32_t s = 0; s < 3; ++s) {
-            const uint32_t e = edge_of(ordered.words[size_t{4} * face[t] + s]);
-            if (number[e] == NONE) {
-                edge_internal[count] = e;
-                number[e] = count++;
-            }
-            triangle_edges[size_t{3} * t + s] = number[e];
-        }
+        if (t % TICK == 0 && !call.tick(0.14 + 0.01 * t / mesh.face_count)) return HMF_CANCELLED;
+        const uint32_t* half_edges = &ordered.words[size_t{4} * face[t]];
+        for (size_t s = 0; s < 3; ++s) triangle_edges[size_t{3} * t + s] = edge_of(half_edges[s]);
     }
+    uint32_t count = 0;
+    for (uint32_t side = 0; side < 3 * mesh.face_count; ++side) {
+        if (side % TICK == 0 && !call.tick(0.15 + 0.01 * side / mesh.face_count)) return HMF_CANCELLED;
+        uint32_t& known = number[triangle_edges[side]];
+        const uint32_t first = known == NONE;
+        known = first ? count : known;
+        count += first;
+        triangle_edges[side] = known;
+    }
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) edge_internal[number[e]] = e;
     return HMF_OK;
 }
 

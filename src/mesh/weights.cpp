@@ -24,6 +24,29 @@ double largest(const double* u) {
     return m;
 }
 
+// Cotangents of the angles at i, j and k, bounded; one root and one division
+// serve all three.  Zeros for a triangle without area.
+struct Corners {
+    double cot_i = 0, cot_j = 0, cot_k = 0;
+
+    Corners(const double* i, const double* j, const double* k) {
+        double u[3], v[3], w[3];
+        for (int c = 0; c < 3; ++c) {
+            u[c] = j[c] - i[c];
+            v[c] = k[c] - i[c];
+            w[c] = k[c] - j[c];
+        }
+        const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        const double double_area = std::sqrt(x * x + y * y + z * z);
+        if (!(double_area > 0)) return;
+        const double inverse = 1 / double_area;
+        const auto bounded = [](double cot) { return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot; };
+        cot_i = bounded(inverse * (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]));
+        cot_j = bounded(-inverse * (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]));
+        cot_k = bounded(inverse * (v[0] * w[0] + v[1] * w[1] + v[2] * w[2]));
+    }
+};
+
 } // namespace
 
 double cotangent(const double* apex, const double* a, const double* b) {
@@ -47,44 +70,32 @@ double cotangent(const double* apex, const double* a, const double* b) {
     return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot;
 }
 
-hmf_status coarse_weights(const Mesh& mesh, const double* position, double* weight, uint64_t& raised, Call& call, double fraction) {
+hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call, double fraction) {
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) sum[e] = 0;
     constexpr uint32_t step = 1u << 17; // half-edges
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) weight[e] = 0;
-    const auto add = [weight](uint32_t h, double cotangent) { // half of it, as far as it is bounded
-        weight[edge_of(h)] += cotangent > MAX_COTANGENT ? 0.5 * MAX_COTANGENT : cotangent < -MAX_COTANGENT ? -0.5 * MAX_COTANGENT : 0.5 * cotangent;
-    };
     for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
         if (!call.tick(fraction)) return HMF_CANCELLED;
         const uint32_t size = left < step ? left : step;
         for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-            // One area serves the three angles.
-            const double* i = position + size_t{3} * mesh.origin[ij];
-            const double* j = position + size_t{3} * mesh.origin[jk];
-            const double* k = position + size_t{3} * mesh.origin[ki];
-            double u[3], v[3], w[3];
-            for (int c = 0; c < 3; ++c) {
-                u[c] = j[c] - i[c];
-                v[c] = k[c] - i[c];
-                w[c] = k[c] - j[c];
-            }
-            const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-            const double area = std::sqrt(x * x + y * y + z * z); // of the parallelogram
-            if (!(area > 0)) return;
-            const double inverse = 1 / area;
-            add(jk, inverse * (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]));
-            add(ki, -inverse * (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]));
-            add(ij, inverse * (v[0] * w[0] + v[1] * w[1] + v[2] * w[2]));
+            const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk], position + size_t{3} * mesh.origin[ki]);
+            sum[edge_of(ij)] += corners.cot_k;
+            sum[edge_of(jk)] += corners.cot_i;
+            sum[edge_of(ki)] += corners.cot_j;
         });
         begin += size;
         left -= size;
     }
-    raised = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double w = weight[e];
-        raised += w < 0;
-        weight[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
-    }
     return HMF_OK;
+}
+
+uint64_t coarse_weights(const Mesh& mesh, double* sum) {
+    uint64_t raised = 0;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const double w = 0.5 * sum[e];
+        raised += w < 0;
+        sum[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
+    }
+    return raised;
 }
 
 } // namespace hmf

@@ -8,6 +8,7 @@
 //    at its vertices the forms are closed, so both sides agree.
 #include "seams.hpp"
 
+#include "../base/disjoint_sets.hpp"
 #include "../base/sort_keys.hpp"
 
 #include <cmath>
@@ -88,11 +89,6 @@ private:
     Array<Entry> heap_;
 };
 
-uint32_t find_root(Array<uint32_t>& parent, uint32_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
-}
-
 } // namespace
 
 bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Memory& memory) {
@@ -118,12 +114,8 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     edges.sort_falling();
     if (!component.allocate(memory, mesh.face_count)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
-    for (const uint32_t e : edges.item) {
-        const uint32_t a = find_root(component, mesh.face[2 * e]), b = find_root(component, mesh.face[2 * e + 1]);
-        if (a == b) continue;
-        component[a] = b;
-        seams.tree[e] = 1;
-    }
+    for (const uint32_t e : edges.item)
+        if (unite(component.data(), mesh.face[2 * e], mesh.face[2 * e + 1])) seams.tree[e] = 1;
     for (uint32_t e = 0; e < m; ++e) {
         seams.on[e] = seams.tree[e] != 1;
         seams.tree[e] = seams.tree[e] == 1;
