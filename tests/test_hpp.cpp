@@ -389,7 +389,7 @@ TEST(Hpp, Cylinders) {
 
 TEST(Hpp, Quads) {
     const hmf::Hierarchy hierarchy = make();
-    const hmf::Foliation foliation = hierarchy.solve(hierarchy.loops(0, hmf::LoopsKind::tunnel)).foliation;
+    const hmf::Foliation foliation = hierarchy.solve().foliation;
     const hmf::QuadMesh mesh = foliation.quads();
     // Every edge has two quads, so that vertices - edges + quads = 2 - 2 genus.
     ASSERT_EQ(0u, mesh.positions.size() % 3);
