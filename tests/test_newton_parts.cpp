@@ -60,9 +60,17 @@ void expect_combed(const std::vector<int64_t>& along) {
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight[e] = 1 + 0.25 * (e % 7);
     Rings rings;
     ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory));
+    Star star;
+    ASSERT_TRUE(star.allocate(memory, rings.max_degree));
+    Call call(memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(model.allocate(f.mesh, memory));
-    model.assemble(f, rings, weight.data());
+    model.look(f, rings, weight.data(), star, call);
+    // Energy and residual come from the same pass.
+    EXPECT_NEAR(model.energy, energy(f, weight.data()), 1e-12 * model.energy);
+    EXPECT_NEAR(model.residual_max, residuals(f, rings, weight.data(), star, nullptr, call).max, 1e-12);
+    EXPECT_TRUE(model.is_exact());
+    model.assemble(f, rings, weight.data(), call);
     ASSERT_EQ(model.count, f.mesh.vertex_count);
     for (uint32_t v = 0; v < model.count; ++v) ASSERT_EQ(model.rests[v], 0) << "vertex " << v << " is regular";
 

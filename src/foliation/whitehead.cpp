@@ -26,7 +26,8 @@ namespace hmf {
 
 bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
-        || !weight_sum.allocate(memory, mesh.vertex_count) || !monogons.find(mesh, memory))
+        || !neighbour.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
+        || !monogons.find(mesh, memory))
         return false;
     uint32_t at = 0;
     max_degree = 0;
@@ -38,14 +39,16 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
         while (host && monogons.edge[edge_of(first)]) first = mesh.rotate_ccw(first);
         uint32_t h = first;
         do {
-            uint32_t opposite = edge_of(mesh.next[h]);
+            const uint32_t across = mesh.next[h];
+            uint32_t opposite = edge_of(across);
             sum += weight[edge_of(h)];
-            uint32_t ahead = mesh.rotate_ccw(h);
+            uint32_t ahead = twin(mesh.next[across]);
             if (host && monogons.edge[edge_of(ahead)]) {
                 opposite = edge_of(ahead); // 0: both neighbours are one
                 while (monogons.edge[edge_of(ahead)]) ahead = mesh.rotate_ccw(ahead);
             }
-            side[at++] = {h, opposite};
+            side[at] = {h, opposite};
+            neighbour[at++] = mesh.target(h);
             h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
@@ -96,6 +99,23 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
     int64_t* F = star.F.data();
     int64_t* corner2 = star.corner2.data();
     uint32_t* group = star.group.data();
+    // Nearly all vertices are regular and have no zero edge.
+    double plain_pull[2] = {0, 0};
+    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+        F[t] = here;
+        corner2[t] = here + ahead - opposite;
+        group[t] = direction;
+        plain_pull[direction] += (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(here);
+    });
+    if (closed == 2) {
+        star.group_count = 2;
+        star.group_pull[0] = plain_pull[0];
+        star.group_pull[1] = plain_pull[1];
+        star.pull = plain_pull[0] + plain_pull[1];
+        star.best = plain_pull[1] > plain_pull[0];
+        star.best_pull = plain_pull[star.best];
+        return;
+    }
     for (uint32_t t = 0; t < degree; ++t) {
         F[t] = f.value[edge_of(side[t].half_edge)];
         star.has_zero |= F[t] == 0;
@@ -257,26 +277,32 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
     }
 }
 
-ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call) {
-    const uint32_t n = f.mesh.vertex_count;
-    double total = 0; // every edge pulls at both ends
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += 2 * weight[e] * static_cast<double>(f.value[e]);
-    const double floor = 0.01 * total / static_cast<double>(n);
-    ResidualResult result;
-    double sum = 0;
+double pull_floor(double total, uint32_t vertex_count) { return 0.01 * 2 * total / static_cast<double>(vertex_count); }
+
+double residual_at(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor, Star& star) {
     const uint32_t sweep_budget = star.budget;
     star.budget = NONE; // every direction is decided here
+    read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
+    star.budget = sweep_budget;
+    const double excess = 2 * star.best_pull - star.pull;
+    const double scale = star.pull > floor ? star.pull : floor;
+    return excess > 0 && scale > 0 ? excess / scale : 0;
+}
+
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call) {
+    const uint32_t n = f.mesh.vertex_count;
+    double total = 0;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += weight[e] * static_cast<double>(f.value[e]);
+    const double floor = pull_floor(total, n);
+    ResidualResult result;
+    double sum = 0;
     for (uint32_t v = 0; v < n; ++v) {
         if (v % 65536 == 0 && !call.tick(0, true)) break;
-        read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
-        const double excess = 2 * star.best_pull - star.pull;
-        const double scale = star.pull > floor ? star.pull : floor;
-        const double r = excess > 0 && scale > 0 ? excess / scale : 0;
+        const double r = residual_at(f, rings, weight, v, floor, star);
         if (residual) residual[v] = r;
         sum += r;
         if (r > result.max) { result.max = r; result.worst = v; }
     }
-    star.budget = sweep_budget;
     result.mean = sum / static_cast<double>(n);
     return result;
 }

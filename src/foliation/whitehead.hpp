@@ -14,12 +14,33 @@ struct Rings {
     struct Side { uint32_t half_edge, opposite; };
     Array<uint32_t> offset;    // vertex_count + 1
     Array<Side> side;          // 2 * edge_count
+    Array<uint32_t> neighbour; // 2 * edge_count: target of each side
     Array<double> weight_sum;  // vertex_count, over the sides
     Monogons monogons;
     uint32_t max_degree = 0;
     bool build(const Mesh& mesh, const double* weight, Memory& memory);
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
 };
+
+// Walks once round a vertex.  Counts its closed corners; NONE if an edge is
+// zero.  visit(t, direction, here, ahead, opposite) sees side t, the values of
+// sides t and t+1 and of the edge between their ends; direction changes
+// between 0 and 1 at each closed corner.
+template <class Visit>
+inline uint32_t walk_plain_star(const int64_t* value, const Rings::Side* side, uint32_t degree, Visit visit) {
+    const int64_t first = value[edge_of(side[0].half_edge)];
+    int64_t here = first;
+    uint32_t closed = 0;
+    for (uint32_t t = 0; t < degree; ++t) {
+        if (here == 0) return NONE;
+        const int64_t ahead = t + 1 < degree ? value[edge_of(side[t + 1].half_edge)] : first;
+        const int64_t opposite = value[side[t].opposite];
+        visit(t, closed & 1, here, ahead, opposite);
+        closed += here + ahead == opposite;
+        here = ahead;
+    }
+    return closed;
+}
 
 // The directions of the tree at one vertex and their pulls.
 struct Star {
@@ -63,6 +84,11 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
 // NULL.  Stops early, with what it has, if the call is cancelled.
 struct ResidualResult { double max = 0, mean = 0; uint32_t worst = NONE; };
 ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call);
+
+// The residual of one vertex; floor: the least pull that it is measured
+// against, from the sum of weight * F over all edges.
+double pull_floor(double total, uint32_t vertex_count);
+double residual_at(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor, Star& star);
 
 // Dirichlet energy in squared units ([W] Eq. 5).
 double energy(const Foliation& f, const double* weight);

@@ -63,8 +63,8 @@ uint32_t bits_for_residual(const LevelWork& work, double residual) {
     const Foliation& f = work.state.foliation;
     const Rings& rings = work.rings;
     double total = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += 2 * work.level.weight[e] * static_cast<double>(f.value[e]);
-    const double floor = 0.01 * total / static_cast<double>(f.mesh.vertex_count);
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += work.level.weight[e] * static_cast<double>(f.value[e]);
+    const double floor = pull_floor(total, f.mesh.vertex_count);
     double worst = 0;
     for (uint32_t v = 0; v < f.mesh.vertex_count; ++v) {
         double pull = 0, rounding = 0;

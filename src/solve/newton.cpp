@@ -28,17 +28,18 @@ public:
     bool allocate() {
         Memory& memory = w_.call.memory;
         const Mesh& mesh = f_.mesh;
+        const size_t n = mesh.vertex_count;
         patch_.start(memory);
         near_.start(memory);
         suspect_.start(memory);
-        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, mesh.vertex_count) && expected_.allocate(memory, mesh.vertex_count)
-            && distance_.allocate(memory, mesh.vertex_count) && patch_.reserve(mesh.vertex_count) && near_.reserve(mesh.vertex_count)
-            && suspect_.reserve(mesh.vertex_count);
+        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, n)
+            && expected_.allocate(memory, n) && distance_.allocate(memory, n) && patch_.reserve(n) && near_.reserve(n) && suspect_.reserve(n);
     }
 
-    double residual() {
-        const ResidualResult r = residuals(f_, w_.rings, weight_, w_.star, nullptr, w_.call);
-        return r.max;
+    // Signs, energy and residual of the foliation as it is.
+    const TwistedModel& look() {
+        model_.look(f_, w_.rings, weight_, w_.star, w_.call);
+        return model_;
     }
 
     void sweeps(uint32_t n) {
@@ -70,27 +71,22 @@ public:
         const Mesh& mesh = f_.mesh;
         near_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-            if (w_.rings.is(v, Monogons::INSIDE)) continue;
-            bool singular = model_.rests[v];
-            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && !singular; ++t) {
-                const uint32_t h = w_.rings.side[t].half_edge;
-                singular = f_.at(h) > 0 && f_.corner2(h) > 0 && f_.corner2(mesh.next[h]) > 0 && f_.corner2(mesh.prev(h)) > 0;
-            }
-            if (!singular) continue;
-            distance_[v] = 0;
+        const auto add = [&](uint32_t v, uint32_t ring) {
+            if (distance_[v] != NONE) return;
+            distance_[v] = ring;
             near_.push(v);
+        };
+        // Every zero is where it was before the step, or at a vertex next to that.
+        for (uint32_t v : model_.resting) add(v, 0);
+        for (uint32_t h : model_.tripod) {
+            const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
+            for (uint32_t g : corners) add(mesh.origin[g], 0);
         }
         constexpr uint32_t rings_around = 3;
         for (size_t i = 0; i < near_.size(); ++i) {
             const uint32_t v = near_[i];
             if (distance_[v] == rings_around) continue;
-            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
-                const uint32_t u = mesh.target(w_.rings.side[t].half_edge);
-                if (distance_[u] != NONE) continue;
-                distance_[u] = distance_[v] + 1;
-                near_.push(u);
-            }
+            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) add(w_.rings.neighbour[t], distance_[v] + 1);
         }
         SweepResult result;
         for (uint32_t r = 0; r < rounds; ++r)
@@ -105,11 +101,10 @@ private:
 
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(double tolerance, double tight, bool close, double& accepted) {
-        model_.assemble(f_, w_.rings, weight_, &w_.call);
+        model_.assemble(f_, w_.rings, weight_, w_.call);
         if (f_.out_of_memory || !go_on()) return stopped();
         const uint32_t n = model_.count;
-        const SignedMatrix matrix{n, model_.offset.data(), model_.column.data(), model_.entry.data(), model_.diagonal.data()};
-        const double before = energy(f_, weight_);
+        const SignedMatrix matrix = model_.matrix();
         if (tight < tolerance && model_.is_exact()) tolerance = tight;
         ++w_.statistics.linear_solves;
         // On limbs that no loop goes round the values decay below the error of
@@ -121,7 +116,7 @@ private:
             if (!go_on()) return stopped();
             set_values(1);
             if (!go_on()) return stopped();
-            if (count_extrema() <= 16 + n / 2000 || accuracy < 1e-13) break;
+            if (find_suspects() <= 16 + n / 2000 || accuracy < 1e-13) break;
         }
         // Where the step went too far, the neighbourhood stays as it is.  If the
         // energy rises, the bounds hold back too much: the others are solved
@@ -130,15 +125,20 @@ private:
         uint32_t radius = 2, solves = 0;
         for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
             too_far_ = NONE;
-            const bool sound = apply(factor);
+            if (attempt > 0) {
+                set_values(factor);
+                if (!go_on()) return stopped();
+                find_suspects();
+            }
+            const bool sound = settle(factor) && zeros_are_in_place();
             if (f_.out_of_memory || !go_on()) return stopped();
             if (sound) energy_change_ = energy_change();
-            if (sound && energy_change_ <= 1e-17 * before) {
+            if (sound && energy_change_ <= 1e-17 * model_.energy) {
                 accepted = factor;
                 return HMF_OK;
             }
             restore();
-            if (sound && (close || energy_change_ < 1e-5 * before) && solves < 2) {
+            if (sound && (close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
                 if (!solve_between_bounds(tolerance)) return stopped();
             } else if (too_far_ != NONE && attempt < 16) {
@@ -173,7 +173,7 @@ private:
                 || !fixed_right_.allocate(w_.call.memory, f_.mesh.vertex_count)))
             return false;
         model_.fix_active(fixed_entry_, fixed_right_);
-        const SignedMatrix fixed{model_.count, model_.offset.data(), model_.column.data(), fixed_entry_.data(), model_.diagonal.data()};
+        const SignedMatrix fixed{model_.count, model_.offset, model_.column, fixed_entry_.data(), model_.diagonal.data()};
         multigrid_.solve(fixed, fixed_right_.data(), model_.d.data(), accuracy, 100, w_.call);
         ++w_.statistics.linear_solves;
         if (w_.call.cancelled() || w_.call.finishing()) return false;
@@ -181,13 +181,11 @@ private:
         return true;
     }
 
+    // Bounds are integers, so rounding does not leave them.
     int64_t rounded(uint32_t k, double factor) const {
         const double x = model_.d[k] * factor;
         if (!(x > -9e15 && x < 9e15)) return 0;
-        int64_t i = static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
-        if (i < model_.lower[k]) i = model_.lower[k];
-        if (i > model_.upper[k]) i = model_.upper[k];
-        return i;
+        return static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
     }
 
     void set_value(const Mesh& mesh, uint32_t e) {
@@ -199,7 +197,7 @@ private:
     void set_values(double factor) {
         const Mesh& mesh = f_.mesh;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-            step_[v] = model_.rests[v] ? 0 : rounded(v, factor);
+            step_[v] = rounded(v, factor);
         for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
     }
 
@@ -213,26 +211,92 @@ private:
         return sum;
     }
 
-    uint64_t count_extrema() const {
-        uint64_t count = 0;
-        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) count += shape(v) == Shape::extremum;
-        return count;
+    // As walk_plain_star; NONE also where a monogon hangs on v.
+    template <class Visit>
+    uint32_t count_closed(uint32_t v, Visit visit) const {
+        if (w_.rings.is(v, Monogons::HOST)) return NONE;
+        const uint32_t begin = w_.rings.offset[v];
+        return walk_plain_star(f_.value, &w_.rings.side[begin], w_.rings.offset[v + 1] - begin, visit);
     }
 
-    // Applies factor * d; false if the result is not a foliation of the class.
-    bool apply(double factor) {
-        const Mesh& mesh = f_.mesh;
-        const uint32_t n = mesh.vertex_count;
-        set_values(factor);
-        if (!go_on()) return false;
-        // Vertices that have become extrema go to the mean of their neighbours.
+    enum class Shape : uint8_t { sound, misplaced, extremum, has_zero, broken };
+
+    // sound: as regular, or as singular, as before the step.
+    Shape shape(uint32_t v) const {
+        const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
+        const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
+        bool broken = false;
+        const uint32_t closed = count_closed(v, [&](uint32_t, uint32_t, int64_t here, int64_t ahead, int64_t opposite) {
+            broken |= here + ahead < opposite;
+        });
+        if (broken) return Shape::broken;
+        if (closed != NONE) return closed < 2 ? Shape::extremum : 2 - static_cast<int32_t>(closed) == model_.index[v] ? Shape::sound : Shape::misplaced;
+        for (uint32_t t = 0; t < degree; ++t)
+            if (f_.corner2(side[t].half_edge) < 0) return Shape::broken;
+        return Shape::has_zero;
+    }
+
+    // Collects the vertices that are not sound; returns the number of extrema.
+    uint64_t find_suspects() {
+        uint64_t extrema = 0;
         suspect_.clear();
-        for (uint32_t v = 0; v < n; ++v)
-            if (shape(v) == Shape::extremum) suspect_.push(v);
-        for (uint32_t round = 0; round < 8 && !suspect_.empty() && factor == 1; ++round) {
-            const size_t had = suspect_.size();
+        check_all_ = false;
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+            if (v % 65536 == 0 && !go_on()) return 0;
+            const Shape s = shape(v);
+            if (s == Shape::sound) continue;
+            suspect_.push(v);
+            extrema += s == Shape::extremum;
+        }
+        return extrema;
+    }
+
+    void suspect(uint32_t v) {
+        if (suspect_.size() < f_.mesh.vertex_count) suspect_.push(v);
+        else check_all_ = true;
+    }
+
+    // Calls check(v) for all vertices that may be unsound, until it fails.
+    template <class Check>
+    bool check_suspects(Check check) {
+        const size_t count = check_all_ ? f_.mesh.vertex_count : suspect_.size();
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t v = check_all_ ? static_cast<uint32_t>(i) : suspect_[i];
+            if (i % 65536 == 0 && !go_on()) return false;
+            if (check(v)) continue;
+            too_far_ = v;
+            return false;
+        }
+        return true;
+    }
+
+    // Settles the extrema among the suspects; false if the step went too far.
+    bool settle(double factor) {
+        if (factor == 1) relax_extrema();
+        const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
+        bool moved = false;
+        const bool settled = check_suspects([&](uint32_t v) {
+            const Shape s = shape(v);
+            if (s == Shape::broken) return false;
+            if (s == Shape::sound || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before)) return true;
+            if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) return true;
+            moved = true;
+            return settle_extremum(f_, v);
+        });
+        check_all_ |= moved;
+        return settled;
+    }
+
+    // Vertices that have become extrema go to the mean of their neighbours.
+    void relax_extrema() {
+        const Mesh& mesh = f_.mesh;
+        patch_.clear();
+        for (uint32_t v : suspect_)
+            if (shape(v) == Shape::extremum) patch_.push(v);
+        for (uint32_t round = 0; round < 8 && !patch_.empty(); ++round) {
+            const size_t had = patch_.size();
             for (size_t i = 0; i < had; ++i) {
-                const uint32_t v = suspect_[i];
+                const uint32_t v = patch_[i];
                 if (model_.rests[v]) continue;
                 model_.d[v] = model_.relaxed(v);
                 step_[v] = rounded(v, 1);
@@ -240,55 +304,16 @@ private:
             }
             size_t end = had;
             for (size_t i = 0; i < had; ++i) {
-                const uint32_t v = suspect_[i];
-                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1] && end < n; ++t) {
-                    const uint32_t u = mesh.target(w_.rings.side[t].half_edge);
-                    if (shape(u) == Shape::extremum) { suspect_.push(u); ++end; }
+                const uint32_t v = patch_[i];
+                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
+                    const uint32_t u = w_.rings.neighbour[t];
+                    suspect(u);
+                    if (end < mesh.vertex_count && shape(u) == Shape::extremum) { patch_.push(u); ++end; }
                 }
             }
-            for (size_t i = had; i < end; ++i) suspect_[i - had] = suspect_[i];
-            while (suspect_.size() > end - had) suspect_.pop();
+            for (size_t i = had; i < end; ++i) patch_[i - had] = patch_[i];
+            while (patch_.size() > end - had) patch_.pop();
         }
-        return settle() && zeros_are_in_place();
-    }
-
-    bool fail_at(uint32_t v) {
-        too_far_ = v;
-        return false;
-    }
-
-    enum class Shape : uint8_t { sound, extremum, has_zero, broken };
-
-    Shape shape(uint32_t v) const {
-        const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
-        const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
-        uint32_t closed = 0;
-        const int64_t first = f_.value[edge_of(side[0].half_edge)];
-        int64_t here = first;
-        bool zero = w_.rings.is(v, Monogons::HOST);
-        for (uint32_t t = 0; t < degree; ++t) {
-            const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
-            const int64_t corner2 = here + ahead - f_.value[side[t].opposite];
-            if (corner2 < 0) return Shape::broken;
-            zero |= here == 0;
-            closed += here != 0 && ahead != 0 && corner2 == 0;
-            here = ahead;
-        }
-        return closed >= 2 ? Shape::sound : zero ? Shape::has_zero : Shape::extremum;
-    }
-
-    // Settles the extrema that are left; false if the step went too far.
-    bool settle() {
-        const uint32_t before = f_.epoch; // clusters with a later stamp have been looked at
-        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
-            if (v % 65536 == 0 && !go_on()) return false;
-            const Shape s = shape(v);
-            if (s == Shape::broken) return fail_at(v);
-            if (s == Shape::sound || (s == Shape::has_zero && f_.stamp[v] > before)) continue;
-            if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) continue;
-            if (!settle_extremum(f_, v)) return fail_at(v);
-        }
-        return true;
     }
 
     // Every zero is where it was, or at the vertex that stopped at its branch
@@ -301,35 +326,21 @@ private:
         for (uint32_t h : model_.tripod) {
             uint32_t at = h;
             for (uint32_t turn = 0; turn < 3 && f_.corner2(at) != 0; ++turn) at = mesh.next[at];
-            if (f_.corner2(at) == 0) --expected[mesh.origin[at]];
+            if (f_.corner2(at) != 0) continue;
+            --expected[mesh.origin[at]];
+            suspect(mesh.origin[at]);
         }
         const uint32_t before = f_.epoch;
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-            if (v % 65536 == 0 && !go_on()) return false;
-            const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
-            const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
-            int32_t closed = 0;
-            const int64_t first = f_.value[edge_of(side[0].half_edge)];
-            int64_t here = first;
-            bool zero = w_.rings.is(v, Monogons::HOST);
-            for (uint32_t t = 0; t < degree; ++t) {
-                const int64_t ahead = t + 1 < degree ? f_.value[edge_of(side[t + 1].half_edge)] : first;
-                zero |= here == 0;
-                closed += here + ahead == f_.value[side[t].opposite];
-                here = ahead;
-            }
-            if (!zero) {
-                if (2 - closed != expected[v]) return fail_at(v);
-                continue;
-            }
-            if (f_.stamp[v] > before) continue;
+        return check_suspects([&](uint32_t v) {
+            const uint32_t closed = count_closed(v, [](uint32_t, uint32_t, int64_t, int64_t, int64_t) {});
+            if (closed != NONE) return 2 - static_cast<int32_t>(closed) == expected[v];
+            if (f_.stamp[v] > before) return true;
             const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
             if (f_.out_of_memory) return false;
             int64_t sum = 0;
             for (uint32_t u : f_.members) sum += expected[u];
-            if (2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) != sum) return fail_at(v);
-        }
-        return true;
+            return 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) == sum;
+        });
     }
 
     LevelWork& w_;
@@ -341,7 +352,9 @@ private:
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
     Array<double> fixed_entry_, fixed_right_; // made when first needed
-    Array<uint32_t> patch_, near_, suspect_, distance_;
+    Array<uint32_t> patch_, near_, distance_;
+    Array<uint32_t> suspect_; // vertices that may be unsound after a step,
+    bool check_all_ = false;  // unless all may be
     bool backward_ = false;
     double energy_change_ = 0; // of the last step that was sound
     uint32_t too_far_ = NONE; // vertex where the last step could not be taken
@@ -361,9 +374,10 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint32_t without_progress = 0;
     for (uint32_t round = 0; round < most_rounds; ++round) {
         // The first step of a level needs no reason but on the last level.
-        const double before = round == 0 && !finest ? 1 : newton.residual();
+        const TwistedModel& model = newton.look();
+        if (work.state.foliation.out_of_memory) return work.call.out_of_memory();
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED; // the residual may be unfinished
-        const double D = energy(work.state.foliation, work.level.weight);
+        const double before = round == 0 && !finest ? 1 : model.residual_max, D = model.energy;
         work.record(2, D, before);
         if (before <= goal) return HMF_OK;
         if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;

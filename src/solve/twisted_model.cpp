@@ -5,38 +5,24 @@ namespace hmf {
 bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
-    return tripod.reserve(64) && index.allocate(memory, n) && sign.allocate(memory, 2 * m) && product.allocate_filled(memory, m, 0)
-        && gauge.allocate(memory, n) && queue.allocate(memory, n) && rests.allocate(memory, n) && offset.allocate(memory, n + 1)
-        && column.allocate(memory, 2 * m) && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
-        && lower.allocate(memory, n) && upper.allocate(memory, n) && d.allocate(memory, n);
+    resting.start(memory);
+    bounded.start(memory);
+    special_.start(memory);
+    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && index.allocate(memory, n)
+        && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n) && entry.allocate(memory, 2 * m)
+        && diagonal.allocate(memory, n) && right.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
+        && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
 }
 
 namespace {
 
-// Signs of a regular vertex without zero edges.
-bool sign_regular_vertex(const Foliation& f, const Rings& rings, uint32_t v, int8_t* sign, bool& has_zero, uint32_t& closed) {
-    const Rings::Side* side = &rings.side[rings.offset[v]];
-    const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    has_zero = rings.is(v, Monogons::HOST);
-    closed = 0;
-    if (has_zero) return false;
-    int8_t s = 1;
-    int64_t here = f.value[edge_of(side[0].half_edge)];
-    const int64_t first = here;
-    for (uint32_t t = 0; t < degree; ++t) {
-        if (here == 0) { has_zero = true; return false; }
-        const int64_t ahead = t + 1 < degree ? f.value[edge_of(side[t + 1].half_edge)] : first;
-        sign[side[t].half_edge] = s;
-        if (here + ahead == f.value[side[t].opposite]) { s = static_cast<int8_t>(-s); ++closed; }
-        here = ahead;
-    }
-    return closed == 2;
-}
+constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
 
 // Signs round the cluster in f.members, which is regular: a disk with two
 // closed corners, or an annulus with none, whose two boundaries are the two
-// directions.
-void sign_regular_cluster(const Foliation& f, int8_t* sign) {
+// directions.  Returns how far the pulls agree with the signs that were there.
+double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* sign) {
+    constexpr int8_t unvisited = 4; // is added to the sign that was there
     const Mesh& mesh = f.mesh;
     uint32_t closed_start = NONE;
     size_t sides = 0;
@@ -46,15 +32,17 @@ void sign_regular_cluster(const Foliation& f, int8_t* sign) {
         do {
             const uint32_t ahead = mesh.rotate_ccw(h);
             ++sides;
-            sign[h] = f.at(h) != 0 ? 0 : h & 1 ? -1 : 1;
+            sign[h] = f.at(h) != 0 ? static_cast<int8_t>(sign[h] + unvisited) : h & 1 ? -1 : 1;
             if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) closed_start = ahead;
             h = ahead;
         } while (h != first);
     }
+    double agreement = 0;
     // One turn round the boundary meets each side at most once per zero edge beside it.
     const auto sign_boundary = [&](uint32_t start, int8_t s) {
         uint32_t g = start;
         for (size_t step = 0; step < 4 * sides; ++step) {
+            if (sign[g] > 1) agreement += (sign[g] - unvisited) * s * weight[edge_of(g)] * static_cast<double>(f.at(g));
             sign[g] = s;
             const uint32_t ahead = mesh.rotate_ccw(g);
             if (f.at(ahead) == 0) {
@@ -68,145 +56,186 @@ void sign_regular_cluster(const Foliation& f, int8_t* sign) {
     };
     if (closed_start != NONE) {
         sign_boundary(closed_start, 1);
-        return;
+        return agreement;
     }
     int8_t s = 1;
     for (uint32_t v : f.members) {
         const uint32_t first = mesh.out[v];
         uint32_t h = first;
         do {
-            if (f.at(h) != 0 && sign[h] == 0) {
+            if (sign[h] > 1) {
                 sign_boundary(h, s);
                 s = -1;
             }
             h = mesh.rotate_ccw(h);
         } while (h != first);
     }
+    return agreement;
 }
 
 } // namespace
 
-// Which of its two directions a vertex calls + is free.  The choice that gives
-// most entries the sign that they had in the model before is found breadth
-// first: between the zeros the bundle of signs has not changed.
-void TwistedModel::align_signs(const Mesh& mesh, const Rings& rings) {
-    const uint32_t n = mesh.vertex_count;
-    for (uint32_t v = 0; v < n; ++v) gauge[v] = 0;
-    for (uint32_t seed = 0; seed < n; ++seed) {
-        if (gauge[seed] != 0 || rests[seed]) continue;
-        gauge[seed] = 1;
-        uint32_t size = 0;
-        queue[size++] = seed;
-        for (uint32_t i = 0; i < size; ++i) {
-            const uint32_t v = queue[i];
-            for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-                const uint32_t h = rings.side[t].half_edge, w = mesh.target(h);
-                if (gauge[w] != 0 || rests[w] || product[edge_of(h)] == 0) continue;
-                gauge[w] = static_cast<int8_t>(gauge[v] * product[edge_of(h)] * sign[h] * sign[twin(h)]);
-                queue[size++] = w;
-            }
-        }
-    }
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
-        if (gauge[mesh.origin[h]] < 0) sign[h] = static_cast<int8_t>(-sign[h]);
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const int8_t now = static_cast<int8_t>(sign[2 * e] * sign[2 * e + 1]);
-        if (now != 0) product[e] = now;
+void TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
+    const Mesh& mesh = f.mesh;
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+        const uint32_t h = rings.side[t].half_edge, n = mesh.next[h], p = mesh.next[n];
+        if (h > n || h > p) continue; // each from its lowest half-edge
+        if (f.corner2(h) > 0 && f.corner2(n) > 0 && f.corner2(p) > 0 && !tripod.push(h)) f.out_of_memory = true;
     }
 }
 
-void TwistedModel::assemble(Foliation& f, const Rings& rings, const double* weight, Call* call) {
-    constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
-    const Mesh& mesh = f.mesh;
-    const uint32_t n = mesh.vertex_count;
+// A vertex without zero edges.  floor: the least pull that residuals are measured against.
+void TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
+    const Rings::Side* side = &rings.side[rings.offset[v]];
+    const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
+    double pull[2] = {0, 0}, agreement = 0;
+    bool has_tripod = false;
+    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+        const uint32_t h = side[t].half_edge;
+        const int8_t s = direction ? -1 : 1;
+        const double p = weight[edge_of(h)] * static_cast<double>(here);
+        pull[direction] += p;
+        agreement += sign[h] * s * p;
+        sign[h] = s;
+        has_tripod |= (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
+    });
+    index[v] = 2 - static_cast<int32_t>(closed);
+    if (closed == 2) {
+        const double excess = pull[0] - pull[1], scale = pull[0] + pull[1] > floor ? pull[0] + pull[1] : floor;
+        const double r = (excess < 0 ? -excess : excess) / scale;
+        if (r > residual_max) residual_max = r;
+        rests[v] = 0;
+        right[v] = agreement < 0 ? -excess : excess;
+        if (agreement < 0)
+            for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = static_cast<int8_t>(-sign[side[t].half_edge]);
+    } else {
+        set_at_rest(rings, v);
+        special_.push(v);
+    }
+    if (has_tripod) find_tripods(f, rings, v);
+}
+
+void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
+    rests[v] = 1;
+    resting.push(v);
+    right[v] = 0;
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
+}
+
+// The cluster of v, which has zero edges.
+void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v) {
+    const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+    const bool regular = cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
+    const bool turned = regular && sign_regular_cluster(f, weight, sign.data()) < 0;
+    for (uint32_t u : f.members) {
+        special_.push(u);
+        find_tripods(f, rings, u);
+        index[u] = 0;
+        if (!regular) {
+            set_at_rest(rings, u);
+            continue;
+        }
+        rests[u] = 0;
+        double b = 0;
+        for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) {
+            const uint32_t h = rings.side[t].half_edge;
+            if (turned) sign[h] = static_cast<int8_t>(-sign[h]);
+            b += weight[edge_of(h)] * sign[h] * static_cast<double>(f.at(h));
+        }
+        right[u] = b;
+    }
+    index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
+}
+
+void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
+    const uint32_t n = count = f.mesh.vertex_count;
+    offset = rings.offset.data();
+    column = rings.neighbour.data();
+    energy = residual_max = 0;
+    double total = 0; // pull of all edges at one of their ends
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+        const double x = static_cast<double>(f.value[e]);
+        total += weight[e] * x;
+        energy += weight[e] * x * x;
+    }
+    const double floor = pull_floor(total, n);
+    tripod.clear();
+    resting.clear();
+    special_.clear();
     const uint32_t before = f.epoch;
-    count = n;
     for (uint32_t v = 0; v < n; ++v) {
-        if (v % stride == 0 && call && !call->tick(0, true)) return;
-        if (f.stamp[v] > before) continue;
-        bool has_zero = false;
-        uint32_t closed = 0;
-        index[v] = 0;
-        if (sign_regular_vertex(f, rings, v, sign.data(), has_zero, closed)) {
-            rests[v] = 0;
-            continue;
-        }
-        if (!has_zero) {
-            rests[v] = 1;
-            index[v] = 2 - static_cast<int32_t>(closed);
-            for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
-            continue;
-        }
-        const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-        const bool regular = cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
-        if (regular) sign_regular_cluster(f, sign.data());
-        for (uint32_t u : f.members) {
-            index[u] = 0;
-            rests[u] = !regular;
-            if (!regular)
-                for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) sign[rings.side[t].half_edge] = 0;
-        }
-        index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
+        if (v % stride == 0 && !call.tick(0, true)) return;
+        bool has_zero = rings.is(v, Monogons::HOST);
+        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) has_zero |= f.at(rings.side[t].half_edge) == 0;
+        if (!has_zero) look_at_plain_vertex(f, rings, weight, v, floor);
+        else if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v);
+        if (f.out_of_memory) return;
     }
     // A monogon moves with the vertex on which it hangs.
-    for (const uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
+    for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
-    align_signs(mesh, rings);
-    if (call && !call->tick(0, true)) return;
+    for (uint32_t v : special_) {
+        const double r = residual_at(f, rings, weight, v, floor, star);
+        if (r > residual_max) residual_max = r;
+    }
+}
 
-    tripod.clear();
-    resting = 0;
-    uint32_t at = 0;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % stride == 0 && call && !call->tick(0, true)) return;
-        offset[v] = at;
-        double sum = 0, b = 0;
-        int64_t low = INT64_MIN, high = INT64_MAX;
-        const uint32_t begin = rings.offset[v], end = rings.offset[v + 1];
-        for (uint32_t t = begin; t < end; ++t) {
-            const Rings::Side side = rings.side[t];
-            const uint32_t h = side.half_edge;
-            const int64_t F = f.value[edge_of(h)];
-            const double alpha = weight[edge_of(h)];
-            const int8_t s = sign[h], back = sign[twin(h)];
-            const uint32_t w = mesh.target(h);
-            b += alpha * s * static_cast<double>(F);
-            int64_t bound = INT64_MAX;
-            if (w == v) {
-                sum += rests[v] ? alpha : alpha * (s + back) * s;
-                if (!rests[v] && s == back) bound = F / 2;
-            } else {
-                sum += alpha;
-                if (rests[v]) {
-                } else if (!rests[w]) {
-                    column[at] = w;
-                    entry[at++] = alpha * s * back;
-                } else {
-                    bound = F;
-                }
-            }
-            // A tripod on this side of h?
-            const uint32_t ahead = rings.side[t + 1 < end ? t + 1 : begin].half_edge;
-            const int64_t G = f.value[edge_of(ahead)], opposite = f.value[side.opposite];
-            if (F + G > opposite && F + opposite > G && G + opposite > F) {
-                if ((F + G - opposite) / 2 < bound) bound = (F + G - opposite) / 2;
-                if (h < mesh.next[h] && h < mesh.prev(h)) tripod.push(h);
-            }
-            if (bound != INT64_MAX) {
-                if (s > 0 && bound < high) high = bound;
-                if (s < 0 && -bound > low) low = -bound;
-            }
+void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call) {
+    const Mesh& mesh = f.mesh;
+    for (uint32_t k : bounded) { lower[k] = INT64_MIN; upper[k] = INT64_MAX; }
+    bounded.clear();
+    for (uint32_t v = 0; v < count; ++v) {
+        if (v % stride == 0 && !call.tick(0, true)) return;
+        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+            const uint32_t h = rings.side[t].half_edge;
+            entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
         }
         // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
-        resting += rests[v];
-        diagonal[v] = sum;
-        right[v] = rests[v] ? 0 : b;
-        lower[v] = rests[v] ? 0 : low;
-        upper[v] = rests[v] ? 0 : high;
+        diagonal[v] = rings.weight_sum[v];
         d[v] = 0;
+        if (rings.is(v, Monogons::SELF_EDGE)) fill_row_with_self_edges(f, rings, weight, v);
     }
-    offset[count] = at;
+    for (uint32_t v : resting) {
+        bound(v, 0, 0);
+        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+            const uint32_t h = rings.side[t].half_edge;
+            if (!rests[column[t]]) bound_along(column[t], twin(h), f.at(h));
+        }
+    }
+    for (uint32_t h : tripod) {
+        const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
+        for (uint32_t g : corners)
+            if (!rests[mesh.origin[g]]) bound_along(mesh.origin[g], g, f.corner2(g) / 2);
+    }
+}
+
+// Edges from v to itself: both of their ends move.
+void TwistedModel::fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v) {
+    double sum = 0;
+    for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+        const uint32_t h = rings.side[t].half_edge;
+        const double alpha = weight[edge_of(h)];
+        const bool self = column[t] == v;
+        sum += self && !rests[v] ? alpha * (sign[h] + sign[twin(h)]) * sign[h] : alpha;
+        if (!self) continue;
+        entry[t] = 0;
+        if (!rests[v] && sign[h] == sign[twin(h)]) bound_along(v, h, f.at(h) / 2);
+    }
+    diagonal[v] = sum;
+}
+
+// low <= d_k <= high from now on.
+void TwistedModel::bound(uint32_t k, int64_t low, int64_t high) {
+    if (lower[k] == INT64_MIN && upper[k] == INT64_MAX) bounded.push(k);
+    if (low > lower[k]) lower[k] = low;
+    if (high < upper[k]) upper[k] = high;
+}
+
+// The origin k of a half-edge moves by at most `room` in its direction.
+void TwistedModel::bound_along(uint32_t k, uint32_t h, int64_t room) {
+    if (sign[h] > 0) bound(k, INT64_MIN, room);
+    if (sign[h] < 0) bound(k, -room, INT64_MAX);
 }
 
 double TwistedModel::relaxed(uint32_t k) const {
@@ -233,9 +262,7 @@ void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
         const uint32_t h = rings.side[t].half_edge, other = f.mesh.target(h);
         if (rests[other] || other == k) continue;
         const int64_t room = f.at(h) - sign[h] * at;
-        if (room < 0) continue; // another branch point is in between
-        if (sign[twin(h)] > 0 && room < upper[other]) upper[other] = room;
-        if (sign[twin(h)] < 0 && -room > lower[other]) lower[other] = -room;
+        if (room >= 0) bound_along(other, twin(h), room); // else another branch point is in between
     }
 }
 
@@ -247,7 +274,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
         if (distance[k] == rings_around) continue;
         for (uint32_t j = offset[k]; j < offset[k + 1]; ++j) {
             const uint32_t other = column[j];
-            if (distance[other] != NONE) continue;
+            if (distance[other] != NONE || rests[other]) continue;
             distance[other] = distance[k] + 1;
             patch.push(other);
         }
@@ -280,7 +307,7 @@ void TwistedModel::fix_active(Array<double>& fixed_entry, Array<double>& fixed_r
 uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
-    for (uint32_t k = 0; k < count; ++k)
+    for (uint32_t k : bounded)
         if (clip(k)) { distance[k] = 0; patch.push(k); }
     const uint64_t active = patch.size();
     for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
@@ -309,7 +336,7 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, ui
         const uint32_t k = patch[i];
         distance[k] = 0;
         d[k] = 0;
-        lower[k] = upper[k] = 0;
+        bound(k, 0, 0);
     }
     const size_t frozen = patch.size();
     for (size_t i = 0; i < frozen; ++i) rest(f, rings, patch[i]);

@@ -20,32 +20,40 @@
 #pragma once
 
 #include "../foliation/whitehead.hpp"
+#include "signed_multigrid.hpp"
 
 namespace hmf {
 
 struct TwistedModel {
-    uint32_t count = 0;        // unknowns: one per vertex; those that rest have an empty row
-    uint32_t resting = 0;      // vertices that rest
+    uint32_t count = 0;        // unknowns: one per vertex; the entries of those that rest are 0
     Array<int8_t> sign;        // per half-edge; 0 where the origin rests
     Array<uint8_t> rests;      // per vertex
-    Array<int8_t> product;     // per edge: of its two signs in the last model
-    Array<int8_t> gauge;       // per vertex, and the queue: scratch of align_signs
-    Array<uint32_t> queue;
-    Array<uint32_t> offset;    // count + 1, rows of the matrix
-    Array<uint32_t> column;    // off-diagonal entries
+    Array<uint32_t> resting;   // the vertices that rest
+    Array<uint32_t> tripod;    // a half-edge of each, before the step
+    Array<int32_t> index;      // per vertex, before the step; a cluster's at one of its vertices
+    double energy = 0;         // before the step, in squared units
+    double residual_max = 0;   // before the step, over all vertices ([W] Eq. 4)
+    // The matrix has the sides of the rings as entries, 0 for edges from a
+    // vertex to itself.
+    const uint32_t* offset = nullptr; // count + 1
+    const uint32_t* column = nullptr;
     Array<double> entry;
     Array<double> diagonal, right; // count
     Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
+    Array<uint32_t> bounded;       // unknowns that have a bound, in any order
     Array<double> d;               // count, the solution
-    Array<int32_t> index;          // per vertex, before the step; a cluster's at one of its vertices
-    Array<uint32_t> tripod;        // a half-edge of each, before the step
 
     bool allocate(const Mesh& mesh, Memory& memory);
-    // Signs, matrix, right side and bounds of the current foliation.  Stops
+    // Signs, right side, zeros, energy and residual of the current foliation.
+    // Which direction is called + is free: the one that was, as far as the
+    // pulls agree, so that the matrix hardly changes between the zeros.  Stops
     // half-way if the call is cancelled.
-    void assemble(Foliation& f, const Rings& rings, const double* weight, Call* call = nullptr);
+    void look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
+    // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
+    void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
+    SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.
-    bool is_exact() const { return tripod.empty() && resting == 0; }
+    bool is_exact() const { return tripod.empty() && resting.empty(); }
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
@@ -58,11 +66,19 @@ struct TwistedModel {
     double relaxed(uint32_t unknown_index) const;
 
 private:
-    void align_signs(const Mesh& mesh, const Rings& rings);
+    void look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
+    void look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v);
+    void find_tripods(Foliation& f, const Rings& rings, uint32_t v);
+    void set_at_rest(const Rings& rings, uint32_t v);
+    void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
     bool at_bound(uint32_t k) const { return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]); }
+    void bound(uint32_t k, int64_t low, int64_t high);
+    void bound_along(uint32_t k, uint32_t half_edge, int64_t room);
     bool clip(uint32_t k);
     void rest(const Foliation& f, const Rings& rings, uint32_t k);
     void relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
+
+    Array<uint32_t> special_; // vertices whose residual needs the whole star
 };
 
 } // namespace hmf
