@@ -140,7 +140,7 @@ private:
             restore();
             if (sound && (close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
-                if (!solve_between_bounds(tolerance)) return stopped();
+                if (!solve_between_bounds(tight)) return stopped();
             } else if (too_far_ != NONE && attempt < 16) {
                 if (attempt % 4 == 3) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
@@ -394,7 +394,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const double linear = tight > loose ? tight : loose;
         double accepted = 0;
         if (const hmf_status status = newton.step(linear, tight, before < 1e-2, accepted)) return status;
-        newton.relax_near_zeros(40);
+        newton.relax_near_zeros(20);
         // Levels in between only provide a start.
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
         newton.sweeps(accepted < 1 ? 10 : round > 1 ? 2 : 0);
