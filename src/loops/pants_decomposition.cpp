@@ -10,6 +10,7 @@
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.
+#include "../base/disjoint_sets.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
