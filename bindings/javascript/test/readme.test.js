@@ -35,6 +35,18 @@ test('the first steps do what README.md says', () => {
     assert.equal(shell(run, here), output);
 });
 
+test('the calls that README.md lists exist', () => {
+    const part = readme.slice(readme.indexOf('## What there is'), readme.indexOf('## In the browser')), [, calls] = /^```js\n([\s\S]*?)^```$/m.exec(part);
+    const here = join(folder, 'clone', 'bindings', 'javascript');
+    writeFileSync(join(here, 'calls.js'), `import { load } from 'hmf';
+import { pretzel } from './examples/shapes.js';
+const { positions, triangles } = pretzel(3, 3);
+${calls}
+if (!(foliation.report.energy > 0) || hierarchy.levels.length < 2) throw new Error('not solved');
+`);
+    shell('node calls.js', here);
+});
+
 test('npm pack makes a package with everything in it', () => {
     const [, example, , output] = blocks.map(block => block.text);
     const here = join(folder, 'clone', 'bindings', 'javascript');
