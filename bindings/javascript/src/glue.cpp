@@ -11,6 +11,8 @@
 
 #include "../../../include/hmf/hmf.h"
 
+extern "C" __attribute__((import_module("hmf"), import_name("progress"))) int32_t hmf_js_progress(uint32_t callback, double fraction);
+
 namespace {
 
 // Bytes that are taken and not given back.  WebAssembly memory never shrinks,
@@ -28,9 +30,7 @@ void release(void*, void* block, size_t size) {
     std::free(block);
 }
 
-__attribute__((import_module("hmf"), import_name("progress"))) int32_t progress_import(uint32_t callback, double fraction);
-
-int32_t progress(void* user, double fraction) { return progress_import(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(user)), fraction); }
+int32_t progress(void* user, double fraction) { return hmf_js_progress(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(user)), fraction); }
 
 } // namespace
 
