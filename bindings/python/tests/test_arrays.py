@@ -5,7 +5,7 @@ from __future__ import annotations
 import hmf
 import numpy as np
 import pytest
-from hmf._boundary import as_indices, as_positions
+from hmf._boundary import as_floats, as_indices, as_positions
 
 from conftest import Mesh
 
@@ -63,6 +63,18 @@ def test_values_leave_without_a_copy(hierarchy: hmf.Hierarchy) -> None:
 )
 def test_positions_of_any_layout(pretzel: Mesh, change: object) -> None:
     assert same(hmf.solve(change(pretzel[0]), pretzel[1]), hmf.solve(*pretzel))  # type: ignore[operator]
+
+
+def test_unaligned_arrays_are_copied(pretzel: Mesh) -> None:
+    def unaligned(array: np.ndarray) -> np.ndarray:
+        moved = np.frombuffer(b"x" + array.tobytes(), dtype=np.uint8)[1:].view(array.dtype).reshape(array.shape)
+        assert not moved.flags.aligned
+        return moved
+
+    positions, triangles = (unaligned(array) for array in pretzel)
+    assert as_positions(positions).flags.aligned and as_indices(triangles, "triangles", 3).flags.aligned
+    assert as_floats(positions[:, 0], len(positions), "values", "vertex").flags.aligned
+    assert same(hmf.solve(positions, triangles), hmf.solve(*pretzel))
 
 
 def test_positions_with_rows_backwards(pretzel: Mesh) -> None:

@@ -46,10 +46,9 @@ def as_positions(array: ArrayLike, what: str = "positions") -> Floats:
         remedy = "transpose it" if given.ndim == 2 and given.shape[0] == 3 else "give three coordinates in each row"
         raise ValueError(f"{what} must have shape (n, 3), got {given.shape}: {remedy}.")
     result = np.asarray(given, dtype=np.float64)
-    row = result.strides[0]
-    if result.shape[0] > 1 and not (result.flags.aligned and result.strides[1] == 8 and row >= 24 and row % 8 == 0):
-        result = np.ascontiguousarray(result)
-    elif result.strides[1] != 8 or not result.flags.aligned:
+    row, column = result.strides
+    rows_are_fine = len(result) <= 1 or (row >= 24 and row % 8 == 0)
+    if not (rows_are_fine and column == 8 and result.flags.aligned):
         result = np.array(result, order="C")
     return result
 
@@ -76,7 +75,7 @@ def as_indices(array: ArrayLike, what: str, columns: int | None = None) -> Indic
                 place = int(np.argmax(given == wrong)) // (columns or 1)
                 raise _index_error(what, place, wrong)
         given = given.view(np.uint32) if given.dtype == np.int32 else given.astype(np.uint32)
-    return np.ascontiguousarray(given, dtype=np.uint32)
+    return np.require(given, dtype=np.uint32, requirements=["C", "A"])
 
 
 def _index_error(what: str, place: int, wrong: int) -> Exception:
