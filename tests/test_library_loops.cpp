@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/cut_surface.hpp"
 #include "../src/loops/disjoint.hpp"
 #include "../src/loops/library_loops.hpp"
