@@ -167,19 +167,20 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     if (!loop_count || !element_count)
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "loop_count and element_count must not be NULL.");
     Loops loops;
-    if (library_loops(*hierarchy, level, kind, call, loops)) return call.status();
+    Array<uint32_t> faces;
+    if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces)) return call.status();
     const size_t count = loops.count(), size = loops.crossings.size();
     if (offsets && check_capacity(offset_capacity, count + 1, "offsets", call)) return call.status();
     if (elements && check_capacity(element_capacity, size, "elements", call)) return call.status();
     if (elements) {
         const Mesh& mesh = loop_mesh(*hierarchy, level);
         if (level > 0) {
-            for (size_t i = 0; i < size; ++i) elements[i] = mesh.face[loops.crossings[i]];
+            for (size_t i = 0; i < size; ++i) elements[i] = faces[i];
         } else {
             Array<uint32_t> triangle; // of the caller, per internal face
             if (!triangle.allocate(call.memory, mesh.face_count)) return call.out_of_memory();
             for (uint32_t t = 0; t < mesh.face_count; ++t) triangle[internal_face(*hierarchy, t)] = t;
-            for (size_t i = 0; i < size; ++i) elements[i] = triangle[mesh.face[loops.crossings[i]]];
+            for (size_t i = 0; i < size; ++i) elements[i] = triangle[faces[i]];
         }
     }
     if (offsets) std::memcpy(offsets, loops.offsets.data(), (count + 1) * sizeof(uint64_t));

@@ -6,8 +6,8 @@ namespace hmf {
 
 namespace {
 
-// The search leaves the turn in which it starts by no more than this.
-constexpr uint32_t TURNS = 6, FIRST_TURN = 2;
+// Turns that a search may visit, and the one in which it starts.
+constexpr uint32_t TURNS = 4, FIRST_TURN = 1;
 
 } // namespace
 
@@ -213,31 +213,45 @@ bool Annulus::grow(size_t capacity) {
     return true;
 }
 
-bool Annulus::search(Array<uint32_t>& out) {
+// Shortest way from turn 0 of a copy to turn 1 of it.  Distances from the
+// first of these copies, a landmark, bound the way that is left from below
+// (Goldberg, Harrelson: Computing the shortest path, 2005), so that the
+// searches from the others look at little more than the best loops.
+bool Annulus::search(double limit, Array<uint32_t>& out) {
     const size_t states = copies_.size() * TURNS;
-    if (!distance_.allocate(call_.memory, states) || !from_.allocate(call_.memory, states) || !stamp_.allocate_filled(call_.memory, states, 0u)) return false;
-    double best = HUGE_VAL;
+    if (!distance_.allocate(call_.memory, states) || !from_.allocate(call_.memory, states) || !stamp_.allocate_filled(call_.memory, states, 0u) ||
+        !landmark_.allocate_filled(call_.memory, states, HUGE_VAL))
+        return false;
+    double best = limit;
     uint32_t epoch = 0, work = 0;
     for (uint32_t root = 0; root < copies_.size(); ++root) {
         bool counts = false;
         for (uint32_t s = 0; s < copies_[root].sides; ++s) counts |= copies_[root].to[s] != NONE && copies_[root].turns[s] > 0;
         if (!counts) continue;
         // State copy * TURNS + FIRST_TURN + turn; stamp 2 epoch: reached, 2 epoch + 1: settled.
-        ++epoch;
+        const bool first = ++epoch == 1;
         heap_.clear();
         const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
+        const double goal_distance = landmark_[goal];
+        const auto left = [&](uint32_t state) { // at least, to the goal
+            const double bound = first || goal_distance == HUGE_VAL || landmark_[state] == HUGE_VAL ? 0 : goal_distance - landmark_[state];
+            return bound > 0 ? bound : 0;
+        };
         distance_[start] = 0;
         from_[start] = NONE;
         stamp_[start] = 2 * epoch;
-        if (!push({0, start})) return false;
+        if (!push({left(start), start})) return false;
         bool arrived = false;
         while (!heap_.empty()) {
             const Entry top = pop();
             const uint32_t state = top.item;
             if (stamp_[state] == 2 * epoch + 1) continue;
-            if (top.distance >= best) break;
+            // The landmark has to know the goals of the others as well.
+            if (top.distance >= (first ? 1.25 * limit : best)) break;
             stamp_[state] = 2 * epoch + 1;
-            if (state == goal) { arrived = true; break; }
+            if (first) landmark_[state] = distance_[state];
+            arrived = arrived || state == goal;
+            if (arrived && !first) break;
             if (++work % 16384 == 0 && !call_.tick(0, true)) return false;
             const Copy& copy = copies_[state / TURNS];
             for (uint32_t s = 0; s < 4; ++s) {
@@ -246,15 +260,17 @@ bool Annulus::search(Array<uint32_t>& out) {
                 const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
                 if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
                 const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
-                const double d = s == 3 ? top.distance : top.distance + copy.length[s];
-                if (stamp_[to] >= 2 * epoch && !(d < distance_[to])) continue;
+                const double d = s == 3 ? distance_[state] : distance_[state] + copy.length[s];
+                if (stamp_[to] == 2 * epoch + 1 || (stamp_[to] == 2 * epoch && !(d < distance_[to]))) continue;
+                const double whole = d + left(to);
+                if (!first && whole >= best) continue;
                 stamp_[to] = 2 * epoch;
                 distance_[to] = d;
                 from_[to] = 4 * (state / TURNS) + s;
-                if (!push({d, to})) return false;
+                if (!push({whole, to})) return false;
             }
         }
-        if (!arrived) continue;
+        if (!arrived || distance_[goal] >= best) continue;
         best = distance_[goal];
         out.clear();
         for (uint32_t state = goal; state != start;) {
@@ -273,14 +289,14 @@ bool Annulus::search(Array<uint32_t>& out) {
     return true;
 }
 
-bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, Array<uint32_t>& out) {
+bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit, Array<uint32_t>& out) {
     count_ = &count;
     copies_.start(call_.memory);
     border_.start(call_.memory);
     heap_.start(call_.memory);
     fan_.start(call_.memory);
     out.start(call_.memory);
-    return build_strip(loop) && grow(capacity) && search(out);
+    return build_strip(loop) && grow(capacity) && search(limit, out);
 }
 
 } // namespace hmf

@@ -33,10 +33,10 @@ public:
 
     // The surface is cut along the curves with `count` crossings per edge; the
     // loop leaves regions at the given places.  Copies are at most `capacity`
-    // (at least those of the loop).  On success `out` is the loop found, a
-    // shortest one within the strip, in the same direction; it may go back and
-    // forth.  False: out of memory or cancelled.
-    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, Array<uint32_t>& out);
+    // (at least those of the loop).  On success `out` is a shortest loop within
+    // the strip, in the same direction, if it is shorter than limit; else it is
+    // empty.  It may go back and forth.  False: out of memory or cancelled.
+    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit, Array<uint32_t>& out);
 
 private:
     struct Copy {
@@ -60,7 +60,7 @@ private:
     bool grow(size_t capacity);
     void close_up(uint32_t a);
     bool find_same(uint32_t a);
-    bool search(Array<uint32_t>& out);
+    bool search(double limit, Array<uint32_t>& out);
     bool push(Entry entry);
     Entry pop();
 
@@ -72,7 +72,7 @@ private:
     Array<Border> border_;
     Array<Entry> heap_;
     Array<Wedge> fan_;
-    Array<double> distance_;
+    Array<double> distance_, landmark_;
     Array<uint32_t> from_, stamp_;
 };
 

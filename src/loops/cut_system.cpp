@@ -67,7 +67,7 @@ public:
         spread_roots();
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 8e6 + 20 * faces;
-        const double budget = faces * (40 + 6.0 * genus) < most ? faces * (40 + 6.0 * genus) : most;
+        const double wanted = faces * (400 + 6.0 * genus), budget = wanted < most ? wanted : most;
         for (uint32_t k = 0; k < genus; ++k) {
             if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
             if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !sign() || !prepare_search())

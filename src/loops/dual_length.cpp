@@ -4,7 +4,7 @@
 
 namespace hmf {
 
-DualLength::DualLength(const Mesh& mesh, const double* position) : mesh_(mesh), position_(position) {
+DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguous) : mesh_(mesh), position_(position), ambiguous_(ambiguous) {
     for (size_t i = 0; i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest_) largest_ = x;
@@ -13,7 +13,7 @@ DualLength::DualLength(const Mesh& mesh, const double* position) : mesh_(mesh), 
 }
 
 double DualLength::operator()(uint32_t edge) const {
-    const uint32_t h = 2 * edge, g = mesh_.face[h + 1];
+    const uint32_t h = 2 * edge;
     double middle[3], sum = 0;
     for (uint32_t a = 0; a < 3; ++a)
         middle[a] = (position_[3 * size_t{mesh_.origin[h]} + a] / largest_ + position_[3 * size_t{mesh_.origin[h + 1]} + a] / largest_) / 2;
@@ -27,9 +27,13 @@ double DualLength::operator()(uint32_t edge) const {
         }
         sum += std::sqrt(square);
     }
+    return ambiguous_ != 1 && is_ambiguous(edge) ? ambiguous_ * sum : sum;
+}
+
+bool DualLength::is_ambiguous(uint32_t edge) const {
+    const uint32_t h = 2 * edge, g = mesh_.face[h + 1];
     const auto borders = [&](uint32_t k) { return k != h && k != h + 1 && mesh_.face[twin(k)] == g; };
-    const bool ambiguous = mesh_.face[h] == g || borders(mesh_.next[h]) || borders(mesh_.prev(h));
-    return ambiguous ? 8 * sum : sum;
+    return mesh_.face[h] == g || borders(mesh_.next[h]) || borders(mesh_.prev(h));
 }
 
 } // namespace hmf

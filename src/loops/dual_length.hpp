@@ -8,18 +8,18 @@ namespace hmf {
 
 class DualLength {
 public:
-    // position: 3 per vertex.
-    DualLength(const Mesh& mesh, const double* position);
+    // position: 3 per vertex.  ambiguous: factor for edges whose two faces share
+    // another edge; a loop of triangles does not say which of them it crosses.
+    DualLength(const Mesh& mesh, const double* position, double ambiguous = 1);
 
-    // In units of the largest coordinate.  Eight times as long where two faces
-    // share several edges: a loop of triangles does not say which of them it
-    // crosses, so such edges are avoided.
+    // In units of the largest coordinate.
     double operator()(uint32_t edge) const;
+    bool is_ambiguous(uint32_t edge) const;
 
 private:
     const Mesh& mesh_;
     const double* position_;
-    double largest_ = 0;
+    double largest_ = 0, ambiguous_;
 };
 
 } // namespace hmf

@@ -4,6 +4,8 @@
 #include "library_loops.hpp"
 
 #include "carry_loops.hpp"
+#include "disjoint.hpp"
+#include "dual_length.hpp"
 #include "handle_system.hpp"
 
 namespace hmf {
@@ -36,11 +38,39 @@ hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Cal
     while (carrier.level() > level) {
         if (!carrier.refine(call)) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
         if (!carrier.read(0, out.count(), out, call.memory)) return call.out_of_memory();
-        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, call, out);
+        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
     }
     return pull_tight(loop_mesh(h, level), call, out);
+}
+
+hmf_status name_by_triangles(const hmf_hierarchy& h, size_t level, Call& call, Loops& loops, Array<uint32_t>& faces) {
+    const Mesh& mesh = loop_mesh(h, level);
+    const double* position = h.levels[level].position;
+    const DualLength length(mesh, position);
+    bool ambiguous = false;
+    for (const uint32_t crossing : loops.crossings) ambiguous = ambiguous || length.is_ambiguous(edge_of(crossing));
+    if (ambiguous) {
+        hmf_status status = shorten_loops(mesh, position, 0, 1, 8, call, loops);
+        if (!status) status = pull_tight(mesh, call, loops);
+        if (status) return status;
+    }
+    if (!faces.allocate(call.memory, loops.crossings.size())) return call.out_of_memory();
+    for (size_t i = 0; i < faces.size(); ++i) faces[i] = mesh.face[loops.crossings[i]];
+    if (!ambiguous) return HMF_OK;
+    Loops again;
+    const hmf_status status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
+    if (status) return status;
+    for (size_t c = 0; c < loops.count(); ++c) {
+        const size_t n = static_cast<size_t>(loops.offsets[c + 1] - loops.offsets[c]);
+        if (again.offsets[c + 1] - again.offsets[c] == n &&
+            same_cycle(again.crossings.data() + again.offsets[c], loops.crossings.data() + loops.offsets[c], n))
+            continue;
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, c, "Loop %llu passes triangles of level %llu that share several edges, so triangles do not name it. Use a finer level.",
+                         static_cast<unsigned long long>(c), static_cast<unsigned long long>(level));
+    }
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -14,4 +14,8 @@ inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) { return leve
 // on every level.
 hmf_status library_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call, Loops& out);
 
+// The face before each crossing, such that read_loops gives the loops back.
+// Where faces share several edges, the loops change within their classes.
+hmf_status name_by_triangles(const hmf_hierarchy& hierarchy, size_t level, Call& call, Loops& loops, Array<uint32_t>& faces);
+
 } // namespace hmf

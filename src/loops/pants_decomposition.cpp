@@ -35,10 +35,10 @@ public:
             if (!cut() || !spread()) return call_.out_of_memory();
             if (!choose()) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(), "No further loop was found. Please report this.");
             if (!join()) return call_.out_of_memory();
-            const hmf_status status = shorten_loops(mesh_, position_, loops_.count() - 1, 2, call_, loops_);
+            const hmf_status status = shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
             if (status) return status;
         }
-        return shorten_loops(mesh_, position_, 0, 1, call_, loops_);
+        return shorten_loops(mesh_, position_, 0, 1, 1, call_, loops_);
     }
 
 private:

@@ -76,12 +76,16 @@ void pull_straight(const Mesh& mesh, Array<uint32_t>& sequence, size_t& begin, s
     }
 }
 
-// The first half-edge of face f that borders face g.
-uint32_t shared_side(const Mesh& mesh, uint32_t side, uint32_t g) {
-    uint32_t h = side;
-    for (int i = 0; i < 3; ++i, h = mesh.next[h])
-        if (mesh.face[twin(h)] == g) return h;
-    return NONE;
+// The first half-edge of a face that borders face g; if there are several, not
+// the one through which the loop came in.
+uint32_t shared_side(const Mesh& mesh, uint32_t side, uint32_t g, uint32_t came_in) {
+    uint32_t h = side, back = NONE;
+    for (int i = 0; i < 3; ++i, h = mesh.next[h]) {
+        if (mesh.face[twin(h)] != g) continue;
+        if (h != came_in) return h;
+        back = h;
+    }
+    return back;
 }
 
 // The half-edge of smallest number from vertex i to vertex j.
@@ -129,7 +133,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
             if (i % 8192 == 0 && !call.tick(0, true))
                 return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
-            const uint32_t h = triangles ? shared_side(mesh, side[here], there) : shared_edge(mesh, here, there);
+            const uint32_t h = triangles ? shared_side(mesh, side[here], there, path.empty() ? NONE : twin(path.back())) : shared_edge(mesh, here, there);
             if (h == NONE)
                 return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c, "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next, and the last the first.",
                                  static_cast<Long>(i - first), static_cast<Long>(i + 1 < end ? i + 1 - first : 0), static_cast<Long>(c), word);

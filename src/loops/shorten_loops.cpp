@@ -1,6 +1,5 @@
 // Shorter loops in the same classes.  One after another, each as short as it
-// gets in a strip round it that the others do not enter (annulus.hpp), until
-// none gains.
+// gets in a strip round it that the others do not enter (annulus.hpp).
 #include "annulus.hpp"
 #include "disjoint.hpp"
 
@@ -8,14 +7,15 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIP = 14;     // triangles across the strip
+constexpr size_t STRIP = 10;     // triangles across the strip
 constexpr int ROUNDS = 6;        // strips for one loop
 constexpr double GAIN = 1e-9;    // relative, what counts as shorter
+constexpr double LITTLE = 2e-3;  // relative, what is not worth another strip
 
 class Shortener {
 public:
-    Shortener(const Mesh& mesh, const double* position, size_t width, Loops& loops, Call& call)
-        : mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position), annulus_(mesh, length_, call) {}
+    Shortener(const Mesh& mesh, const double* position, size_t width, double ambiguous, Loops& loops, Call& call)
+        : mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position, ambiguous), annulus_(mesh, length_, call) {}
 
     hmf_status run(size_t first) {
         const size_t n = loops_.count();
@@ -24,19 +24,13 @@ public:
         if (answer == Answer::out_of_memory) return call_.out_of_memory();
         if (answer == Answer::no)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "Carried loops are not disjoint. Please report this.");
-        // A loop may gain from room that another one has left: twice.
-        for (int pass = 0; pass < 2; ++pass) {
-            bool gained = false;
-            for (size_t c = first; c < n; ++c)
-                for (int round = 0; round < ROUNDS; ++round) {
-                    bool shorter = false;
-                    const hmf_status status = shorten(c, shorter);
-                    if (status) return status;
-                    gained |= shorter;
-                    if (!shorter) break;
-                }
-            if (!gained || n == first + 1) break;
-        }
+        for (size_t c = first; c < n; ++c)
+            for (int round = 0; round < ROUNDS; ++round) {
+                bool again = false;
+                const hmf_status status = shorten(c, again);
+                if (status) return status;
+                if (!again) break;
+            }
         return HMF_OK;
     }
 
@@ -76,17 +70,19 @@ private:
         return sum;
     }
 
-    hmf_status shorten(size_t c, bool& shorter) {
+    // again: it gained much, and may gain more.
+    hmf_status shorten(size_t c, bool& again) {
         const uint64_t first = loops_.offsets[c], end = loops_.offsets[c + 1];
         const size_t n = static_cast<size_t>(end - first);
         if (!find_places(c)) return call_.out_of_memory();
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
-        const bool searched = annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), found_);
+        const double before = length(loops_.crossings.data() + first, n);
+        const bool searched = annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), before * (1 - GAIN), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
         if (!searched) return stopped();
         size_t from = 0, to = 0;
         remove_backtracking(found_, from, to);
-        const double before = length(loops_.crossings.data() + first, n), after = length(found_.data() + from, to - from);
+        const double after = length(found_.data() + from, to - from);
         if (from == to || !(after < before * (1 - GAIN))) return HMF_OK;
         // The new loop in place of the old one, if the loops stay simple and disjoint.
         Loops changed;
@@ -101,8 +97,8 @@ private:
             if (!changed.offsets.push(changed.crossings.size())) return call_.out_of_memory();
         }
         Answer answer = disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory);
-        shorter = answer == Answer::yes;
-        if (shorter) {
+        if (answer == Answer::yes) {
+            again = after < before * (1 - LITTLE);
             loops_.offsets.swap(changed.offsets);
             loops_.crossings.swap(changed.crossings);
         } else if (answer == Answer::no) {
@@ -124,8 +120,8 @@ private:
 
 } // namespace
 
-hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, Call& call, Loops& loops) {
-    Shortener shortener(mesh, position, width, loops, call);
+hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous, Call& call, Loops& loops) {
+    Shortener shortener(mesh, position, width, ambiguous, loops, call);
     return shortener.run(first);
 }
 
