@@ -1,6 +1,7 @@
 // The hierarchy from the inside: validation, exact reversal, numbering,
 // Delaunay property, memory, cancellation.
 #include "../src/hierarchy/hierarchy.hpp"
+#include "../src/mesh/spatial_order.hpp"
 #include "../src/mesh/weights.hpp"
 #include "support/meshes.hpp"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <set>
 #include <vector>
 
@@ -343,6 +345,117 @@ TEST(Validation, Vertices) {
 TEST(Validation, Surface) {
     expect_defect(both(plain_torus(), plain_torus()), HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, plain_torus().triangle_count());
     expect_defect(tetrahedron(), HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0);
+}
+
+namespace {
+
+// The same surface with its vertices and triangles in another order, and the
+// triangles turned: new_number[v] is where vertex v went.
+TriMesh shuffled(const TriMesh& mesh, uint64_t seed, std::vector<uint32_t>& new_number) {
+    std::mt19937_64 random(seed);
+    const auto below = [&random](size_t n) { return static_cast<size_t>(random() % n); };
+    new_number.resize(mesh.vertex_count());
+    for (size_t v = 0; v < new_number.size(); ++v) new_number[v] = static_cast<uint32_t>(v);
+    for (size_t v = new_number.size(); v-- > 1;) std::swap(new_number[v], new_number[below(v + 1)]);
+    TriMesh out = mesh;
+    for (size_t v = 0; v < new_number.size(); ++v) std::copy_n(&mesh.positions[3 * v], 3, &out.positions[3 * new_number[v]]);
+    std::vector<size_t> order(mesh.triangle_count());
+    for (size_t t = 0; t < order.size(); ++t) order[t] = t;
+    for (size_t t = order.size(); t-- > 1;) std::swap(order[t], order[below(t + 1)]);
+    for (size_t t = 0; t < order.size(); ++t) {
+        const size_t turn = below(3);
+        for (size_t s = 0; s < 3; ++s) out.triangles[3 * t + s] = new_number[mesh.triangles[3 * order[t] + (s + turn) % 3]];
+    }
+    return out;
+}
+
+} // namespace
+
+TEST(SpatialOrder, FollowsTheCurve) {
+    std::vector<uint32_t> unused;
+    TriMesh mesh = shuffled(test::torus(60, 40, 3, 1), 1, unused);
+    for (const double factor : {1.0, std::ldexp(1.0, 900), std::ldexp(1.0, -900)}) {
+        const size_t V = mesh.vertex_count(), F = mesh.triangle_count();
+        std::vector<double> x = mesh.positions;
+        for (double& c : x) c *= factor;
+        Memory memory(nullptr, nullptr, nullptr, 0);
+        Call call(memory, nullptr, nullptr, nullptr);
+        std::vector<uint32_t> internal(V, NONE);
+        Array<double> position;
+        ASSERT_TRUE(position.allocate(memory, 3 * V));
+        double scale = 0;
+        ASSERT_EQ(order_vertices(x.data(), V, 0, internal.data(), position, scale, call), HMF_OK);
+        // The cell of each vertex, bit by bit from the highest, in its order.
+        double low[3], extent = 0;
+        for (size_t c = 0; c < 3; ++c) {
+            double high = low[c] = x[c];
+            for (size_t v = 0; v < V; ++v) low[c] = std::min(low[c], x[3 * v + c]), high = std::max(high, x[3 * v + c]);
+            extent = std::max(extent, high - low[c]);
+        }
+        std::vector<std::pair<uint32_t, size_t>> place(V, {NONE, V});
+        for (size_t v = 0; v < V; ++v) {
+            uint32_t cell = 0;
+            for (int bit = 9; bit >= 0; --bit)
+                for (size_t c = 3; c-- > 0;) {
+                    const double at = (x[3 * v + c] - low[c]) / extent * 1023;
+                    cell = 2 * cell + (static_cast<uint32_t>(at + 1e-9) >> bit & 1u);
+                }
+            ASSERT_LT(internal[v], V);
+            ASSERT_EQ(place[internal[v]].second, V) << "two vertices have one number";
+            place[internal[v]] = {cell, v};
+            for (size_t c = 0; c < 3; ++c) EXPECT_EQ(position[3 * internal[v] + c], scale * x[3 * v + c]);
+        }
+        size_t inversions = 0;
+        for (size_t n = 1; n < V; ++n) inversions += place[n] < place[n - 1];
+        EXPECT_LE(inversions, V / 200) << "not more than rounding at the bounds of cells explains";
+        OrderedTriangles ordered;
+        ASSERT_EQ(order_triangles(mesh.triangles.data(), F, internal.data(), V, ordered, call), HMF_OK);
+        std::vector<char> seen(F, 0);
+        uint32_t before = 0;
+        for (uint32_t f = 0; f < F; ++f) {
+            const uint32_t* words = &ordered.words[4 * size_t{f}];
+            ASSERT_LT(ordered.number(f), F);
+            EXPECT_EQ(seen[ordered.number(f)]++, 0);
+            for (size_t s = 0; s < 3; ++s) EXPECT_EQ(words[s], internal[mesh.triangles[3 * size_t{ordered.number(f)} + s]]);
+            const uint32_t lowest = std::min({words[0], words[1], words[2]});
+            EXPECT_LE(before, lowest);
+            before = lowest;
+        }
+    }
+}
+
+TEST(SpatialOrder, AnyOrderOfTheInput) {
+    std::vector<uint32_t> unused;
+    for (const uint64_t seed : {1, 2, 3}) expect_sound(shuffled(test::pretzel(3, 2), seed, unused), small());
+    // An outlier: the others share a cell and keep the caller's order.
+    TriMesh mesh = plain_torus();
+    mesh.positions[0] = 1e9;
+    expect_sound(mesh, small());
+}
+
+TEST(SpatialOrder, DefectsAreFoundInAnyOrder) {
+    const auto expect_status = [](const TriMesh& mesh, hmf_status status) {
+        for (uint64_t seed = 0; seed < 20; ++seed) {
+            std::vector<uint32_t> number;
+            const TriMesh other = shuffled(mesh, seed, number);
+            Built built(other);
+            EXPECT_EQ(built.status, status) << built.error.message << " seed " << seed;
+        }
+    };
+    TriMesh mesh = plain_torus();
+    mesh.triangles.resize(mesh.triangles.size() - 3);
+    expect_status(mesh, HMF_ERROR_MESH_BOUNDARY);
+    mesh = plain_torus();
+    std::swap(mesh.triangles[3 * 4], mesh.triangles[3 * 4 + 1]);
+    expect_status(mesh, HMF_ERROR_MESH_ORIENTATION);
+    // A bubble on an edge: two more triangles meet it, and each other.
+    mesh = plain_torus();
+    const uint32_t a = mesh.triangles[0], b = mesh.triangles[1], top = static_cast<uint32_t>(mesh.vertex_count());
+    mesh.positions.insert(mesh.positions.end(), {0, 0, 9});
+    mesh.triangles.insert(mesh.triangles.end(), {a, b, top, b, a, top});
+    expect_status(mesh, HMF_ERROR_MESH_NON_MANIFOLD_EDGE);
+    expect_status(both(plain_torus(), plain_torus()), HMF_ERROR_MESH_COMPONENTS);
+    expect_status(plain_torus(), HMF_OK);
 }
 
 TEST(Memory, EveryAllocationMayFail) {
