@@ -29,7 +29,7 @@ run_binding() { # language
     local script=$root/bindings/$1/test.sh lines=$work/same_bits-$1.txt log=$work/$1.log
     export HMF_BINDING_WORK=$work/$1
     mkdir -p "$HMF_BINDING_WORK"
-    timeout 600 "$script" 2>&1 | tee "$log"
+    timeout 1200 "$script" 2>&1 | tee "$log"
     local code=${PIPESTATUS[0]}
     if [ "$code" -ne 0 ]; then
         failed=1
@@ -39,7 +39,7 @@ run_binding() { # language
         echo "not ok bindings-$1 (nothing reported)"
     fi
 
-    timeout 120 "$script" same-bits > "$lines" 2> "$lines.err"
+    timeout 300 "$script" same-bits > "$lines" 2> "$lines.err"
     code=$?
     if [ "$code" -eq 0 ] && grep -q '^skip ' "$lines"; then
         echo "skip bindings-same-bits $1 (skipped: $(sed -n 's/^skip //p' "$lines" | head -1))"
