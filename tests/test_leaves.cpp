@@ -303,6 +303,68 @@ TEST_P(Leaves, Cylinders) {
     }
 }
 
+// The conjugate foliation by hmf_parameterize: |dv| on the edges.
+TEST_P(Leaves, Conjugate) {
+    std::vector<double> uv(6 * mesh.triangle_count);
+    hmf_parameterization parameterization{};
+    parameterization.struct_size = sizeof parameterization;
+    parameterization.vertex_capacity = mesh.vertex_count;
+    parameterization.edge_capacity = mesh.edge_count;
+    parameterization.triangle_capacity = mesh.triangle_count;
+    parameterization.corner_uv = uv.data();
+    std::vector<int32_t> cone(mesh.vertex_count);
+    parameterization.cone = cone.data();
+    hmf_error error{};
+    const std::vector<double>& F = solution.values;
+    const hmf_status status = hmf_parameterize(hierarchy->get(), 0, F.data(), F.size(), nullptr, &parameterization, &error);
+    if (status != HMF_OK) GTEST_SKIP() << error.message; // so coarse that zeros collide
+    std::vector<double> dv(mesh.edge_count);
+    for (size_t t = 0; t < mesh.triangle_count; ++t)
+        for (size_t s = 0; s < 3; ++s) dv[mesh.triangle_edges[3 * t + s]] = std::abs(uv[6 * t + 2 * ((s + 1) % 3) + 1] - uv[6 * t + 2 * s + 1]);
+    std::vector<hmf_cylinder> cylinders(sample.weights.size());
+    size_t count = 0, total = 0;
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), nullptr, cylinders.data(), cylinders.size(), nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK);
+
+    hmf_trace_options options = trace_options();
+    options.leaves = HMF_LEAVES_CONJUGATE;
+    options.spacing = 0.05;
+    const Traced levels = trace(*hierarchy, 0, F, options);
+    expect_leaves(mesh, dv, levels);
+    std::vector<double> lines(count, 0);
+    for (const hmf_line& line : levels.lines) {
+        ASSERT_LT(line.cylinder, count);
+        ++lines[line.cylinder];
+        EXPECT_EQ(line.begin, HMF_END_CRITICAL);
+        EXPECT_EQ(line.end, HMF_END_CRITICAL);
+    }
+    for (size_t c = 0; c < count; ++c) EXPECT_NEAR(lines[c], cylinders[c].circumference / 0.05, 1 + 0.05 * cylinders[c].circumference / 0.05) << c;
+
+    options = trace_options();
+    options.leaves = HMF_LEAVES_CONJUGATE;
+    options.critical = 1;
+    options.length_limit = 3;
+    const Traced prongs = trace(*hierarchy, 0, F, options);
+    expect_leaves(mesh, dv, prongs);
+    // As many prongs as multiples of pi in the cone angles, where no triangle is folded.
+    size_t expected = 0;
+    for (int32_t k : cone) expected += k > 2 ? static_cast<size_t>(k) : 0;
+    if (parameterization.flipped_triangles == 0) { EXPECT_EQ(prongs.lines.size(), expected); }
+    for (const hmf_line& line : prongs.lines) {
+        EXPECT_EQ(line.begin, HMF_END_ZERO);
+        EXPECT_LE(line.length, 3 + 1e-12);
+    }
+
+    const uint32_t triangle = static_cast<uint32_t>(mesh.triangle_count / 2);
+    const double middle[3] = {0.3, 0.3, 0.4};
+    options.critical = 0;
+    options.point_count = 1;
+    options.point_triangles = &triangle;
+    options.point_barycentrics = middle;
+    const Traced one = trace(*hierarchy, 0, F, options);
+    ASSERT_EQ(one.lines.size(), 1u);
+    expect_leaves(mesh, dv, one);
+}
+
 // Closed, oriented, manifold, only quads, of the right genus; irregular vertices
 // exactly at the zeros; on the surface.
 TEST_P(Leaves, Quads) {

@@ -66,6 +66,7 @@ int demo(const std::string& folder) {
     request.history = in_folder("history.csv");
     request.image = in_folder("image.png");
     request.leaves = in_folder("leaves.obj");
+    request.conjugate = true;
     request.quads = in_folder("quads.obj");
     request.obj = in_folder("textured.obj");
     const int status = solve(mesh, seconds_since(start), request);
@@ -136,6 +137,7 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"stripes", "checkerboard"}).description(""))
         ->type_name("stripes|checkerboard")
         ->capture_default_str();
+    solve_command->add_flag("--conjugate", request.conjugate, "leaves: also the lines across, where v is constant");
     solve_command->add_option("--quads", request.quads, "quad mesh along the leaves, irregular only at the zeros")->type_name("FILE.obj");
     solve_command->add_option("--size", request.quad_size, "wished length of an edge of a quad; default: half as many quads as triangles")->check(CLI::PositiveNumber);
 

@@ -301,7 +301,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     if (!request.history.empty()) write_history(request.history, history);
     if (!request.leaves.empty() && status == HMF_OK) summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
     if (!request.quads.empty()) summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
-    if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, name);
+    if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, request.conjugate, name);
     const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
     // Asked for, or for the report, which tells how conformal the result is.
     const bool asked = request.checkerboard || !request.obj.empty();

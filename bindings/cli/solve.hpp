@@ -22,6 +22,7 @@ struct SolveRequest {
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj;
     double leaf_spacing = 0, quad_size = 0;
+    bool conjugate = false; // leaves across as well
     bool checkerboard = false; // in the picture, instead of stripes
 };
 

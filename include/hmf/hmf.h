@@ -599,12 +599,20 @@ HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level
 #define HMF_END_ZERO 1           /* at a zero */
 #define HMF_END_LIMIT 2          /* at the length limit */
 #define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
+#define HMF_END_CRITICAL 4       /* of a conjugate line: on a critical leaf, where its cylinder ends */
+
+#define HMF_LEAVES_DEFAULT 0
+#define HMF_LEAVES_FOLIATION 1   /* of the foliation itself (default): u is constant */
+#define HMF_LEAVES_CONJUGATE 2   /* of its conjugate: v is constant; see hmf_parameterize */
 
 typedef struct hmf_trace_options {
     uint32_t struct_size;
-    int32_t critical;            /* not 0: all leaves between zeros */
+    int32_t leaves;              /* HMF_LEAVES_* */
+    int32_t critical;            /* not 0: all leaves out of zeros */
+    uint32_t reserved;           /* 0 */
     double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
-    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the positions; 0 = none */
+    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the positions; 0: none,
+                                    for conjugate leaves ten times the root of the area of the surface */
     uint64_t point_count;        /* leaves through points; 0 = none */
     const uint32_t *point_triangles;      /* point_count */
     const double *point_barycentrics;     /* point_count x 3, for the corners of the triangle; not negative, sum 1 */
@@ -645,8 +653,16 @@ HMF_API void hmf_trace_options_init(hmf_trace_options *options);
  * from it; the middle of a triangle with a zero goes to the nearest leaf.
  * Genus 1 has no critical leaves.
  *
- * Values need not be harmonic.  Errors: classes 100, 200, 500; of a bad point
- * error->index is its number (HMF_ERROR_OPTIONS).
+ * Conjugate leaves do not close in general.  Level sets are then lines across
+ * each cylinder from one side to the other, round(circumference / spacing) of
+ * them; together with those of the foliation they form a grid.  Leaves out of
+ * zeros end at another zero or at the length limit, those through points close or
+ * end at the limit.  begin_zero, end_zero, height and, but for level sets,
+ * cylinder are not set.
+ *
+ * Values need not be harmonic, but for conjugate leaves, as for hmf_cylinders.
+ * Errors: classes 100, 200, 500; of a bad point error->index is its number
+ * (HMF_ERROR_OPTIONS).
  */
 HMF_API hmf_status hmf_trace(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
                              const hmf_trace_options *options, hmf_line *lines, size_t line_capacity,
@@ -709,7 +725,8 @@ HMF_API void hmf_quad_options_init(hmf_quad_options *options);
  *   vertex_count, quad_count   set on success
  *
  * The first vertices are the zeros, in the order of hmf_singularities; a zero of
- * order m has 2 m + 4 edges, every other vertex has 4.  Closed, oriented and
+ * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
+ * discretisation keeps apart can become one, with the sum of their orders.  Closed, oriented and
  * manifold by construction, genus as before; no two edges have the same ends.
  * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
  * equally long in the metric du^2 + dv^2: longer in space where the foliation is

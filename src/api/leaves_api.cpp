@@ -1,8 +1,10 @@
 // hmf.h: trace, cylinders, quads.
 #include "../foliation/whitehead.hpp"
+#include "../leaves/conjugate_lines.hpp"
 #include "../leaves/cylinder_classes.hpp"
 #include "../leaves/polyline.hpp"
 #include "../leaves/quad_mesh.hpp"
+#include "../parameterize/flat_surface.hpp"
 #include "../solve/solve.hpp"
 #include "values.hpp"
 
@@ -50,6 +52,59 @@ hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_coun
     return HMF_OK;
 }
 
+// Nothing to do but where the way between the triangulations of level 0 moved a vertex.
+hmf_status to_minimum(State& state, Call& call) {
+    const double* weight = state.hierarchy->levels[state.level].weight;
+    const double before = energy(state.foliation, weight);
+    Recorder recorder(nullptr, call, 1);
+    SolveOptions options;
+    options.tolerance = 1e-8;
+    options.stop_level = state.level;
+    const hmf_status status = run_cascade(state, options, call, recorder);
+    if (status >= HMF_ERROR_NULL) return status;
+    const double excess = before / energy(state.foliation, weight) - 1;
+    if (excess > 1e-2)
+        return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_NONE, 0, "The energy of the values is %.2g times that of the minimum. Improve them with hmf_relax.",
+                         excess + 1);
+    return HMF_OK;
+}
+
+hmf_status trace_leaves(Leaves& leaves, const hmf_trace_options& all, const Array<uint32_t>& side, Lines& made, Call& call) {
+    Cylinders cylinders;
+    if (cylinders.build(leaves.state.foliation, leaves.vertices, leaves.faces, call)) return call.status();
+    if (all.spacing > 0 && made.add_levels(cylinders, all.spacing)) return call.status();
+    if (all.critical && made.add_arcs(cylinders.graph)) return call.status();
+    for (uint64_t i = 0; i < all.point_count; ++i)
+        if (made.add_point(&cylinders, side[all.point_triangles[i]], all.point_barycentrics + 3 * i, static_cast<uint32_t>(i))) return call.status();
+    return HMF_OK;
+}
+
+// The values of the state become |dv|.
+hmf_status trace_conjugate(Leaves& leaves, const hmf_trace_options& all, const Array<uint32_t>& side, Lines& made, Call& call) {
+    State& state = leaves.state;
+    Foliation& f = state.foliation;
+    ConjugateLevels levels;
+    if (all.spacing > 0) {
+        Cylinders cylinders;
+        if (cylinders.build(f, leaves.vertices, leaves.faces, call) || read_levels(f, cylinders, levels, call)) return call.status();
+    }
+    FlatSurface flat;
+    Array<int64_t> du;
+    if (state.level == 0 && !state.to_intrinsic(call)) return call.out_of_memory();
+    if (to_minimum(state, call) || flat_surface(state, flat, call)) return call.status();
+    if (!flat_surface_to_input(state, flat, call) || !du.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+        du[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
+        f.value[e] = flat.dv.value[e] < 0 ? -flat.dv.value[e] : flat.dv.value[e];
+    }
+    const double* position = state.hierarchy->levels[state.level].position;
+    if (all.spacing > 0 && add_conjugate_levels(made, f, du.data(), levels, all.spacing, leaves.unit, position, call)) return call.status();
+    if (all.critical && add_conjugate_prongs(made, f, position, call)) return call.status();
+    for (uint64_t i = 0; i < all.point_count; ++i)
+        if (made.add_point(nullptr, side[all.point_triangles[i]], all.point_barycentrics + 3 * i, static_cast<uint32_t>(i))) return call.status();
+    return HMF_OK;
+}
+
 // The cylinders where the energy is measured: on the triangulation that is
 // solved on, at the minimum.
 struct Measured {
@@ -62,19 +117,7 @@ struct Measured {
         State& state = leaves.state;
         const bool first = state.level == 0;
         if (first && (!state.to_intrinsic(call) || !stretched.to_intrinsic(call))) return call.out_of_memory();
-        const double* weight = state.hierarchy->levels[state.level].weight;
-        const double before = energy(state.foliation, weight);
-        Recorder recorder(nullptr, call, 1);
-        SolveOptions options;
-        options.tolerance = 1e-8;
-        options.stop_level = state.level;
-        // Nothing to do but where the way between the triangulations moved a vertex.
-        const hmf_status status = run_cascade(state, options, call, recorder);
-        if (status >= HMF_ERROR_NULL) return status;
-        const double excess = before / energy(state.foliation, weight) - 1;
-        if (excess > 1e-2)
-            return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_NONE, 0, "The energy of the values is %.2g times that of the minimum. Improve them with hmf_relax.",
-                             excess + 1);
+        if (to_minimum(state, call)) return call.status();
         Cylinders labelled;
         Array<uint32_t> of_label, on_edges;
         if (cylinders.build(state.foliation, nullptr, nullptr, call) || labelled.build(stretched.foliation, nullptr, nullptr, call)
@@ -151,24 +194,20 @@ hmf_status hmf_trace(const hmf_hierarchy* hierarchy, size_t level, const double*
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_trace_options has an unusable struct_size. Start from hmf_trace_options_init.");
     if (!(all.spacing >= 0) || !(all.length_limit >= 0) || !std::isfinite(all.spacing) || !std::isfinite(all.length_limit))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "spacing and length_limit must be finite and not negative; 0 means none.");
+    if (all.leaves < HMF_LEAVES_DEFAULT || all.leaves > HMF_LEAVES_CONJUGATE)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are no leaves %d. Use HMF_LEAVES_*.", static_cast<int>(all.leaves));
     if (check_points(all, hierarchy->levels[level].mesh.face_count, call)) return call.status();
     if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
 
     Leaves leaves;
     if (leaves.load(*hierarchy, level, values, count, call)) return call.status();
     Foliation& f = leaves.state.foliation;
-    Cylinders cylinders;
-    if (cylinders.build(f, leaves.vertices, leaves.faces, call)) return call.status();
+    const bool conjugate = all.leaves == HMF_LEAVES_CONJUGATE;
+    if (conjugate && all.length_limit == 0) all.length_limit = 10 * std::sqrt(surface_area(f.mesh, hierarchy->levels[level].position));
     Lines made(f, hierarchy->levels[level].position, leaves.unit, all.length_limit, call);
-    if (!made.start()) return call.out_of_memory();
-    if (all.spacing > 0 && made.add_levels(cylinders, all.spacing)) return call.status();
-    if (all.critical && made.add_arcs(cylinders.graph)) return call.status();
-    if (all.point_count > 0) {
-        Array<uint32_t> side;
-        if (!first_sides(leaves.state, side, call.memory)) return call.out_of_memory();
-        for (uint64_t i = 0; i < all.point_count; ++i)
-            if (made.add_point(cylinders, side[all.point_triangles[i]], all.point_barycentrics + 3 * i, static_cast<uint32_t>(i))) return call.status();
-    }
+    Array<uint32_t> side;
+    if (!made.start() || (all.point_count > 0 && !first_sides(leaves.state, side, call.memory))) return call.out_of_memory();
+    if (conjugate ? trace_conjugate(leaves, all, side, made, call) : trace_leaves(leaves, all, side, made, call)) return call.status();
     const size_t n = made.list.size(), m = made.edges.size();
     if ((lines && check_capacity(line_capacity, n, "lines", call)) || (offsets && check_capacity(offset_capacity, n + 1, "offsets", call))
         || ((points || point_edges) && check_capacity(point_capacity, m, "points", call)))

@@ -21,7 +21,7 @@ uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
 
 } // namespace
 
-hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
     Memory& memory = call.memory;
     zeros.start(memory);
     sectors.start(memory);
@@ -35,7 +35,11 @@ hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, cons
     // than any memory.
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
     if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE)) return call.out_of_memory();
-    if (find_zeros(f, vertex_order, face_order, call)) return call.status();
+    return find_zeros(f, vertex_order, face_order, call);
+}
+
+hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+    if (build_sectors(f, vertex_order, face_order, call)) return call.status();
     for (uint32_t s = 0; s < sectors.size(); ++s) {
         if (sectors[s].boundary != NONE) continue;
         const uint32_t h = sectors[s].last;
@@ -52,7 +56,7 @@ hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, cons
             return call.status();
     }
     if (pair_arcs(call)) return call.status();
-    return sort_marks(f, memory) ? HMF_OK : call.out_of_memory();
+    return sort_marks(f, call.memory) ? HMF_OK : call.out_of_memory();
 }
 
 hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {

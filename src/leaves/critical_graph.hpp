@@ -69,6 +69,9 @@ public:
     // of the torus counts as critical, with a boundary leaf on either side.
     hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
 
+    // Zeros and sectors alone, for foliations whose leaves do not close.
+    hmf_status build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+
     // The sector that a leaf passes at a crossing, or NONE.
     uint32_t sector_at(const Foliation& f, const Crossing& c) const;
 

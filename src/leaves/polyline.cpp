@@ -31,6 +31,23 @@ double distance(const double* a, const double* b) {
     return std::sqrt(x * x + y * y + z * z);
 }
 
+double surface_area(const Mesh& mesh, const double* position) {
+    double sum = 0;
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        const double* o = position + size_t{3} * mesh.origin[h];
+        const double* p = position + size_t{3} * mesh.target(h);
+        const double* q = position + size_t{3} * mesh.origin[mesh.prev(h)];
+        double a[3], b[3];
+        for (int k = 0; k < 3; ++k) {
+            a[k] = p[k] - o[k];
+            b[k] = q[k] - o[k];
+        }
+        const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+        sum += std::sqrt(x * x + y * y + z * z) / 6; // each triangle from all three sides
+    }
+    return sum;
+}
+
 namespace {
 
 // Half a unit to the left; a vertex that is there already is not repeated.
@@ -87,6 +104,20 @@ bool Lines::add(const double* point, uint32_t edge) {
 
 bool Lines::end_line(const hmf_line& line) { return list.push(line) && offsets.push(edges.size()); }
 
+void Lines::reverse(size_t first) {
+    for (size_t a = first, z = edges.size(); a + 1 < z; ++a) {
+        --z;
+        for (size_t k = 0; k < 3; ++k) {
+            const double x = points[3 * a + k];
+            points[3 * a + k] = points[3 * z + k];
+            points[3 * z + k] = x;
+        }
+        const uint32_t e = edges[a];
+        edges[a] = edges[z];
+        edges[z] = e;
+    }
+}
+
 hmf_status Lines::add_leaf(const Crossing& start, hmf_line line) {
     const uint64_t crossing_limit = 64 * uint64_t{f_.mesh.edge_count} + (uint64_t{1} << 20);
     const size_t first = edges.size();
@@ -109,26 +140,13 @@ hmf_status Lines::add_leaf(const Crossing& start, hmf_line line) {
                 line.length = length + step;
                 return end_line(line) ? HMF_OK : call_.out_of_memory();
             }
-            if (n > crossing_limit)
-                return call_.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses more than %llu edges. Set length_limit.",
-                                  static_cast<unsigned long long>(crossing_limit));
-            if (length_limit_ > 0 && length + step > length_limit_) break;
+            if (n > crossing_limit || limited(length + step)) break;
             length += step;
             if (!add(point, edge_of(c.half_edge))) return call_.out_of_memory();
             for (int k = 0; k < 3; ++k) before[k] = point[k];
         }
         line.length += length;
-        if (way == 0) // turned round, so that the rest can follow
-            for (size_t a = first, z = edges.size() - 1; a < z; ++a, --z) {
-                for (size_t k = 0; k < 3; ++k) {
-                    const double x = points[3 * a + k];
-                    points[3 * a + k] = points[3 * z + k];
-                    points[3 * z + k] = x;
-                }
-                const uint32_t e = edges[a];
-                edges[a] = edges[z];
-                edges[z] = e;
-            }
+        if (way == 0) reverse(first); // so that the rest can follow
     }
     line.begin = line.end = HMF_END_LIMIT;
     return end_line(line) ? HMF_OK : call_.out_of_memory();
@@ -204,37 +222,41 @@ hmf_status Lines::add_arcs(const CriticalGraph& graph) {
     return HMF_OK;
 }
 
-hmf_status Lines::add_point(Cylinders& cylinders, uint32_t h, const double* barycentric, uint32_t number) {
-    const Mesh& mesh = f_.mesh;
+Crossing Lines::place_of_point(uint32_t h, const double* barycentric) const {
     // Distance from each corner in half units, where the leaf turns round it;
     // the corner into whose part the point falls deepest.
     double best = HUGE_VAL, best_at = 0;
     uint32_t corner = NONE;
-    for (uint32_t s = 0; s < 3; ++s, h = mesh.next[h]) {
-        if (f_.at(h) == 0 || f_.at(mesh.prev(h)) == 0) continue;
+    for (uint32_t s = 0; s < 3; ++s, h = f_.mesh.next[h]) {
+        if (f_.at(h) == 0 || f_.at(f_.mesh.prev(h)) == 0 || branch(f_, h) == 0) continue;
         const double at = barycentric[(s + 1) % 3] * static_cast<double>(width(f_, h))
-                        + barycentric[(s + 2) % 3] * static_cast<double>(width(f_, mesh.prev(h)));
+                        + barycentric[(s + 2) % 3] * static_cast<double>(width(f_, f_.mesh.prev(h)));
         const double beyond = at - static_cast<double>(branch(f_, h));
-        if (branch(f_, h) > 0 && beyond < best) {
+        if (beyond < best) {
             best = beyond;
             best_at = at;
             corner = h;
         }
     }
+    if (corner == NONE) return {};
+    const int64_t most = branch(f_, corner) - 1; // odd
+    const int64_t at = best_at > 1 ? static_cast<int64_t>(best_at) | 1 : 1;
+    return {corner, at > most ? most : at};
+}
+
+hmf_status Lines::add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number) {
     hmf_line line{};
     line.kind = HMF_LINE_POINT;
     line.source = number;
-    if (corner == NONE) {
+    line.cylinder = HMF_NONE;
+    const Crossing c = place_of_point(h, barycentric);
+    if (c.half_edge == NONE) {
         line.begin = line.end = HMF_END_NOWHERE;
-        line.begin_zero = line.end_zero = line.cylinder = HMF_NONE;
+        line.begin_zero = line.end_zero = HMF_NONE;
         return end_line(line) ? HMF_OK : call_.out_of_memory();
     }
-    const int64_t most = branch(f_, corner) - 1; // odd
-    int64_t at = best_at > 1 ? static_cast<int64_t>(best_at) | 1 : 1;
-    if (at > most) at = most;
-    const Crossing c{corner, at};
     int64_t height = 0;
-    if (cylinders.locate(f_, c, line.cylinder, height, call_)) return call_.status();
+    if (cylinders && cylinders->locate(f_, c, line.cylinder, height, call_)) return call_.status();
     line.height = static_cast<double>(height) / 2 * unit_;
     return add_leaf(c, line);
 }

@@ -109,6 +109,7 @@ public:
         out_.quads.start(memory);
         ruler_.start(memory);
         leaf_.start(memory);
+        leads_.start(memory);
         lower_.vertex.start(memory);
         lower_.v.start(memory);
         upper_.vertex.start(memory);
@@ -120,6 +121,7 @@ public:
         for (uint32_t b = 0; b < boundaries; ++b) measure(graph_.boundaries[b]);
         for (size_t a = 0; a < arcs; ++a) length_[a] = arc_to_[a] - arc_from_[a];
         if (quad_sizes(cylinders_, length_, step, columns_, rows_, call_)) return call_.status();
+        if (join_zeros()) return call_.status();
         if (!place_zeros()) return call_.out_of_memory();
         if (graph_.zeros.empty()) {
             const double wanted = std::floor(v_[graph_.boundaries[0].end - 1] / step + 0.5);
@@ -175,8 +177,42 @@ private:
             for (size_t k = 0; k < 3; ++k) p[k] = position_[size_t{3} * z.element + k];
     }
 
+    // Zeros at the ends of an arc without columns get the same vertex.
+    hmf_status join_zeros() {
+        const uint32_t n = static_cast<uint32_t>(graph_.zeros.size());
+        if (!zero_vertex_.allocate(call_.memory, n)) return call_.out_of_memory();
+        for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = z;
+        const auto lead = [&](uint32_t z) {
+            while (zero_vertex_[z] != z) z = zero_vertex_[z];
+            return z;
+        };
+        const auto refuse = [&] {
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
+        };
+        for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
+            if (columns_[a] != 0 || a > graph_.arcs[a].twin) continue;
+            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero), y = lead(graph_.sectors[graph_.arcs[a].to].zero);
+            if (x == y) return refuse(); // a circle would vanish
+            zero_vertex_[x > y ? x : y] = x > y ? y : x;
+        }
+        // No two edges with the same ends.
+        for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
+            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero), y = lead(graph_.sectors[graph_.arcs[a].to].zero);
+            if (columns_[a] > 0 && columns_[a] < 3 && x == y) return refuse();
+            for (uint32_t b = 0; columns_[a] == 1 && b < a; ++b) {
+                if (columns_[b] != 1 || b == graph_.arcs[a].twin) continue;
+                const uint32_t u = lead(graph_.sectors[graph_.arcs[b].from].zero), v = lead(graph_.sectors[graph_.arcs[b].to].zero);
+                if ((u == x && v == y) || (u == y && v == x)) return refuse();
+            }
+        }
+        uint32_t next = 0;
+        for (uint32_t z = 0; z < n; ++z) // a zero joined to another lies behind it
+            zero_vertex_[z] = zero_vertex_[z] == z ? (leads_.push(z), next++) : zero_vertex_[zero_vertex_[z]];
+        return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
+    }
+
     bool place_zeros() {
-        for (uint32_t z = 0; z < graph_.zeros.size(); ++z) {
+        for (uint32_t z : leads_) {
             double p[3];
             zero_point(z, p);
             if (!add_vertex(p)) return false;
@@ -241,7 +277,7 @@ private:
             const int64_t n = columns_[a];
             const bool first = a < graph_.arcs[a].twin;
             for (int64_t i = 0; i < n; ++i) {
-                const uint32_t vertex = i == 0 ? graph_.sectors[graph_.arcs[a].from].zero : arc_vertex_[a] + static_cast<uint32_t>((first ? i : n - i) - 1);
+                const uint32_t vertex = i == 0 ? zero_vertex_[graph_.sectors[graph_.arcs[a].from].zero] : arc_vertex_[a] + static_cast<uint32_t>((first ? i : n - i) - 1);
                 if (!row.vertex.push(vertex) || !row.v.push(arc_from_[a] + length_[a] * static_cast<double>(i) / static_cast<double>(n))) return false;
             }
         }
@@ -281,7 +317,9 @@ private:
         const Cylinder& c = cylinders_.list[cylinder];
         if (!read_row(c.lower, lower_) || !read_row(c.upper, upper_) || !read_path(c)) return call_.out_of_memory();
         const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
-        if (static_cast<int64_t>(upper_.vertex.size()) != n || n < 3)
+        if (n < 3)
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "A cylinder would have less than 3 columns. Choose a smaller edge_length.");
+        if (static_cast<int64_t>(upper_.vertex.size()) != n)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder, "The boundaries of a cylinder have different numbers of columns. Please report it.");
         const double lower_length = v_[graph_.boundaries[c.lower].end - 1], upper_length = v_[graph_.boundaries[c.upper].end - 1];
         const double arrived = arrival(c);
@@ -346,6 +384,8 @@ private:
     Array<double> v_;                   // per crossing of the boundary leaves
     Array<double> arc_from_, arc_to_;   // v of the ends of an arc on its boundary leaf
     Array<double> length_;
+    Array<uint32_t> zero_vertex_;       // per zero
+    Array<uint32_t> leads_;             // zeros that have a vertex of their own
     Array<uint32_t> arc_vertex_;        // first vertex within an arc
     Array<int64_t> columns_, rows_;
     int64_t ring_ = 0;
@@ -363,7 +403,6 @@ hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cyl
 
 hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out, Call& call) {
     const Conjugate conjugate(f, position);
-    const Mesh& mesh = f.mesh;
     out = {};
     Curves middle;
     if (middle_leaves(f, cylinders, nullptr, middle, call)) return call.status();
@@ -372,11 +411,7 @@ hmf_status flat_metric(const Foliation& f, const double* position, const Cylinde
         for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i) v += conjugate.step(middle.crossings[i]);
         out.flat_area += v * static_cast<double>(cylinders.list[c].height);
     }
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        const double* o = position + size_t{3} * mesh.origin[h];
-        // Each triangle from all three sides.
-        out.area += cross_length(between(o, position + size_t{3} * mesh.target(h)), between(o, position + size_t{3} * mesh.origin[mesh.prev(h)])) / 6;
-    }
+    out.area = surface_area(f.mesh, position);
     return HMF_OK;
 }
 

@@ -8,6 +8,10 @@
 // through the states (cylinder, change that it still needs).  The unrounded
 // lengths solve the equations, so there is such a path as long as the arcs on
 // it can give a quad away.
+//
+// The equations can force an arc to have no length: where two zeros coincide in
+// truth, as symmetry asks, a discrete foliation has them a little apart, in some
+// order or other.  Such an arc may get 0 columns, and its zeros become one.
 #include "quad_sizes.hpp"
 
 #include <cmath>
@@ -23,7 +27,9 @@ constexpr double MOST = 1 << 24;
 
 class Balance {
 public:
-    Balance(const Cylinders& cylinders, Array<int64_t>& columns) : cylinders_(cylinders), graph_(cylinders.graph), columns_(columns) {}
+    // shrinks: per arc side, not 0 where an arc may vanish if there is no other way.
+    Balance(const Cylinders& cylinders, const Array<uint8_t>& shrinks, Array<int64_t>& columns)
+        : cylinders_(cylinders), graph_(cylinders.graph), shrinks_(shrinks), columns_(columns) {}
 
     hmf_status run(Call& call) {
         const size_t n = cylinders_.list.size();
@@ -33,13 +39,16 @@ public:
         for (uint32_t a = 0; a < graph_.arcs.size(); ++a) off_[cylinder(a)] += sign(a) * columns_[a];
         for (uint32_t c = 0; c < n; ++c)
             while (off_[c] != 0) {
-                for (uint8_t& h : held_) h = 0;
-                // An arc that would have to give two away is held back in the next search.
                 bool found = false;
-                for (size_t tries = 0; tries <= graph_.arcs.size() && !found; ++tries) {
-                    const uint32_t last = search(c);
-                    if (last == NONE) break;
-                    found = apply(last);
+                for (vanishing_ = false; !found; vanishing_ = true) {
+                    for (uint8_t& h : held_) h = 0;
+                    // An arc that would have to give two away is held back in the next search.
+                    for (size_t tries = 0; tries <= graph_.arcs.size() && !found; ++tries) {
+                        const uint32_t last = search(c);
+                        if (last == NONE) break;
+                        found = apply(last);
+                    }
+                    if (vanishing_) break;
                 }
                 if (!found)
                     return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
@@ -52,6 +61,7 @@ public:
     }
 
 private:
+    int64_t least_now(uint32_t a) const { return vanishing_ && shrinks_[a] ? 0 : least(graph_, a); }
     uint32_t cylinder(uint32_t a) const { return cylinders_.of_boundary[graph_.sectors[graph_.arcs[a].from].boundary]; }
     int64_t sign(uint32_t a) const { return cylinders_.list[cylinder(a)].lower == graph_.sectors[graph_.arcs[a].from].boundary ? 1 : -1; }
 
@@ -73,7 +83,7 @@ private:
             for (const uint32_t boundary : boundaries)
                 for (uint32_t a = graph_.boundaries[boundary].arcs_begin; a < graph_.boundaries[boundary].arcs_end; ++a) {
                     const int64_t change = wanted * sign(a);
-                    if (change < 0 && (held_[a] || columns_[a] <= least(graph_, a))) continue;
+                    if (change < 0 && (held_[a] || columns_[a] <= least_now(a))) continue;
                     const uint32_t other = graph_.arcs[a].twin, d = cylinder(other);
                     const int64_t effect = change * sign(other);
                     if (d == c && effect == -wanted) continue; // nothing changes
@@ -105,7 +115,7 @@ private:
                 columns_[other] = columns_[a];
                 off_[cylinder(a)] += sign(a) * change;
                 off_[cylinder(other)] += sign(other) * change;
-                if (columns_[a] < least(graph_, a)) {
+                if (columns_[a] < least_now(a)) {
                     fits = false;
                     held_[a] = held_[other] = 1;
                 }
@@ -120,12 +130,14 @@ private:
 
     const Cylinders& cylinders_;
     const CriticalGraph& graph_;
+    const Array<uint8_t>& shrinks_;
     Array<int64_t>& columns_;
     Array<int64_t> off_;  // columns of the lower boundary minus those of the upper one
     Array<Step> from_;
     Array<uint32_t> queue_;
     Array<uint8_t> held_;
     uint32_t last_state_ = 0;
+    bool vanishing_ = false;
 };
 
 } // namespace
@@ -146,7 +158,11 @@ hmf_status quad_sizes(const Cylinders& cylinders, const Array<double>& conjugate
         columns[a] = wanted < static_cast<double>(least) ? least : wanted < MOST ? static_cast<int64_t>(wanted) : 0;
     }
     if (!(total < MOST)) return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is too small for the surface. Choose a larger one.");
-    return Balance(cylinders, columns).run(call);
+    Array<uint8_t> shrinks;
+    if (!shrinks.allocate(call.memory, graph.arcs.size())) return call.out_of_memory();
+    for (uint32_t a = 0; a < shrinks.size(); ++a)
+        shrinks[a] = Balance::least(graph, a) == LEAST_COLUMNS && conjugate_length[a] + conjugate_length[graph.arcs[a].twin] < 3 * step;
+    return Balance(cylinders, shrinks, columns).run(call);
 }
 
 } // namespace hmf

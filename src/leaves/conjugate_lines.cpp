@@ -1,0 +1,195 @@
+// Conjugate leaves.  |dv| is a foliation as exact as F, all of whose triangles
+// are flat, and its leaves are followed in the same way; but they need not
+// close.  How far a leaf has come across a cylinder is told by u, which is
+// linear in each triangle and monotone along the leaf.
+#include "conjugate_lines.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+double magnitude(double x) { return x < 0 ? -x : x; }
+
+// Change of a function with flat triangles between two points of a triangle:
+// on h at fraction s, and on the half-edge `next` by which a leaf leaves it at
+// fraction t.  form: magnitude of its changes along the edges.
+double change(const Mesh& mesh, const int64_t* form, uint32_t h, double s, uint32_t next, double t) {
+    const uint32_t k = twin(h);
+    const bool left = next == mesh.prev(k);
+    const uint32_t opposite = edge_of(left ? mesh.next[k] : mesh.prev(k));
+    if (left) {
+        s = 1 - s;
+        t = 1 - t;
+    }
+    const int64_t a = form[edge_of(h)], b = form[edge_of(next)];
+    const double x = s * static_cast<double>(a), y = t * static_cast<double>(b);
+    return form[opposite] == a + b ? x + y : magnitude(x - y);
+}
+
+double fraction(const Foliation& g, const Crossing& c) { return static_cast<double>(c.at) / static_cast<double>(width(g, c.half_edge)); }
+
+// The function at the corners of the triangle of which h is side 0, up to sign.
+void corners(const Mesh& mesh, const int64_t* form, uint32_t h, double* u) {
+    const int64_t a = form[edge_of(h)], b = form[edge_of(mesh.next[h])], c = form[edge_of(mesh.prev(h))];
+    u[0] = 0;
+    u[1] = static_cast<double>(a);
+    u[2] = b == a + c ? -static_cast<double>(c) : static_cast<double>(c);
+}
+
+class Tracer {
+public:
+    Tracer(Lines& lines, const Foliation& g, const int64_t* du, const double* position, Call& call)
+        : lines_(lines), g_(g), du_(du), position_(position), crossing_limit_(64 * uint64_t{g.mesh.edge_count} + (uint64_t{1} << 20)), call_(call) {}
+
+    // The points behind c, until u has changed by `room`, a zero is met or the
+    // line is too long; length counts on.
+    hmf_status trace(Crossing c, double room, const CriticalGraph* graph, double& length, int32_t& end) {
+        double before[3], point[3];
+        point_at(g_, position_, c, before);
+        end = HMF_END_LIMIT;
+        double here = 0;
+        uint32_t inside = graph ? graph->sector_at(g_, c) : NONE;
+        for (uint64_t n = 0; n < crossing_limit_; ++n) {
+            const Crossing next = follow(g_, c);
+            point_at(g_, position_, next, point);
+            const double grown = du_ ? change(g_.mesh, du_, c.half_edge, fraction(g_, c), next.half_edge, fraction(g_, next)) : 0;
+            const bool arrives = du_ && here + grown >= room;
+            if (arrives)
+                for (int k = 0; k < 3; ++k) point[k] = before[k] + (point[k] - before[k]) * (grown > 0 ? (room - here) / grown : 1);
+            const double step = distance(before, point);
+            if (lines_.limited(length + step)) return HMF_OK;
+            length += step;
+            const uint32_t sector = graph ? graph->sector_at(g_, next) : NONE;
+            const bool zero = sector != NONE && sector != inside;
+            if (!lines_.add(point, arrives ? NONE : edge_of(next.half_edge))) return call_.out_of_memory();
+            if (arrives || zero) {
+                end = zero ? HMF_END_ZERO : HMF_END_CRITICAL;
+                return HMF_OK;
+            }
+            inside = sector;
+            here += grown;
+            c = next;
+            for (int k = 0; k < 3; ++k) before[k] = point[k];
+        }
+        return HMF_OK;
+    }
+
+private:
+    Lines& lines_;
+    const Foliation& g_;
+    const int64_t* du_;
+    const double* position_;
+    uint64_t crossing_limit_;
+    Call& call_;
+};
+
+} // namespace
+
+hmf_status read_levels(const Foliation& f, const Cylinders& cylinders, ConjugateLevels& out, Call& call) {
+    Curves middle;
+    if (middle_leaves(f, cylinders, nullptr, middle, call)) return call.status();
+    const size_t n = cylinders.list.size();
+    if (!out.offsets.allocate(call.memory, n + 1) || !out.height.allocate(call.memory, n) || !out.middle.allocate(call.memory, middle.crossings.size()))
+        return call.out_of_memory();
+    for (size_t c = 0; c <= n; ++c) out.offsets[c] = middle.offsets[c];
+    for (size_t c = 0; c < n; ++c) out.height[c] = static_cast<double>(cylinders.list[c].height);
+    for (size_t i = 0; i < out.middle.size(); ++i) out.middle[i] = {middle.crossings[i].half_edge, fraction(f, middle.crossings[i])};
+    return HMF_OK;
+}
+
+hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du, const ConjugateLevels& levels, double spacing, double unit,
+                                const double* position, Call& call) {
+    const Mesh& mesh = g.mesh;
+    Tracer tracer(lines, g, du, position, call);
+    for (uint32_t c = 0; c < levels.height.size(); ++c) {
+        const uint64_t begin = levels.offsets[c], end = levels.offsets[c + 1];
+        const auto next_of = [&](uint64_t i) -> const OnEdge& { return levels.middle[i + 1 < end ? i + 1 : begin]; };
+        double whole = 0;
+        for (uint64_t i = begin; i < end; ++i) {
+            const OnEdge &a = levels.middle[i], &b = next_of(i);
+            whole += change(mesh, g.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
+        }
+        const double wanted = std::floor(whole * unit / spacing + 0.5);
+        if (wanted > 1 << 20) return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
+        const uint32_t n = wanted < 1 ? 1 : static_cast<uint32_t>(wanted);
+        uint64_t at = begin;
+        double passed = 0;
+        for (uint32_t k = 0; k < n; ++k) {
+            const double target = (k + 0.5) / n * whole;
+            double part = 0;
+            for (; at < end; ++at) {
+                const OnEdge &a = levels.middle[at], &b = next_of(at);
+                part = change(mesh, g.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
+                if (passed + part >= target) break;
+                passed += part;
+            }
+            if (at == end) break;
+            // The point between both crossings, in the triangle behind the first one.
+            const OnEdge &a = levels.middle[at], &b = next_of(at);
+            const uint32_t side = twin(a.half_edge);
+            const double s = part > 0 ? (target - passed) / part : 0;
+            double w[3] = {(1 - s) * a.fraction, (1 - s) * (1 - a.fraction), 0};
+            if (b.half_edge == mesh.next[side]) {
+                w[1] += s * (1 - b.fraction);
+                w[2] += s * b.fraction;
+            } else {
+                w[2] += s * (1 - b.fraction);
+                w[0] += s * b.fraction;
+            }
+            hmf_line line{};
+            line.kind = HMF_LINE_LEVEL;
+            line.cylinder = c;
+            line.source = k;
+            line.begin_zero = line.end_zero = HMF_NONE;
+            const Crossing start = lines.place_of_point(side, w);
+            if (start.half_edge == NONE) continue;
+            // u from the point to where its leaf leaves the triangle.
+            double u[3], there = 0, here = 0;
+            corners(mesh, du, side, u);
+            const double f = fraction(g, start);
+            const uint32_t from = start.half_edge == side ? 0u : start.half_edge == mesh.next[side] ? 1u : 2u;
+            there = (1 - f) * u[from] + f * u[(from + 1) % 3];
+            for (int i = 0; i < 3; ++i) here += w[i] * u[i];
+            const double ahead = magnitude(there - here), half = levels.height[c] / 2;
+            const size_t first = lines.edges.size();
+            double point[3];
+            if (tracer.trace(reversed(g, start), half + ahead, nullptr, line.length, line.begin)) return call.status();
+            lines.reverse(first);
+            double other = 0;
+            if (ahead < half) {
+                point_at(g, position, start, point);
+                if (!lines.add(point, edge_of(start.half_edge))) return call.out_of_memory();
+                if (tracer.trace(start, half - ahead, nullptr, other, line.end)) return call.status();
+            } else line.end = HMF_END_CRITICAL;
+            line.length += other;
+            if (!lines.end_line(line)) return call.out_of_memory();
+        }
+    }
+    return HMF_OK;
+}
+
+hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* position, Call& call) {
+    CriticalGraph graph;
+    if (graph.build_sectors(g, nullptr, nullptr, call)) return call.status();
+    Tracer tracer(lines, g, nullptr, position, call);
+    uint32_t number = 0;
+    for (const Sector& s : graph.sectors) {
+        const bool prong = g.at(g.mesh.rotate_ccw(s.last)) > 0 && g.corner2(s.last) == 0;
+        if (!prong || graph.zeros[s.zero].index >= 0) continue;
+        hmf_line line{};
+        line.kind = HMF_LINE_CRITICAL;
+        line.cylinder = line.begin_zero = line.end_zero = HMF_NONE;
+        line.source = number++;
+        line.begin = HMF_END_ZERO;
+        double point[3];
+        // Half a unit beside the vertex and its prong.
+        const Crossing start{twin(s.last), width(g, s.last) - 1};
+        point_at(g, position, start, point);
+        if (!lines.add(point, edge_of(s.last)) || tracer.trace(start, 0, &graph, line.length, line.end) || !lines.end_line(line)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+} // namespace hmf
