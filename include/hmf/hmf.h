@@ -607,15 +607,15 @@ HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level
 
 typedef struct hmf_trace_options {
     uint32_t struct_size;
-    int32_t leaves;              /* HMF_LEAVES_* */
     int32_t critical;            /* not 0: all leaves out of zeros */
-    uint32_t reserved;           /* 0 */
     double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
     double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the positions; 0: none,
                                     for conjugate leaves ten times the root of the area of the surface */
     uint64_t point_count;        /* leaves through points; 0 = none */
     const uint32_t *point_triangles;      /* point_count */
     const double *point_barycentrics;     /* point_count x 3, for the corners of the triangle; not negative, sum 1 */
+    int32_t leaves;              /* HMF_LEAVES_* */
+    uint32_t reserved;           /* 0 */
 } hmf_trace_options;
 
 typedef struct hmf_line {
