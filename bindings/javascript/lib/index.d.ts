@@ -193,7 +193,11 @@ export interface QuadOptions {
     edgeLength?: number;
 }
 
-/** The first vertices are the zeros, in the order of `singularities()`; a zero of order m has 2 m + 4 edges, every other vertex has 4. */
+/**
+ * The first vertices are the zeros, in the order of `singularities()`; a zero of
+ * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
+ * discretisation keeps apart can become one, with the sum of their orders.
+ */
 export interface QuadMesh {
     /** Three coordinates for each vertex. */
     positions: Float64Array;
@@ -259,11 +263,17 @@ export interface Parameterization {
 }
 
 export interface TraceOptions {
-    /** All leaves between zeros. */
+    /** "foliation" (default): u is constant; "conjugate": v is constant, for harmonic foliations only. */
+    leaves?: "default" | "foliation" | "conjugate";
+    /** All leaves out of zeros. */
     critical?: boolean;
     /** Level sets, about so far apart, in the unit of the values. */
     spacing?: number;
-    /** Where a leaf stops, in each direction from where it starts, in the unit of the positions; default 0, no limit. */
+    /**
+     * Where a leaf stops, in each direction from where it starts, in the unit of
+     * the positions; default 0: no limit, and for conjugate leaves ten times the
+     * root of the area of the surface.
+     */
     lengthLimit?: number;
     /** Leaves through points: a triangle each, and three barycentric coordinates that add up to 1. */
     through?: { triangles: ArrayLike<number>; barycentrics: ArrayLike<number> };
@@ -275,9 +285,9 @@ export interface Line {
     kind: "level" | "critical" | "point";
     /** The last point joins the first, which is not repeated. */
     closed: boolean;
-    /** How it begins and ends: "nowhere" if the given point lies where the foliation is 0. */
-    begin: "closed" | "zero" | "limit" | "nowhere";
-    end: "closed" | "zero" | "limit" | "nowhere";
+    /** How it begins and ends: "critical" on a critical leaf, where the cylinder of a conjugate line ends; "nowhere" if the given point lies where the foliation is 0. */
+    begin: "closed" | "zero" | "limit" | "nowhere" | "critical";
+    end: "closed" | "zero" | "limit" | "nowhere" | "critical";
     /** Which zero, in the list of `singularities()`. */
     beginZero: number | null;
     endZero: number | null;

@@ -1,16 +1,18 @@
 // Options and result of hmf_trace.
 import { constants } from '../dist/layout.js';
 import { namesOf } from './error.js';
-import { indices, numbers, optionsOf, realNumber } from './arguments.js';
+import { choice, indices, numbers, optionsOf, realNumber } from './arguments.js';
 
-export const TRACE_OPTIONS = ['critical', 'spacing', 'lengthLimit', 'through'];
+export const TRACE_OPTIONS = ['leaves', 'critical', 'spacing', 'lengthLimit', 'through'];
 
 const kinds = namesOf('HMF_LINE_').byValue;
+const families = namesOf('HMF_LEAVES_');
 const ends = namesOf('HMF_END_').byValue;
 const orNull = index => (index === constants.HMF_NONE ? null : index);
 
 function writeOptions(frame, options) {
     const fields = {};
+    if (options.leaves !== undefined) fields.leaves = choice(options.leaves, 'leaves', families);
     if (options.critical !== undefined) fields.critical = options.critical ? 1 : 0;
     if (options.spacing !== undefined) fields.spacing = realNumber(options.spacing, 'spacing');
     if (options.lengthLimit !== undefined) fields.length_limit = realNumber(options.lengthLimit, 'lengthLimit');

@@ -93,6 +93,21 @@ test('genus 3: leaves between zeros, leaves through points, a limit', () => {
     hierarchy.dispose();
 });
 
+test('conjugate leaves cross each cylinder from side to side', () => {
+    const { positions, triangles } = pretzel(3, 3);
+    const hierarchy = new hmf.Hierarchy(positions, triangles), foliation = hierarchy.solve(), cylinders = foliation.cylinders();
+    const spacing = 0.05, lines = foliation.trace({ leaves: 'conjugate', spacing });
+    cylinders.forEach(({ circumference }, c) => {
+        const across = lines.filter(line => line.cylinder === c);
+        assert.equal(across.length, Math.max(1, Math.round(circumference / spacing)));
+        for (const line of across) assert.deepEqual([line.kind, line.closed, line.begin, line.end], ['level', false, 'critical', 'critical']);
+    });
+    assert.equal(lines.length, cylinders.reduce((sum, { circumference }) => sum + Math.max(1, Math.round(circumference / spacing)), 0));
+    assert.deepEqual(foliation.trace({ spacing, leaves: 'foliation' }), foliation.trace({ spacing }));
+    assert.throws(() => foliation.trace({ leaves: 'both' }), /leaves is string both; give one of/);
+    hierarchy.dispose();
+});
+
 test('one cylinder for each loop, as high as its weight', () => {
     const { positions, triangles } = pretzel(3, 3), weights = [1, 2, 0.5];
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 200 }), loops = { ...hierarchy.loops(), weights };
