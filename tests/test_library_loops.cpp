@@ -381,6 +381,24 @@ TEST(DrawnLoops, FingersDoNotMatter) {
     EXPECT_GT(tried, 6u);
 }
 
+TEST(DrawnLoops, CrossingIsNamed) {
+    // Vertex i * 16 + j: round the tube at i = 2, and round the hole at j = 5.
+    const Hierarchy hierarchy(torus(40, 16, 3, 1));
+    Loops loops;
+    loops.kind = HMF_LOOP_VERTICES;
+    std::vector<uint32_t> tube, hole;
+    for (uint32_t j = 0; j < 16; ++j) tube.push_back(2 * 16 + j);
+    for (uint32_t i = 0; i < 40; ++i) hole.push_back(i * 16 + 5);
+    loops.add(tube);
+    loops.add(hole);
+    std::vector<double> values(hierarchy.edges(0));
+    hmf_error error{};
+    const hmf_loop_set set = loops.view();
+    EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_CROSSING);
+    EXPECT_EQ(error.index, 1u);
+    EXPECT_NE(std::string(error.message).find("Loop 1 crosses loop 0, which it meets at vertex 37."), std::string::npos) << error.message;
+}
+
 class RealHandles : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealHandles, LinkingIntegrals) {

@@ -363,11 +363,31 @@ TEST_F(OnTorus, NotSimple) {
     const auto m = meridian(0);
     for (uint32_t i = 0; i < M; ++i) commutator.push_back(m[(M - i) % M]);
     for (uint32_t x = 0; x < N; ++x) commutator.push_back(at(N - x, 0));
+    // It only touches itself: pushed apart it is the boundary of what is left of the torus.
     Read r(mesh, HMF_LOOP_VERTICES, {commutator});
-    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_NOT_SIMPLE) << r.context.error.message;
+    EXPECT_EQ(r.status(), HMF_ERROR_LOOP_TRIVIAL) << r.context.error.message;
     EXPECT_EQ(r.context.error.index, 0u);
     // Once each way at a common vertex is simple: pushed off it does not meet itself.
     EXPECT_EQ(vertices({eight}).status(), HMF_OK);
+}
+
+TEST_F(OnTorus, TouchingLoopsArePushedApart) {
+    // Beside the meridian at 2, with a vertex or an edge in common, on either side.
+    const std::vector<uint32_t> right = {at(3, 0), at(3, 1), at(3, 2), at(3, 3), at(2, 3), at(2, 4), at(3, 5), at(3, 6), at(3, 7), at(3, 8)};
+    const std::vector<uint32_t> left = {at(1, 0), at(1, 1), at(1, 2), at(1, 3), at(2, 4), at(1, 4), at(1, 5), at(1, 6), at(1, 7), at(1, 8)};
+    for (std::vector<uint32_t> other : {right, left})
+        for (int way = 0; way < 4; ++way) {
+            std::vector<uint32_t> straight = meridian(2);
+            if (way & 1) std::reverse(straight.begin(), straight.end());
+            if (way & 2) std::reverse(other.begin(), other.end());
+            for (size_t turn = 0; turn < other.size(); ++turn) {
+                std::rotate(other.begin(), other.begin() + 1, other.end());
+                EXPECT_EQ(vertices({straight, other}).status(), HMF_ERROR_LOOP_PARALLEL);
+            }
+        }
+    // On both sides of it: they cross.
+    const std::vector<uint32_t> through = {at(1, 3), at(2, 4), at(3, 5), at(4, 6), at(4, 5), at(5, 5), at(6, 5), at(7, 5), at(8, 5), at(9, 5), at(10, 5), at(11, 5), at(0, 5), at(0, 4), at(0, 3)};
+    EXPECT_EQ(vertices({meridian(2), through}).status(), HMF_ERROR_LOOP_CROSSING);
 }
 
 TEST_F(OnTorus, Crossing) {
@@ -380,6 +400,7 @@ TEST_F(OnTorus, CrossingNamesTheLater) {
     Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), meridian(5), meridian(8), longitude(5), meridian(10)});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_CROSSING);
     EXPECT_EQ(r.context.error.index, 3u);
+    EXPECT_NE(std::strstr(r.context.error.message, "Loop 3 crosses loop 0"), nullptr) << r.context.error.message;
 }
 
 TEST_F(OnTorus, Trivial) {

@@ -343,7 +343,10 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  *
  * Checks that every loop is closed, simple and essential, that they are
  * disjoint and pairwise not freely homotopic (class 400; error->index is the
- * loop).
+ * loop).  Loops may touch themselves and each other, in elements and along
+ * stretches, as long as they can be pushed apart there; they may go back and
+ * forth.  They are pulled tight first: no edge is crossed twice by what can be
+ * pulled off it, so that there are no poles.
  */
 HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                                   double *values, size_t capacity, hmf_error *error);

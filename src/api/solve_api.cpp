@@ -17,6 +17,7 @@ size_t loop_level(const hmf_loop_set* set, size_t own) { return set ? static_cas
 hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t level, Call& call, Loops& loops,
                       Array<int64_t>& weights, double& unit) {
     const double* given_weights = nullptr;
+    GivenLoops given{};
     if (!set) {
         if (library_loops(h, level, HMF_LOOPS_CUT, call, loops)) return call.status();
     } else {
@@ -45,6 +46,7 @@ hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t le
         }
         if (read_loops(mesh, all.element_kind, all.count, all.offsets, used, call, loops)) return call.status();
         given_weights = all.weights;
+        given = {all.element_kind, all.offsets, all.elements};
     }
     const size_t count = loops.count();
     double largest = given_weights ? 0 : 1;
@@ -62,7 +64,7 @@ hmf_status take_loops(const hmf_hierarchy& h, const hmf_loop_set* set, size_t le
     if (!weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) weights[c] = static_cast<int64_t>((given_weights ? given_weights[c] : 1.0) / unit);
     if (!set) return HMF_OK;
-    const hmf_status status = check_loops(loop_mesh(h, level), loops, call);
+    const hmf_status status = check_loops(loop_mesh(h, level), loops, call, &given);
     return status ? status : pull_tight(loop_mesh(h, level), call, loops);
 }
 

@@ -13,6 +13,7 @@
 #include "../base/disjoint_sets.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
+#include "heap_sort.hpp"
 
 namespace hmf {
 
@@ -24,16 +25,46 @@ hmf_status cancelled(Call& call) {
     return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
 }
 
+// An element of loop d that loop c has as well (c = d: one that it has twice);
+// NONE if there is none, or no memory to find it.
+uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& memory) {
+    if (!given) return NONE;
+    Array<uint32_t> sorted;
+    const uint64_t first = given->offsets[c], n = given->offsets[c + 1] - first;
+    if (!sorted.allocate(memory, n)) return NONE;
+    for (uint64_t i = 0; i < n; ++i) sorted[i] = given->elements[first + i];
+    heap_sort(sorted.data(), sorted.size(), [](uint32_t a, uint32_t b) { return a < b; });
+    if (c == d) {
+        for (uint64_t i = 1; i < n; ++i)
+            if (sorted[i] == sorted[i - 1]) return sorted[i];
+        return NONE;
+    }
+    for (uint64_t i = given->offsets[d]; i < given->offsets[d + 1]; ++i) {
+        uint64_t low = 0, high = n;
+        while (low < high) {
+            const uint64_t middle = (low + high) / 2;
+            if (sorted[middle] < given->elements[i]) low = middle + 1;
+            else high = middle;
+        }
+        if (low < n && sorted[low] == given->elements[i]) return given->elements[i];
+    }
+    return NONE;
+}
+
 // Names the first loop that meets itself or, if there is none, the first one
 // that crosses an earlier one.
-hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, Call& call) {
+hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const GivenLoops* given, Call& call) {
+    const char* const word = given && given->element_kind == HMF_LOOP_TRIANGLES ? "triangle" : "vertex";
     for (size_t c = 0; c < loops.count(); ++c) {
         if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
         const Answer answer = disjoint(mesh, loops, c, c + 1, curves, nullptr, call.memory);
         if (answer == Answer::out_of_memory) return call.out_of_memory();
-        if (answer == Answer::no)
-            return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c, "Loop %llu meets itself. Give a loop that passes everywhere at most once.",
-                             static_cast<Long>(c));
+        if (answer == Answer::yes) continue;
+        const uint32_t at = common_element(given, c, c, call.memory);
+        if (at == NONE)
+            return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c, "Loop %llu crosses itself. Give a loop that does not.", static_cast<Long>(c));
+        return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c, "Loop %llu crosses itself; it passes %s %llu twice. Give a loop that does not.",
+                         static_cast<Long>(c), word, static_cast<Long>(at));
     }
     // Loops 0 .. good - 1 are disjoint, loops 0 .. bad - 1 are not.
     size_t good = 1, bad = loops.count();
@@ -45,7 +76,33 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         if (answer == Answer::yes) good = middle;
         else bad = middle;
     }
-    return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, bad - 1, "Loop %llu crosses an earlier loop. Loops must be disjoint.", static_cast<Long>(bad - 1));
+    // Which of them?
+    const size_t d = bad - 1;
+    Loops two;
+    two.offsets.start(call.memory);
+    two.crossings.start(call.memory);
+    for (size_t c = 0; c < d; ++c) {
+        if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
+        two.offsets.clear();
+        two.crossings.clear();
+        if (!two.offsets.push(0)) return call.out_of_memory();
+        const size_t pair[2] = {c, d};
+        for (const size_t k : pair) {
+            for (uint64_t i = loops.offsets[k]; i < loops.offsets[k + 1]; ++i)
+                if (!two.crossings.push(loops.crossings[i])) return call.out_of_memory();
+            if (!two.offsets.push(two.crossings.size())) return call.out_of_memory();
+        }
+        const Answer answer = disjoint(mesh, two, 0, 2, curves, nullptr, call.memory);
+        if (answer == Answer::out_of_memory) return call.out_of_memory();
+        if (answer == Answer::yes) continue;
+        const uint32_t at = common_element(given, c, d, call.memory);
+        if (at == NONE)
+            return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses loop %llu. Loops must be disjoint; they may touch.",
+                             static_cast<Long>(d), static_cast<Long>(c));
+        return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses loop %llu, which it meets at %s %llu. Loops must be disjoint; they may touch.",
+                         static_cast<Long>(d), static_cast<Long>(c), word, static_cast<Long>(at));
+    }
+    return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses an earlier loop. Loops must be disjoint; they may touch.", static_cast<Long>(d));
 }
 
 // Disks and annuli among the pieces that the curves leave.
@@ -91,7 +148,7 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
 
 } // namespace
 
-hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call) {
+hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given) {
     const size_t count = loops.count();
     if (count == 0) return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
     for (size_t c = 0; c < count; ++c)
@@ -105,7 +162,7 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call) {
     if (!call.tick(0, true)) return cancelled(call);
     const Answer answer = disjoint(mesh, loops, 0, count, curves, &loop_of, call.memory);
     if (answer == Answer::out_of_memory) return call.out_of_memory();
-    if (answer == Answer::no) return name_crossing(mesh, loops, curves, call);
+    if (answer == Answer::no) return name_crossing(mesh, loops, curves, given, call);
     if (!call.tick(0, true)) return cancelled(call);
     return check_pieces(mesh, curves, loop_of, call);
 }

@@ -50,9 +50,17 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
 // sequence[begin], .., sequence[end - 1].
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);
 
+// As the caller gave them, for messages.
+struct GivenLoops {
+    int32_t element_kind;
+    const uint64_t* offsets;
+    const uint32_t* elements;
+};
+
 // Simple, disjoint, essential, pairwise not freely homotopic; each defect
-// with its status and the number of the loop.
-hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call);
+// with its status and the number of the loop, a crossing with an element where
+// the loops meet, if they are given.
+hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given = nullptr);
 
 // value[e] = sum over loops of weight * number of crossings of e.
 void initial_foliation(const Mesh& mesh, const Loops& loops, const int64_t* weights, int64_t* value);

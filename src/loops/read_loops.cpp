@@ -1,12 +1,22 @@
 // Loops of the caller -> cyclic sequences of crossed half-edges ([W] 3.3).
 //
 // A triangle loop crosses the edges that its triangles share.  A closed
-// vertex path is first pulled straight and then pushed off to its left, so
-// that it crosses the edges that leave on that side:
+// vertex path is first pulled straight:
 //
-//        \  |  /              b
-//     - - - - - - ->         / \        a-b-c with a triangle a, b, c
-//     ----*-----*-->        a---c       becomes a-c, and a-b-a becomes a
+//        b
+//       / \        a-b-c with a triangle a, b, c
+//      a---c       becomes a-c, and a-b-a becomes a
+//
+// Then it is pushed off the vertices: along an edge to the left of half-edge
+// 2e, and round a vertex on the side where the fan from its first half-edge
+// does not begin.  That side does not depend on the path:
+//
+//        \ b /                 the way from a to b crosses the edges between
+//      ---*-----  first        them, and a or b where it changes the side
+//        a| \ (fan begins here)
+//
+// so paths that touch at vertices or share edges without crossing are pushed
+// apart, and those that cross still do.
 //
 // At last an edge that is crossed back and forth at once is not crossed.
 #include "loops.hpp"
@@ -88,6 +98,31 @@ uint32_t shared_side(const Mesh& mesh, uint32_t side, uint32_t g, uint32_t came_
     return back;
 }
 
+// From edge a, where a path comes in, to edge b, where it goes on; both as
+// half-edges out of the vertex.  False: out of memory.
+bool push_off(const Mesh& mesh, uint32_t a, uint32_t b, Array<uint32_t>& strip) {
+    // Which of the two comes first in the fan?
+    uint32_t low = a, high = b;
+    for (uint32_t h = mesh.out[mesh.origin[a]];; h = mesh.rotate_ccw(h)) {
+        if (h == a) break;
+        if (h == b) { low = b; high = a; break; }
+    }
+    const auto crossed = [&](uint32_t h) { return h == low ? (h & 1u) != 0 : h != high || (h & 1u) == 0; };
+    const size_t begin = strip.size();
+    for (uint32_t h = low;; h = mesh.rotate_ccw(h)) {
+        if (crossed(h) && !strip.push(low == a ? twin(h) : h)) return false;
+        if (h == high) break;
+    }
+    if (low == a) return true;
+    for (size_t i = begin, j = strip.size(); i + 1 < j; ++i) { // clockwise
+        --j;
+        const uint32_t h = strip[i];
+        strip[i] = strip[j];
+        strip[j] = h;
+    }
+    return true;
+}
+
 // The half-edge of smallest number from vertex i to vertex j.
 uint32_t shared_edge(const Mesh& mesh, uint32_t i, uint32_t j) {
     uint32_t found = NONE, h = mesh.out[i];
@@ -143,13 +178,8 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
             size_t from = 0, to = 0;
             pull_straight(mesh, path, from, to);
             strip.clear();
-            for (size_t i = from; i < to; ++i) {
-                // Through the fan on the left of the path, from the edge that
-                // comes in to the edge that goes out.
-                const uint32_t in = path[i], go = path[i + 1 < to ? i + 1 : from];
-                for (uint32_t g = mesh.rotate_cw(twin(in)); g != go; g = mesh.rotate_cw(g))
-                    if (!strip.push(g)) return call.out_of_memory();
-            }
+            for (size_t i = from; i < to; ++i)
+                if (!push_off(mesh, twin(path[i]), path[i + 1 < to ? i + 1 : from], strip)) return call.out_of_memory();
             path.swap(strip);
         }
         size_t from = 0, to = 0;
