@@ -70,6 +70,7 @@ def test_each_error_has_a_class() -> None:
         ("HMF_METHOD_", hmf.foliation.Method),
         ("HMF_COLLAPSE_", hmf.hierarchy.Collapse),
         ("HMF_LOOPS_", hmf.hierarchy.LoopsKind),
+        ("HMF_LEAVES_", hmf.leaves.LeavesKind),
         ("HMF_LOOP_", hmf.loops.LoopKind),
     ],
 )

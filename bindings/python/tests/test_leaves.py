@@ -58,6 +58,17 @@ def test_leaves_through_points(foliation: hmf.Foliation) -> None:
         assert leaf.length > 0
 
 
+def test_conjugate_leaves_cross_the_cylinders(foliation: hmf.Foliation) -> None:
+    spacing = 0.05
+    leaves = foliation.trace(leaves="conjugate", spacing=spacing)
+    for number, cylinder in enumerate(foliation.cylinders()):
+        own = [leaf for leaf in leaves if leaf.cylinder == number]
+        assert abs(len(own) - cylinder.circumference / spacing) <= 1
+        assert all(leaf.begin == leaf.end == "critical" and not leaf.closed for leaf in own)
+    with pytest.raises(ValueError, match="conjugate, default, foliation"):
+        foliation.trace(leaves="both")  # type: ignore[arg-type]
+
+
 def test_sequence(foliation: hmf.Foliation) -> None:
     leaves = foliation.trace(spacing=0.2)
     assert len(list(leaves)) == len(leaves) and len(leaves[1:]) == len(leaves) - 1

@@ -27,7 +27,7 @@ from ._boundary import (
 from ._native import ffi, lib
 from .cylinders import Cylinders, cylinders
 from .errors import Cancelled, LimitWarning, Status
-from .leaves import Leaves, trace
+from .leaves import Leaves, LeavesKind, trace
 from .loops import Loops
 from .parameterization import Parameterization, parameterize
 from .quads import QuadMesh, make_quads
@@ -319,6 +319,7 @@ class Foliation:
     def trace(
         self,
         *,
+        leaves: LeavesKind = "foliation",
         spacing: float | None = None,
         critical: bool = False,
         length_limit: float | None = None,
@@ -327,16 +328,22 @@ class Foliation:
     ) -> Leaves:
         """Leaves as polylines; without any argument the critical ones, which join zeros.
 
-        No two leaves cross, and each closes exactly.  The values need not be harmonic.
+        No two leaves of the foliation cross, and each closes exactly; its
+        values need not be harmonic.  Conjugate leaves do not close in general,
+        and need harmonic values; their level sets go across each cylinder.
 
         Parameters
         ----------
+        leaves : "foliation" or "conjugate"
+            Those along which u is constant, or v; see :meth:`parameterize`.
         spacing : float, optional
             Leaves about so far apart, in the unit of the values, all over the surface.
         critical : bool
-            All leaves between zeros.
+            All leaves out of zeros.
         length_limit : float, optional
-            Where a leaf stops, in each direction, in the unit of the positions; default nowhere.
+            Where a leaf stops, in each direction, in the unit of the
+            positions; default nowhere, for conjugate leaves after ten times
+            the root of the area of the surface.
         point_triangles, point_barycentrics : (n,) ints and (n, 3) floats, optional
             The leaves through these points, given by triangle and barycentric
             coordinates: not negative, of sum 1.
@@ -348,7 +355,7 @@ class Foliation:
         OptionsError
             A number is out of range.
         """
-        return trace(self, spacing, critical, length_limit, point_triangles, point_barycentrics)
+        return trace(self, leaves, spacing, critical, length_limit, point_triangles, point_barycentrics)
 
     def cylinders(self, loops: Loops | Sequence[ArrayLike] | None = None, weights: ArrayLike | None = None) -> Cylinders:
         """The cylinders into which the critical leaves cut the surface: one for each loop, filled with closed leaves.
@@ -370,7 +377,8 @@ class Foliation:
     def quads(self, *, edge_length: float | None = None) -> QuadMesh:
         """A closed quad mesh along the leaves: a grid on each cylinder, glued along the critical leaves.
 
-        A zero of order m has 2 m + 4 edges, every other vertex has 4.
+        A zero of order m has 2 m + 4 edges, every other vertex has 4.  Zeros
+        that only discretisation keeps apart can become one.
 
         Parameters
         ----------

@@ -9,14 +9,26 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, Indices, as_indices, as_positions, call, frozen, optional_index, pointer, structure_dtype
+from ._boundary import (
+    Floats,
+    Indices,
+    as_indices,
+    as_positions,
+    call,
+    constant,
+    frozen,
+    optional_index,
+    pointer,
+    structure_dtype,
+)
 from ._native import ffi, lib
 
 if TYPE_CHECKING:
     from .foliation import Foliation
 
 LineKind = Literal["level", "critical", "point"]
-End = Literal["closed", "zero", "limit", "nowhere"]
+End = Literal["closed", "zero", "limit", "nowhere", "critical"]
+LeavesKind = Literal["foliation", "conjugate"]
 
 _LINE = structure_dtype("hmf_line")
 _KINDS: dict[int, LineKind] = {
@@ -29,6 +41,7 @@ _ENDS: dict[int, End] = {
     lib.HMF_END_ZERO: "zero",
     lib.HMF_END_LIMIT: "limit",
     lib.HMF_END_NOWHERE: "nowhere",
+    lib.HMF_END_CRITICAL: "critical",
 }
 
 
@@ -38,7 +51,7 @@ class Leaf:
 
     kind: LineKind  #: a level set of its cylinder, a leaf between zeros, or the leaf through a given point
     closed: bool  #: the last point joins the first, which is not repeated
-    begin: End  #: what is at its begin
+    begin: End  #: what is at its begin; "critical" (of conjugate leaves): a critical leaf, where the cylinder ends
     end: End
     begin_zero: int | None  #: which zero, in Foliation.singularities
     end_zero: int | None
@@ -108,6 +121,7 @@ class Leaves(Sequence[Leaf]):
 
 def trace(
     foliation: Foliation,
+    leaves: LeavesKind,
     spacing: float | None,
     critical: bool,
     length_limit: float | None,
@@ -117,6 +131,7 @@ def trace(
     """hmf_trace; the documentation is that of Foliation.trace."""
     options = ffi.new("hmf_trace_options *")
     lib.hmf_trace_options_init(options)
+    options.leaves = constant("LEAVES", leaves, "leaves")
     options.critical = bool(critical)
     if spacing is not None:
         options.spacing = spacing
