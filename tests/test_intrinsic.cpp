@@ -246,9 +246,9 @@ TEST(Mollify, AddsWhatIsMissing) {
     const double* position = hierarchy.get()->levels[0].position;
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Metric plain, thick;
-    ASSERT_TRUE(hmf::measure(input, position, memory, plain));
-    ASSERT_TRUE(hmf::measure(input, position, memory, thick));
-    hmf::mollify(input, 0.01, thick);
+    ASSERT_TRUE(hmf::measure(input, position, 1, memory, plain, nullptr));
+    ASSERT_TRUE(hmf::measure(input, position, 1, memory, thick, nullptr));
+    hmf::mollify(input, 0.01, thick, nullptr);
     double mean = 0, margin = HUGE_VAL;
     for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;
     for (uint32_t h = 0; h < 2 * input.edge_count; ++h)

@@ -93,66 +93,61 @@ double four_areas(double a, double b, double c) {
     return std::sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)));
 }
 
-} // namespace
-
-bool Metric::allocate(Memory& memory, uint32_t edge_count, uint32_t face_count) {
-    return length.allocate(memory, edge_count) && four_areas.allocate(memory, face_count);
+void clear(const Mesh& mesh, double* sum) {
+    for (uint32_t e = 0; sum && e < mesh.edge_count; ++e) sum[e] = 0;
 }
 
-bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric) {
-    if (!metric.allocate(memory, mesh.edge_count, mesh.face_count)) return false;
+// The three angles of a face to the sums of the edges opposite to them.
+void add_cotangents(const Mesh& mesh, const Metric& metric, uint32_t ij, uint32_t jk, uint32_t ki, double* sum) {
+    if (!sum) return;
+    const double a = metric.length[edge_of(ij)], b = metric.length[edge_of(jk)], c = metric.length[edge_of(ki)];
+    const double inverse = 1 / metric.four_areas[mesh.face[ij]];
+    sum[edge_of(ij)] += inverse * opposite_product(a, b, c);
+    sum[edge_of(jk)] += inverse * opposite_product(b, c, a);
+    sum[edge_of(ki)] += inverse * opposite_product(c, a, b);
+}
+
+} // namespace
+
+bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric, double* sum) {
+    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
     const auto difference = [&](uint32_t h, double* d) {
         const double *a = position + size_t{3} * mesh.origin[h], *b = position + size_t{3} * mesh.target(h);
-        for (int c = 0; c < 3; ++c) d[c] = b[c] - a[c];
+        for (int c = 0; c < 3; ++c) d[c] = scale * (b[c] - a[c]);
     };
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         double u[3];
         difference(2 * e, u);
         metric.length[e] = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
-    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t) {
+    clear(mesh, sum);
+    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
         double u[3], v[3];
         difference(ij, u);
         difference(jk, v);
         const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
         metric.four_areas[mesh.face[ij]] = 2 * std::sqrt(x * x + y * y + z * z);
+        add_cotangents(mesh, metric, ij, jk, ki, sum);
     });
     return true;
 }
 
-void mollify(const Mesh& mesh, double factor, Metric& metric) {
+void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum) {
     Array<double>& length = metric.length;
-    double sum = 0, missing = 0;
-    for (const double x : length) sum += x;
-    const double margin = factor * (sum / mesh.edge_count);
+    double total = 0, missing = 0;
+    for (const double x : length) total += x;
+    const double margin = factor * (total / mesh.edge_count);
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         const double rest = length[edge_of(mesh.next[h])] + length[edge_of(mesh.prev(h))] - length[edge_of(h)];
         if (margin - rest > missing) missing = margin - rest;
     }
     if (missing == 0) return;
     for (double& x : length) x += missing;
+    clear(mesh, sum);
     for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
         metric.four_areas[mesh.face[ij]] = four_areas(length[edge_of(ij)], length[edge_of(jk)], length[edge_of(ki)]);
+        add_cotangents(mesh, metric, ij, jk, ki, sum);
     });
-}
-
-hmf_status cotangent_sums(const Mesh& mesh, const Metric& metric, double* sum, Call& call, double fraction) {
-    constexpr uint32_t step = 1u << 17; // half-edges
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) sum[e] = 0;
-    for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
-        if (!call.tick(fraction)) return HMF_CANCELLED;
-        const uint32_t size = left < step ? left : step;
-        for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-            const double a = metric.length[edge_of(ij)], b = metric.length[edge_of(jk)], c = metric.length[edge_of(ki)];
-            const double area = metric.four_areas[mesh.face[ij]];
-            sum[edge_of(ij)] += opposite_product(a, b, c) / area;
-            sum[edge_of(jk)] += opposite_product(b, c, a) / area;
-            sum[edge_of(ki)] += opposite_product(c, a, b) / area;
-        });
-        begin += size;
-        left -= size;
-    }
-    return HMF_OK;
 }
 
 bool is_delaunay(const Mesh& mesh, const double* sum) {

@@ -18,20 +18,17 @@ constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
 struct Metric {
     Array<double> length;     // per edge
     Array<double> four_areas; // per face
-
-    bool allocate(Memory& memory, uint32_t edge_count, uint32_t face_count);
 };
 
-// The metric of positions (3 per vertex) whose fourth powers are harmless.
-// false: out of memory.
-bool measure(const Mesh& mesh, const double* position, Memory& memory, Metric& metric);
+// The metric of positions (3 per vertex), times scale: a power of two that makes
+// their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
+// the two angles opposite to each edge, added.  false: out of memory.
+bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric, double* sum);
 
 // All edges get longer by the least amount that keeps every triangle
-// inequality by a margin of factor * mean length [Sharp and Crane 2020].
-void mollify(const Mesh& mesh, double factor, Metric& metric);
-
-// Fills sum with the cotangents of the two angles opposite to each edge, added.
-hmf_status cotangent_sums(const Mesh& mesh, const Metric& metric, double* sum, Call& call, double fraction);
+// inequality by a margin of factor * mean length [Sharp and Crane 2020].  sum as
+// for measure.
+void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum);
 
 // Can every edge stay?
 bool is_delaunay(const Mesh& mesh, const double* sum);
