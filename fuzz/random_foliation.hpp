@@ -6,6 +6,7 @@
 // random weights then spread the foliation.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -73,13 +74,19 @@ public:
             seam = {id[tail[0]], id[tail[1]], id[tail[2]]};
             int64_t weight = static_cast<int64_t>(bytes.below(65536)) << (bytes.byte() % 20u);
             if (first && weight == 0) weight = 1 << 20;
+            weight_.push_back(weight);
+            across_.emplace_back();
             for (uint32_t x = 0; x < n; ++x)
                 for (uint32_t y = 0; y < m; ++y) {
                     const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
                     const bool glued = (!first && x == 2 && y == 0) || (!last && x == 2 && y == 1);
                     if (!glued) triangles.push_back({a, b, c});
                     triangles.push_back({a, c, d});
-                    if (x == 0) crossing[key(a, b)] += weight, crossing[key(a, c)] += weight;
+                    if (x != 0) continue;
+                    crossing[key(a, b)] += weight;
+                    crossing[key(a, c)] += weight;
+                    across_[k].push_back({a, b});
+                    across_[k].push_back({a, c});
                 }
         }
         build(triangles, vertices, crossing);
@@ -111,6 +118,25 @@ public:
         }
     }
 
+    // Necessary for the class, on the connectivity of the start: a closed path
+    // that crosses loop k exactly once is not shorter than its weight.
+    void assert_class() {
+        const Mesh& mesh = f.mesh;
+        for (size_t k = 0; k < across_.size(); ++k) {
+            std::vector<int8_t> crosses(2 * mesh.edge_count, 0); // per half-edge
+            std::vector<uint32_t> start;
+            for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+                for (const auto& pair : across_[k])
+                    if (mesh.origin[h] == pair.first && mesh.target(h) == pair.second) {
+                        crosses[h] = crosses[twin(h)] = 1;
+                        start.push_back(h);
+                    }
+            FUZZ_ASSERT(start.size() == across_[k].size());
+            for (const uint32_t first : start)
+                FUZZ_ASSERT(f.at(first) + distance(mesh.target(first), mesh.origin[first], crosses) >= weight_[k]);
+        }
+    }
+
     // No pole, exact triangle inequalities, index sum 2 * chi.
     void assert_valid() {
         const SingularityCount count = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
@@ -134,6 +160,27 @@ public:
 
 private:
     static std::pair<uint32_t, uint32_t> key(uint32_t a, uint32_t b) { return a < b ? std::make_pair(a, b) : std::make_pair(b, a); }
+
+    // Shortest way along edges that do not cross; the meshes are small.
+    int64_t distance(uint32_t from, uint32_t to, const std::vector<int8_t>& crosses) const {
+        const Mesh& mesh = f.mesh;
+        std::vector<int64_t> length(mesh.vertex_count, INT64_MAX);
+        std::vector<uint8_t> done(mesh.vertex_count, 0);
+        length[from] = 0;
+        for (;;) {
+            uint32_t v = NONE;
+            for (uint32_t u = 0; u < mesh.vertex_count; ++u)
+                if (!done[u] && length[u] != INT64_MAX && (v == NONE || length[u] < length[v])) v = u;
+            FUZZ_ASSERT(v != NONE);
+            if (v == to) return length[v];
+            done[v] = 1;
+            uint32_t h = mesh.out[v];
+            do {
+                if (!crosses[h]) length[mesh.target(h)] = std::min(length[mesh.target(h)], length[v] + f.at(h));
+                h = mesh.rotate_ccw(h);
+            } while (h != mesh.out[v]);
+        }
+    }
 
     void build(const std::vector<std::array<uint32_t, 3>>& triangles, uint32_t vertices,
                const std::map<std::pair<uint32_t, uint32_t>, int64_t>& crossing) {
@@ -176,6 +223,8 @@ private:
 
     Memory memory_;
     int64_t euler_ = 0;
+    std::vector<int64_t> weight_; // of the loop of each torus
+    std::vector<std::vector<std::pair<uint32_t, uint32_t>>> across_; // edges that it crosses, all the same way
     std::vector<uint32_t> origin_, next_, face_, out_, stamp_;
     std::vector<int64_t> value_;
 };

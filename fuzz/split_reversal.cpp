@@ -64,5 +64,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         }
         FUZZ_ASSERT(random.connectivity() == connectivity);
     }
+    random.assert_class();
     return 0;
 }

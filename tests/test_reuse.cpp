@@ -118,6 +118,99 @@ TEST(Reuse, OfAnyLevelWithAnyMethod) {
         }
 }
 
+// Up and down the levels, with some moves on the way: restriction,
+// interpolation and moves keep the class, so the minimum is the same.
+TEST(Reuse, RandomWalksOverTheLevels) {
+    const TriMesh meshes[] = {pretzel(3, 3), with_random_flips(pretzel(2, 3), 80000, -1, 6), with_bad_triangles(pretzel(2, 3), 200, 0.01, 7)};
+    for (size_t m = 0; m < 3; ++m) {
+        const Hierarchy hierarchy(meshes[m], 0.6, 150);
+        ASSERT_TRUE(hierarchy);
+        ASSERT_GT(hierarchy.levels(), 3u);
+        const Loops loops = library_loops(hierarchy, hierarchy.coarsest());
+        const hmf_loop_set set = loops.view();
+        const Outcome scratch = run(hierarchy, &loops, {});
+        ASSERT_EQ(scratch.status, HMF_OK) << scratch.error.message;
+        for (const uint64_t seed : {1, 2, 3, 4}) {
+            SCOPED_TRACE(testing::Message() << "mesh " << m << " seed " << seed);
+            Random random(seed);
+            std::vector<double> values(hierarchy.edges(hierarchy.coarsest()));
+            ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), nullptr), HMF_OK);
+            size_t level = hierarchy.coarsest();
+            for (size_t step = 0; step < 12; ++step) {
+                const size_t next = step == 11 ? 0 : random.below(hierarchy.levels());
+                std::vector<double> there(hierarchy.edges(next));
+                hmf_error error{};
+                ASSERT_EQ(hmf_interpolate(hierarchy.get(), level, values.data(), values.size(), next, there.data(), there.size(), &error), HMF_OK) << error.message;
+                level = next;
+                values = there;
+                const LevelMesh mesh = read_level(hierarchy, level);
+                expect_foliation(hierarchy, mesh, values);
+                if (random.below(2) == 0) continue;
+                const Solution moved = relax(hierarchy, level, values, solve_options(HMF_METHOD_WHITEHEAD, 1e-12, 1 + random.below(4)));
+                ASSERT_LT(moved.status, HMF_CANCELLED) << moved.error.message;
+                values = moved.values;
+                expect_foliation(hierarchy, mesh, values);
+            }
+            const Solution relaxed = relax(hierarchy, 0, values, solve_options(HMF_METHOD_NEWTON, 0));
+            EXPECT_EQ(relaxed.status, HMF_OK) << relaxed.error.message;
+            EXPECT_LT(relative(relaxed.report.energy, scratch.energy), 1e-10);
+        }
+    }
+}
+
+// What comes back on the caller's edges.  Energy and residuals are those of the
+// report, to the bit, unless a vertex had to be moved on the way back; the
+// minimum of the class is the same in any case.
+TEST(Reuse, RoundTripOfTheInputMesh) {
+    size_t exact = 0, moved = 0;
+    const TriMesh meshes[] = {pretzel(2, 3), with_random_flips(pretzel(2, 3), 6000, 0.9, 1), with_random_flips(pretzel(3, 2), 3000, 0.95, 2),
+                              with_random_flips(pretzel(2, 3), 80000, -1, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4)};
+    for (const TriMesh& mesh : meshes) {
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(solution.status, HMF_OK) << solution.error.message;
+        const std::vector<double>& values = solution.values;
+        double energy = 0;
+        ASSERT_EQ(hmf_energy(hierarchy.get(), 0, values.data(), values.size(), &energy, nullptr), HMF_OK);
+        std::vector<double> residual(mesh.vertex_count());
+        ASSERT_EQ(hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), nullptr), HMF_OK);
+        const double residual_max = *std::max_element(residual.begin(), residual.end());
+        if (solution.report.bad_flips == 0) {
+            EXPECT_EQ(energy, solution.report.energy);
+            EXPECT_EQ(residual_max, solution.report.residual_max);
+            ++exact;
+        } else {
+            EXPECT_GE(energy, solution.report.energy * (1 - 1e-14));
+            ++moved;
+        }
+        const Solution again = relax(hierarchy, 0, values, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(again.status, HMF_OK) << again.error.message;
+        EXPECT_LT(relative(again.report.energy, solution.report.energy), 1e-12);
+    }
+    EXPECT_GT(exact, 0u);
+    EXPECT_GT(moved, 0u);
+}
+
+// Passing values on and on costs no bits.
+TEST(Reuse, AgainAndAgain) {
+    const Hierarchy hierarchy(with_random_flips(pretzel(2, 2), 3000, 0.9, 8), 0.5, 200);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0);
+    const Outcome first = run(hierarchy, &loops, {});
+    ASSERT_EQ(first.status, HMF_OK) << first.error.message;
+    Outcome last = first;
+    for (int round = 0; round < 12; ++round) {
+        last = run(hierarchy, nullptr, last.values);
+        ASSERT_EQ(last.status, HMF_OK) << "round " << round << ": " << last.error.message;
+        Solution relaxed = relax(hierarchy, 0, last.values, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(relaxed.status, HMF_OK) << "round " << round << ": " << relaxed.error.message;
+        last.values = relaxed.values;
+    }
+    EXPECT_LT(relative(last.energy, first.energy), 1e-10);
+    expect_foliation(hierarchy, read_level(hierarchy, 0), last.values);
+}
+
 TEST(Reuse, Errors) {
     const Hierarchy hierarchy(pretzel(2, 2), 0.5, 100);
     ASSERT_TRUE(hierarchy);

@@ -400,7 +400,8 @@ typedef struct hmf_report {
     int32_t method;
     int32_t converged;           /* 1 or 0 */
     int32_t values_written;      /* 1 or 0: the foliation was written to values */
-    double energy;               /* of the result, on the finest level solved, intrinsic Delaunay weights */
+    double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic triangulation, before
+                                    the values are carried to the caller's edges */
     double residual_max;         /* relative coclosedness residual, see hmf_residuals */
     double residual_mean;
     uint64_t poles;              /* of the result, counted as in hmf_singularities */
@@ -437,6 +438,14 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
  * animation), made by the library.  They are validated as in hmf_relax (class
  * 500), restricted to the coarsest level, and solved from there.  Where they
  * are close to the minimum, hmf_relax is faster, which starts on their level.
+ *
+ * The report describes the foliation where it is solved; on level 0 that is the
+ * intrinsic triangulation.  On the caller's edges a vertex whose neighbours
+ * then lie all in one direction would be a pole and is moved to the next branch
+ * (counted in bad_flips).  If there was none, hmf_energy and hmf_residuals of the
+ * values give the numbers of the report, to the bit; else they tell what the
+ * moves cost.  The class and its minimum are the same in any case: hmf_relax
+ * finds it again.
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
  * and without poles; HMF_CANCELLED, with values in the same way if the callback

@@ -88,14 +88,30 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
         return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_EDGE, 0, "All values are zero. A foliation has at least one positive value.");
     int exponent = 0;
     std::frexp(largest, &exponent);
-    // Positions in the tree are half of a sum of three values: one more bit.
-    int unit_exponent = exponent - weight_bits;
-    if (lowest - 1 < unit_exponent) unit_exponent = lowest - 1;
-    if (exponent - unit_exponent > 53)
+    // Values with few bits get a finer unit.  Others, results of the library as a
+    // rule, keep theirs, so that no bit is lost by passing them on and on; if
+    // positions in the tree (half of a sum of three values) are then no
+    // integers, one bit more is needed.
+    constexpr int full = 40;
+    const bool few = exponent - lowest < full;
+    int unit_exponent = few ? exponent - weight_bits : lowest;
+    const auto fits = [&] { return exponent - unit_exponent <= 53; };
+    const auto read = [&] {
+        unit = std::ldexp(1.0, unit_exponent);
+        for (size_t e = 0; e < count; ++e) f.value[internal_edge(state, e)] = static_cast<int64_t>(values[e] / unit);
+    };
+    if (fits()) read();
+    if (!few && fits()) {
+        int64_t odd = 0;
+        for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) odd |= f.corner2(h) & 1;
+        if (odd) {
+            --unit_exponent;
+            if (fits()) read();
+        }
+    }
+    if (!fits())
         return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_NONE, 0,
                          "The values are not multiples of a common power of two within 52 bits. Pass values as the library returned them.");
-    unit = std::ldexp(1.0, unit_exponent);
-    for (size_t e = 0; e < count; ++e) f.value[internal_edge(state, e)] = static_cast<int64_t>(values[e] / unit);
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
         const int64_t corner2 = f.corner2(h);
         if (corner2 >= 0 && corner2 % 2 == 0) continue;
