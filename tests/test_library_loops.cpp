@@ -381,6 +381,50 @@ TEST(DrawnLoops, FingersDoNotMatter) {
     EXPECT_GT(tried, 6u);
 }
 
+TEST(LibraryLoops, EveryAllocationMayFail) {
+    struct Meter { uint64_t calls, fail; int64_t live; };
+    const auto allocate = [](void* user, size_t size) -> void* {
+        Meter& meter = *static_cast<Meter*>(user);
+        if (++meter.calls == meter.fail) return nullptr;
+        ++meter.live;
+        return std::malloc(size);
+    };
+    const auto release = [](void* user, void* block, size_t) {
+        --static_cast<Meter*>(user)->live;
+        std::free(block);
+    };
+    const TriMesh mesh = plate(2);
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS}) {
+        Meter meter{0, 0, 0};
+        hmf_build_options options;
+        hmf_build_options_init(&options);
+        options.coarsest = 30;
+        options.allocate = allocate;
+        options.release = release;
+        options.allocator_user = &meter;
+        {
+            const Hierarchy hierarchy(mesh, options);
+            ASSERT_TRUE(hierarchy);
+            const int64_t held = meter.live;
+            bool done = false;
+            uint64_t failures = 0;
+            for (uint64_t n = 1; n < 100000 && !done; n += 1 + n / 16) {
+                meter.calls = 0;
+                meter.fail = n;
+                size_t count = 0, total = 0;
+                const hmf_status status = hmf_loops(hierarchy.get(), 0, kind, nullptr, 0, nullptr, 0, &count, &total, nullptr);
+                done = status == HMF_OK;
+                if (!done) { EXPECT_EQ(status, HMF_ERROR_MEMORY) << "kind " << kind << " allocation " << n; }
+                failures += !done;
+                EXPECT_EQ(meter.live, held);
+            }
+            EXPECT_TRUE(done);
+            EXPECT_GT(failures, 20u);
+        }
+        EXPECT_EQ(meter.live, 0);
+    }
+}
+
 TEST(DrawnLoops, CrossingIsNamed) {
     // Vertex i * 16 + j: round the tube at i = 2, and round the hole at j = 5.
     const Hierarchy hierarchy(torus(40, 16, 3, 1));

@@ -83,6 +83,7 @@ public:
                 searched = search_roots(budget * (0.3 + 0.7 * part), k == 0);
             }
             if (!searched) return cancelled();
+            if (memory_.failure()) return call_.out_of_memory(); // while a loop was tried
             // Labels of a surface that meets itself may leave no loop without crossings.
             if (!found_ && edge_label_)
                 return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,

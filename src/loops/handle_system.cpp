@@ -127,7 +127,9 @@ private:
                 const int64_t t = form_.intersection[n * i + g + j];
                 if (i == j ? t != 1 && t != -1 : t != 0) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Loops and partners do not fit. Please report this.");
             }
-        if (rank(V) != g) return not_embedded();
+        const size_t rank_found = rank(V);
+        if (rank_found == SIZE_MAX) return call_.out_of_memory();
+        if (rank_found != g) return not_embedded();
         // (J^-1 V) = (-T^-T V_b ; T^-1 V_a), by substitution.
         if (!condition_.allocate(call_.memory, n * n)) return call_.out_of_memory();
         for (size_t j = 0; j < n; ++j) {

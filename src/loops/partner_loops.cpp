@@ -80,7 +80,8 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
         if (answer == Answer::out_of_memory || !cut.build(mesh, curves, true, memory)) return call.out_of_memory();
         size_t component = 0;
         while (component < g && loop_of[component] != j) ++component;
-        if (answer == Answer::no || !cross_once(cut, curves, component, memory, path)) return call.out_of_memory();
+        if (answer == Answer::no) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
+        if (!cross_once(cut, curves, component, memory, path)) return call.out_of_memory();
         size_t begin = 0, end = 0;
         remove_backtracking(path, begin, end);
         if (begin == end) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "No partner of a loop was found. Please report this.");
