@@ -63,7 +63,7 @@ complete() {
     missing=0
     sed 's|/\*.*\*/||' "$root/include/hmf/hmf.hpp" > "$work/code.hpp" # without comments
     for symbol in $(sed -n 's/^HMF_API .*[ *]\(hmf_[a-z_]*\)(.*/\1/p' "$root/include/hmf/hmf.h" | grep -v -e '_options_init$' -e '^hmf_version$' -e '^hmf_status_string$') \
-        $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LOOP\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$root/include/hmf/hmf.h"); do
+        $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LEAVES\|LOOP\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$root/include/hmf/hmf.h"); do
         grep -qw "$symbol" "$work/code.hpp" || { echo "hmf.hpp lacks $symbol"; missing=1; }
     done
     return $missing

@@ -362,6 +362,9 @@ TEST(Hpp, Leaves) {
     }
     EXPECT_EQ(leaves.lines.size(), levels + 2);
     EXPECT_EQ(1u, leaves.lines.back().source);
+    options.leaves = hmf::LeavesKind::conjugate;
+    for (const hmf::Line& line : foliation.trace(options).lines)
+        if (line.kind == HMF_LINE_LEVEL) EXPECT_EQ(HMF_END_CRITICAL, line.end);
     options.point_barycentrics.pop_back();
     EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { foliation.trace(options); }).status());
 }

@@ -153,6 +153,12 @@ struct SolveOptions {
     ProgressFunction progress;
 };
 
+enum class LeavesKind : int32_t {
+    automatic = HMF_LEAVES_DEFAULT,
+    foliation = HMF_LEAVES_FOLIATION,
+    conjugate = HMF_LEAVES_CONJUGATE,
+};
+
 /* hmf_trace_options; zero means the default. */
 struct TraceOptions {
     bool critical = false;
@@ -160,6 +166,7 @@ struct TraceOptions {
     double length_limit = 0;
     std::vector<uint32_t> point_triangles;  /* point_count */
     std::vector<double> point_barycentrics; /* point_count x 3 */
+    LeavesKind leaves = LeavesKind::automatic;
 };
 
 /* hmf_parameterize_options; zero means the default. */
@@ -436,6 +443,7 @@ public:
         all.point_count = options.point_triangles.size();
         all.point_triangles = options.point_triangles.data();
         all.point_barycentrics = options.point_barycentrics.data();
+        all.leaves = static_cast<int32_t>(options.leaves);
         Leaves leaves;
         std::size_t lines = 0, points = 0;
         const auto call = [&](bool fill) {

@@ -77,6 +77,10 @@ pub const HMF_END_CLOSED: i32 = 0;
 pub const HMF_END_ZERO: i32 = 1;
 pub const HMF_END_LIMIT: i32 = 2;
 pub const HMF_END_NOWHERE: i32 = 3;
+pub const HMF_END_CRITICAL: i32 = 4;
+pub const HMF_LEAVES_DEFAULT: i32 = 0;
+pub const HMF_LEAVES_FOLIATION: i32 = 1;
+pub const HMF_LEAVES_CONJUGATE: i32 = 2;
 pub type hmf_status = i32;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -254,6 +258,8 @@ pub struct hmf_trace_options {
     pub point_count: u64,
     pub point_triangles: *const u32,
     pub point_barycentrics: *const f64,
+    pub leaves: i32,
+    pub reserved: u32,
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]

@@ -14,7 +14,8 @@ use std::ptr;
 #[non_exhaustive]
 pub struct QuadMesh {
     /// Points of the surface. The first are the zeros, in the order of
-    /// [`Foliation::zeros_and_poles`]; a zero of order m has 2 m + 4 edges, every other
+    /// [`Foliation::zeros_and_poles`]. Zeros that only discretisation keeps apart can become
+    /// one, with the sum of their orders. A zero of order m has 2 m + 4 edges, every other
     /// vertex has 4.
     pub positions: Vec<[f64; 3]>,
     /// Four vertices each, oriented as the triangles.

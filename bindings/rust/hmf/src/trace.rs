@@ -17,6 +17,7 @@ pub struct Tracer<'a> {
     critical: bool,
     spacing: f64,
     length_limit: f64,
+    conjugate: bool,
     point_triangles: Vec<u32>,
     point_barycentrics: Vec<[f64; 3]>, // as many
 }
@@ -28,12 +29,13 @@ impl<'a> Tracer<'a> {
             critical: false,
             spacing: 0.0,
             length_limit: 0.0,
+            conjugate: false,
             point_triangles: Vec::new(),
             point_barycentrics: Vec::new(),
         }
     }
 
-    /// All leaves between zeros. Genus 1 has none.
+    /// All leaves out of zeros. Genus 1 has none.
     pub fn critical(mut self) -> Self {
         self.critical = true;
         self
@@ -49,9 +51,22 @@ impl<'a> Tracer<'a> {
     }
 
     /// Where a leaf stops, in each direction from where it starts, in the unit of
-    /// the positions. Default: no limit.
+    /// the positions. Default: no limit; for conjugate leaves ten times the root of the
+    /// area of the surface.
     pub fn length_limit(mut self, length: f64) -> Self {
         self.length_limit = length;
+        self
+    }
+
+    /// The leaves of the conjugate foliation, across those of the foliation, which must be
+    /// harmonic.
+    ///
+    /// They do not close in general. Level sets are then lines across each cylinder from
+    /// one side to the other, round(circumference / spacing) of them. Leaves out of zeros
+    /// end at another zero or at the length limit, those through points close or end at the
+    /// limit. [`Line::height`] and, but for level sets, [`Line::cylinder`] are not set.
+    pub fn conjugate(mut self) -> Self {
+        self.conjugate = true;
         self
     }
 
@@ -64,7 +79,8 @@ impl<'a> Tracer<'a> {
     }
 
     /// Follows the leaves, in exact integers: no two cross, each closes exactly, and
-    /// only critical leaves end, at zeros. The values need not be harmonic.
+    /// only critical leaves end, at zeros. The values need not be harmonic, but for
+    /// conjugate leaves.
     ///
     /// # Errors
     ///
@@ -79,6 +95,8 @@ impl<'a> Tracer<'a> {
             point_count: self.point_triangles.len() as u64,
             point_triangles: self.point_triangles.as_ptr(),
             point_barycentrics: self.point_barycentrics.as_ptr().cast(),
+            leaves: if self.conjugate { sys::HMF_LEAVES_CONJUGATE } else { sys::HMF_LEAVES_FOLIATION },
+            reserved: 0,
         };
         let (hierarchy, values) = (self.foliation.hierarchy().as_ptr(), self.foliation.values());
         let level = self.foliation.level();
@@ -175,7 +193,7 @@ pub struct Leaves {
 pub enum LineKind {
     /// A closed leaf at a given height of its cylinder.
     Level,
-    /// A leaf between two zeros.
+    /// A leaf out of a zero.
     Critical,
     /// The leaf through a given point.
     Point,
@@ -187,10 +205,13 @@ pub enum LineKind {
 pub enum LineEnd {
     /// It does not: the last point joins the first.
     Closed,
-    /// At a zero, an index into [`Singularities::list`](crate::Singularities::list).
-    Zero(u32),
+    /// At a zero, an index into [`Singularities::list`](crate::Singularities::list);
+    /// `None` for conjugate leaves.
+    Zero(Option<u32>),
     /// At the length limit.
     Limit,
+    /// Of a conjugate line: on a critical leaf, where its cylinder ends.
+    Critical,
     /// The given point lies where the foliation is 0: the line has no points.
     Nowhere,
 }
@@ -223,7 +244,8 @@ pub struct Line {
 impl Line {
     fn from_raw(raw: &sys::hmf_line, ends: &[u64]) -> Line {
         let end = |end, zero| match end {
-            sys::HMF_END_ZERO => LineEnd::Zero(zero),
+            sys::HMF_END_ZERO => LineEnd::Zero(element(zero)),
+            sys::HMF_END_CRITICAL => LineEnd::Critical,
             sys::HMF_END_LIMIT => LineEnd::Limit,
             sys::HMF_END_NOWHERE => LineEnd::Nowhere,
             _ => LineEnd::Closed,

@@ -280,7 +280,7 @@ fn leaves_are_level_sets() {
     for line in &critical.lines {
         assert_eq!((line.kind, line.closed, line.cylinder), (LineKind::Critical, false, None));
         for end in [line.begin, line.end] {
-            assert!(matches!(end, LineEnd::Zero(zero) if (zero as usize) < zeros.len()));
+            assert!(matches!(end, LineEnd::Zero(Some(zero)) if (zero as usize) < zeros.len()));
         }
     }
 
@@ -307,6 +307,13 @@ fn leaves_are_level_sets() {
             let [a, b] = ends[edge.unwrap() as usize].map(|end| positions[end as usize]);
             assert!((distance(*point, a) + distance(*point, b) - distance(a, b)).abs() < 1e-9);
         }
+    }
+
+    // Conjugate level sets go across their cylinder, from side to side.
+    let across = foliation.tracer().conjugate().spacing(0.1).trace().unwrap();
+    assert!(across.lines.len() > 10);
+    for line in &across.lines {
+        assert_eq!((line.closed, line.begin, line.end), (false, LineEnd::Critical, LineEnd::Critical));
     }
 
     let limited = foliation.tracer().point(5, [0.5, 0.25, 0.25]).length_limit(1e-3).trace().unwrap();
