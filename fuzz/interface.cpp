@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -211,6 +212,48 @@ void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_lev
     FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
 }
 
+// Leaves close or join zeros, a quad mesh is closed and has the right genus.
+void expect_leaves(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
+    const auto expected = [&](hmf_status status, std::initializer_list<hmf_status> others) {
+        return status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end() || (memory_is_short && status / 100 == 2);
+    };
+    hmf_trace_options options;
+    hmf_trace_options_init(&options);
+    options.critical = 1;
+    options.spacing = *std::max_element(values.begin(), values.end());
+    size_t count = 0, points = 0;
+    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr), {}));
+    std::vector<hmf_line> lines(count);
+    if (count > 0 && hmf_trace(h, level, values.data(), values.size(), &options, lines.data(), count, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr) == HMF_OK)
+        for (const hmf_line& line : lines) FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO : line.closed == 1);
+    options.leaves = HMF_LEAVES_CONJUGATE;
+    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr),
+                         {HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
+
+    std::vector<hmf_cylinder> cylinders(values.size());
+    FUZZ_ASSERT(expected(hmf_cylinders(h, level, values.data(), values.size(), nullptr, cylinders.data(), cylinders.size(), nullptr, 0, nullptr, 0, &count, &points, nullptr),
+                         {HMF_ERROR_VALUE_NOT_HARMONIC}));
+
+    hmf_quad_options quad_options;
+    hmf_quad_options_init(&quad_options);
+    size_t vertex_count = 0, quad_count = 0;
+    const hmf_status status = hmf_quads(h, level, values.data(), values.size(), &quad_options, nullptr, 0, nullptr, 0, &vertex_count, &quad_count, nullptr);
+    FUZZ_ASSERT(expected(status, {HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
+    if (status != HMF_OK) return;
+    std::vector<double> positions(3 * vertex_count);
+    std::vector<uint32_t> quads(4 * quad_count);
+    if (hmf_quads(h, level, values.data(), values.size(), &quad_options, positions.data(), vertex_count, quads.data(), quad_count, &vertex_count, &quad_count, nullptr) != HMF_OK) return;
+    FUZZ_ASSERT(static_cast<int64_t>(vertex_count) - static_cast<int64_t>(quad_count) == 2 - 2 * static_cast<int64_t>(hmf_genus(h)));
+    std::vector<std::pair<uint32_t, uint32_t>> sides;
+    for (size_t q = 0; q < quad_count; ++q)
+        for (size_t s = 0; s < 4; ++s) sides.push_back({quads[4 * q + s], quads[4 * q + (s + 1) % 4]});
+    std::sort(sides.begin(), sides.end());
+    for (size_t i = 0; i < sides.size(); ++i) {
+        FUZZ_ASSERT(sides[i].first < vertex_count && (i == 0 || sides[i] != sides[i - 1]));
+        FUZZ_ASSERT(std::binary_search(sides.begin(), sides.end(), std::make_pair(sides[i].second, sides[i].first)));
+    }
+}
+
 // Exact triangle inequalities, no pole, 4 - 4 g.
 void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
     hmf_level_info info{};
@@ -233,6 +276,7 @@ void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<do
     }
     FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
     expect_parameterization(h, level, info, values, memory_is_short);
+    expect_leaves(h, level, values, memory_is_short);
 }
 
 } // namespace
