@@ -295,7 +295,8 @@ pub struct Report {
     pub method: Method,
     /// Whether the tolerance was reached.
     pub converged: bool,
-    /// Energy of the result, on the finest level solved, with intrinsic Delaunay weights.
+    /// Energy of the result, on the finest level solved; on level 0 on the intrinsic
+    /// triangulation, before the values are carried to your edges.
     pub energy: f64,
     /// Largest residual of a vertex, as in [`Foliation::residuals`].
     pub residual_max: f64,
