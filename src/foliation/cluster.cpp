@@ -44,6 +44,23 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, uint32_t without, uint32_
     return result;
 }
 
+namespace {
+
+// A vertex without zero edges and with two closed corners.
+bool is_plain_and_regular(const Foliation& f, uint32_t v) {
+    const uint32_t first = f.mesh.out[v];
+    uint32_t closed = 0, h = first;
+    do {
+        const uint32_t across = f.mesh.next[h], last = f.mesh.next[across];
+        if (f.at(h) == 0) return false;
+        closed += f.at(h) + f.at(last) == f.at(across);
+        h = twin(last);
+    } while (h != first);
+    return closed == 2;
+}
+
+} // namespace
+
 SingularityCount count_singularities(Foliation& f, int32_t* vertex_index, uint32_t* vertex_cluster,
                                      uint32_t* cluster_size, int32_t* face_index) {
     const Mesh& mesh = f.mesh;
@@ -64,6 +81,13 @@ SingularityCount count_singularities(Foliation& f, int32_t* vertex_index, uint32
         if (f.stamp[v] > before) {
             if (vertex_index) vertex_index[v] = 0;
             if (cluster_size) cluster_size[v] = 0;
+            continue;
+        }
+        // Nearly all vertices are regular and have no zero edge.
+        if (is_plain_and_regular(f, v)) {
+            if (vertex_index) vertex_index[v] = 0;
+            if (cluster_size) cluster_size[v] = 1;
+            if (vertex_cluster) vertex_cluster[v] = v;
             continue;
         }
         const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
