@@ -23,7 +23,8 @@ namespace {
 
 class Newton {
 public:
-    explicit Newton(LevelWork& work) : w_(work), f_(work.state.foliation), weight_(work.level.weight) {}
+    // smooth_only: a few digits of the short waves are enough for the linear solves.
+    Newton(LevelWork& work, bool smooth_only) : w_(work), f_(work.state.foliation), weight_(work.level.weight), smooth_only_(smooth_only) {}
 
     bool allocate() {
         Memory& memory = w_.call.memory;
@@ -117,6 +118,7 @@ private:
             set_values(1);
             if (!go_on()) return stopped();
             if (find_suspects() <= 16 + n / 2000 || accuracy < 1e-13) break;
+            if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
         // Where the step went too far, the neighbourhood stays as it is.  If the
         // energy rises, the bounds hold back too much: the others are solved
@@ -154,15 +156,15 @@ private:
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     bool solve_linear(const SignedMatrix& matrix, double accuracy) {
-        constexpr uint32_t with_old_setup = 50, with_new_setup = 200;
+        constexpr uint32_t with_old_setup = 50, with_new_setup = 200, with_smoother = 10;
         if (multigrid_ready_) {
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
         }
-        multigrid_ready_ = multigrid_.setup(matrix, w_.call.memory, &w_.call);
+        multigrid_ready_ = multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
         if (!multigrid_ready_) return false;
-        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_new_setup, w_.call);
+        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, smooth_only_ ? with_smoother : with_new_setup, w_.call);
         return !w_.call.cancelled() && !w_.call.finishing();
     }
 
@@ -349,6 +351,7 @@ private:
     TwistedModel model_;
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
+    bool smooth_only_;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
     Array<double> fixed_entry_, fixed_right_; // made when first needed
@@ -363,10 +366,13 @@ private:
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
-    Newton newton(work);
-    if (!newton.allocate()) return work.call.out_of_memory();
-    const bool finest = work.state.level == work.options.stop_level;
+    const size_t above = work.state.level - work.options.stop_level; // levels that are still to come
+    const bool finest = above == 0;
     const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
+    // What the coarser level got wrong are short waves.  Long ones add up over
+    // the levels: on every second one they are solved for, too.
+    Newton newton(work, !finest && !coarsest && above % 2 == 1);
+    if (!newton.allocate()) return work.call.out_of_memory();
     const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
     const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
     newton.sweeps(coarsest ? 20 : 1);

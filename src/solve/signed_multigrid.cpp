@@ -37,7 +37,7 @@ inline float row_product(const uint32_t* column, const float* entry, uint32_t be
 
 } // namespace
 
-bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call) {
+bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
     level_count_ = 0;
     dense_n_ = 0;
@@ -65,7 +65,7 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         }
         if (!continues(call) || !scale_matrix(current, level, memory)) return false;
         ++level_count_;
-        if (l + 1 == max_levels) break;
+        if (l + 1 == depth || l + 1 == max_levels) break;
         CoarseMatrix coarse;
         if (!coarsen(current, level, strength, near_kernel, coarse, memory, call)) return false;
         if (l > 0) level.scale.release();

@@ -55,9 +55,13 @@ struct MultigridLevel {
 
 class SignedMultigrid {
 public:
+    static constexpr uint32_t max_levels = 24;
+
     // Builds the preconditioner.  false: out of memory, or call (may be null)
-    // was cancelled.  The matrix is not kept.
-    bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr);
+    // was cancelled.  The matrix is not kept.  depth: largest number of sparse
+    // levels; 1 is the smoother alone, which is enough for a few digits where
+    // the error has no long waves.
+    bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities
@@ -80,7 +84,6 @@ private:
     void k_cycle();
     void precondition();
 
-    static constexpr uint32_t max_levels = 24;
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
     uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
