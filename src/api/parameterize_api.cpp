@@ -213,27 +213,32 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     }
     if (seam_lengths(state, all, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return cancelled(call);
-    if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, memory)
-        || !layout.build(mesh, flat.bundle, flat.du, flat.dv, start, seams, memory))
-        return call.out_of_memory();
+    if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, call)
+        || !layout.build(mesh, flat.bundle, flat.du, flat.dv, start, seams, call))
+        return call.cancelled() ? cancelled(call) : call.out_of_memory();
     if (!call.tick(0.95)) return cancelled(call);
 
     Measure measure;
     Array<uint8_t> met;
-    if (!measure.allocate(mesh.face_count, memory) || !met.allocate_filled(memory, mesh.edge_count, 0)) return call.out_of_memory();
+    Array<AffineMap> map;
+    if (!measure.allocate(mesh.face_count, memory) || !met.allocate_filled(memory, mesh.edge_count, 0) || !map.allocate(memory, mesh.face_count))
+        return call.out_of_memory();
+    for (uint32_t t = 0; t < mesh.face_count; ++t) {
+        if (t % 65536 == 0 && !call.tick(0.95)) return cancelled(call);
+        map[t] = map_of(state, layout, side[t], unit);
+        measure.add(t, map[t]);
+    }
     hmf_parameterization result = *out;
     result.seam_edge_count = 0;
     result.seam_length = 0;
     // From here on nothing fails, and the outputs are written.
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         uint32_t h = side[t];
-        const AffineMap map = map_of(state, layout, h, unit);
-        measure.add(t, map);
-        const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
-        if (out->dilatation) out->dilatation[t] = flipped ? -map.dilatation : map.dilatation;
+        const bool flipped = map[t].dilatation != HUGE_VAL && map[t].determinant < 0;
+        if (out->dilatation) out->dilatation[t] = flipped ? -map[t].dilatation : map[t].dilatation;
         if (out->differential) {
-            out->differential[2 * size_t{t}] = map.differential[0];
-            out->differential[2 * size_t{t} + 1] = map.differential[1];
+            out->differential[2 * size_t{t}] = map[t].differential[0];
+            out->differential[2 * size_t{t} + 1] = map[t].differential[1];
         }
         for (size_t s = 0; s < 3; ++s, h = mesh.next[h]) {
             if (out->corner_uv) {

@@ -118,8 +118,10 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
     Fluxes fluxes(mesh, bundle, charts, flux);
     if (!fluxes.round(weight, du))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0, "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
+    if (!call.tick(0)) return HMF_CANCELLED;
     if (!fluxes.balance(call.memory)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (v % 65536 == 0 && !call.tick(0)) return HMF_CANCELLED;
         const uint32_t first = mesh.out[v];
         uint32_t h = first;
         int64_t V = 0;

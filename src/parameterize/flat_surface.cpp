@@ -24,7 +24,7 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call)) return call.cancelled() ? cancelled() : call.status();
     if (!call.tick(0.3)) return cancelled();
     if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return cancelled();
-    if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call)) return call.status();
+    if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call)) return call.cancelled() ? cancelled() : call.status();
     if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8)) return cancelled();
     flat.iterations = laplacian.iterations();
     return HMF_OK;

@@ -5,6 +5,12 @@
 
 namespace hmf {
 
+namespace {
+
+constexpr uint32_t STRIDE = 65536; // vertices between two calls of the progress function
+
+} // namespace
+
 hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight, Call& call) {
     mesh_ = &mesh;
     bundle_ = &bundle;
@@ -16,6 +22,7 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
         return call.out_of_memory();
     uint32_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
         offset_[v] = at;
         double sum = 0;
         const uint32_t first = mesh.out[v];
@@ -47,6 +54,7 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
     const uint32_t n = mesh.vertex_count;
     double divergence = 0, pull = 0; // squared norms
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
         right_[v] = w_[v] = 0;
         if (charts_->odd[v]) continue;
         double sum = 0;

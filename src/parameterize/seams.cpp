@@ -17,13 +17,16 @@ namespace hmf {
 
 namespace {
 
+constexpr uint32_t STRIDE = 16384; // steps between two calls of the progress function
+
 // Dijkstra from all cones at once; parent[v]: half-edge out of v to its parent.
 class Forest {
 public:
     Array<double> distance;
     Array<uint32_t> parent;
 
-    bool build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Memory& memory) {
+    bool build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Call& call) {
+        Memory& memory = call.memory;
         heap_.start(memory);
         const uint32_t n = mesh.vertex_count;
         if (!distance.allocate_filled(memory, n, HUGE_VAL) || !parent.allocate_filled(memory, n, NONE) || !heap_.reserve(n)) return false;
@@ -38,7 +41,9 @@ public:
             distance[0] = 0;
             if (!push({0, 0})) return false;
         }
+        uint32_t steps = 0;
         while (!heap_.empty()) {
+            if (++steps % STRIDE == 0 && !call.tick(0)) return false;
             const Entry entry = pop();
             if (entry.distance > distance[entry.vertex]) continue;
             const uint32_t first = mesh.out[entry.vertex];
@@ -91,14 +96,15 @@ private:
 
 } // namespace
 
-bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Memory& memory) {
+bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call) {
+    Memory& memory = call.memory;
     const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
     if (!seams.on.allocate_filled(memory, m, 1) || !seams.tree.allocate_filled(memory, m, 0)) return false;
     KeyedItems edges;
     Array<uint32_t> component;
     {
         Forest forest;
-        if (!forest.build(mesh, length, is_cone, memory)) return false;
+        if (!forest.build(mesh, length, is_cone, call)) return false;
         for (uint32_t v = 0; v < n; ++v)
             if (forest.parent[v] != NONE) seams.tree[edge_of(forest.parent[v])] = 2; // not to be crossed
         uint32_t free_edges = 0;
@@ -111,7 +117,9 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
             edges.key[at++] = key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
         }
     }
+    if (!call.tick(0)) return false;
     edges.sort_falling();
+    if (!call.tick(0)) return false;
     if (!component.allocate(memory, mesh.face_count)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
     for (const uint32_t e : edges.item)
@@ -147,7 +155,8 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
 }
 
 bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv, uint32_t first_half_edge,
-                   const Seams& seams, Memory& memory) {
+                   const Seams& seams, Call& call) {
+    Memory& memory = call.memory;
     const size_t sides = size_t{2} * mesh.edge_count;
     Array<uint32_t> queue; // of half-edges; their faces are laid out
     if (!u.allocate(memory, sides) || !v.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0)
@@ -169,6 +178,7 @@ bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     uint32_t size = 0;
     queue[size++] = first_half_edge;
     for (uint32_t i = 0; i < size; ++i) {
+        if (i % (4 * STRIDE) == 0 && !call.tick(0)) return false;
         uint32_t h = queue[i];
         for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
             const uint32_t t = twin(h), e = edge_of(h), face = mesh.face[t];

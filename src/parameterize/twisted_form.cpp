@@ -51,6 +51,7 @@ public:
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
             || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
+        if (!call_.tick(0)) return cancelled();
         if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.out_of_memory();
         for (uint32_t e = 0; e < m; ++e) {
             const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
@@ -58,10 +59,13 @@ public:
             du_.value[e] = a * f_.value[e];
         }
         for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
+        if (!call_.tick(0)) return cancelled();
         return turn_zero_edges() ? HMF_OK : call_.out_of_memory();
     }
 
 private:
+    hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+
     // Signs in a face whose longest side is h: h is the sum of the two others.
     void sign_face(uint32_t h) {
         sign_[h] = 1;
