@@ -13,7 +13,8 @@
 // along a leaf the conjugate v grows by |grad u| times the length.  On a leaf it
 // is measured from where the path across the cylinder meets it; along the path
 // the conjugate of u is integrated as well, which gives the twist between both
-// boundaries.  The rows between take the mean of both, weighted by height.
+// boundaries; each row then corrects it, so that columns meet it at right angles
+// in the mean.  The rows between take the mean of both boundaries, weighted by height.
 #include "quad_mesh.hpp"
 
 #include "polyline.hpp"
@@ -313,6 +314,76 @@ private:
         return 0;
     }
 
+    // The leaf of row k into ruler_, and v along the path up to it.
+    hmf_status read_leaf(uint32_t cylinder, int64_t k, double& twist) {
+        const Cylinder& c = cylinders_.list[cylinder];
+        const int64_t most = 2 * c.height - 1;
+        int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k) / static_cast<double>(rows_[cylinder])) | 1;
+        if (height > most) height = most;
+        uint64_t piece = 0;
+        const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
+        if (!closed_leaf(f_, start, graph_.crossing_limit(), leaf_))
+            return call_.memory.failure() ? call_.out_of_memory() : call_.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges.");
+        ruler_.clear();
+        double v = 0, p[3];
+        for (size_t i = 0; i <= leaf_.size(); ++i) {
+            const Crossing& at = leaf_[i < leaf_.size() ? i : 0];
+            point_at(f_, position_, at, p);
+            if (!ruler_.push(v, p)) return call_.out_of_memory();
+            v += conjugate_.step(at);
+        }
+        twist = twist_at(c, piece, height);
+        return HMF_OK;
+    }
+
+    // Where the path meets each row, as a part of its length: at first by v along
+    // the path; then each row is turned so that straight columns from the row
+    // before meet it at right angles in the mean.  One path alone is at the mercy
+    // of the thin triangles on it.
+    template <class Low>
+    hmf_status align_rows(uint32_t cylinder, double whole, double& turn, const Low& low) {
+        const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
+        if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !before_.allocate(call_.memory, static_cast<size_t>(3 * n))) return call_.out_of_memory();
+        double path_before = 0, here = 0;
+        for (int64_t j = 0; j < n; ++j)
+            for (size_t k = 0; k < 3; ++k) before_[static_cast<size_t>(3 * j) + k] = out_.positions[size_t{3} * lower_.vertex[static_cast<size_t>(j)] + k];
+        for (int64_t k = 1; k < m; ++k) {
+            double path = 0;
+            if (read_leaf(cylinder, k, path)) return call_.status();
+            const double round = ruler_.v.back();
+            here += (path - path_before) / whole;
+            path_before = path;
+            const auto at = [&](int64_t j, double shift, double* p) {
+                double place = low(j) - here + shift;
+                place -= std::floor(place);
+                ruler_.point(place * round, p);
+            };
+            const double h = 0.25 / static_cast<double>(n);
+            for (int tries = 0; tries < 3; ++tries) {
+                double sum = 0;
+                for (int64_t j = 0; j < n; ++j) {
+                    const double* from = &before_[static_cast<size_t>(3 * j)];
+                    double p[3], q[3], r[3], along = 0, square = 0;
+                    at(j, 0, p);
+                    at(j, -h, q);
+                    at(j, h, r);
+                    for (int x = 0; x < 3; ++x) {
+                        along += (from[x] - p[x]) * (r[x] - q[x]);
+                        square += (r[x] - q[x]) * (r[x] - q[x]);
+                    }
+                    // At most a column.
+                    const double off = square > 0 ? 2 * h * along / square : 0;
+                    sum += off > 4 * h ? 4 * h : off < -4 * h ? -4 * h : off;
+                }
+                here -= sum / static_cast<double>(n);
+            }
+            here_[static_cast<size_t>(k)] = here;
+            for (int64_t j = 0; j < n; ++j) at(j, 0, &before_[static_cast<size_t>(3 * j)]);
+        }
+        turn = here + (twist_[twist_.size() - 1] - path_before) / whole;
+        return HMF_OK;
+    }
+
     hmf_status fill(uint32_t cylinder) {
         const Cylinder& c = cylinders_.list[cylinder];
         if (!read_row(c.lower, lower_) || !read_row(c.upper, upper_) || !read_path(c)) return call_.out_of_memory();
@@ -324,8 +395,10 @@ private:
         const double lower_length = v_[graph_.boundaries[c.lower].end - 1], upper_length = v_[graph_.boundaries[c.upper].end - 1];
         const double arrived = arrival(c);
         // The flat cylinder is as long as both are in the mean; places in parts of it.
-        const double whole = (lower_length + upper_length) / 2, turn = twist_[twist_.size() - 1] / whole;
+        const double whole = (lower_length + upper_length) / 2;
         const auto low = [&](int64_t j) { return lower_.v[static_cast<size_t>(j)] / lower_length; };
+        double turn = 0;
+        if (align_rows(cylinder, whole, turn, low)) return call_.status();
         const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
             const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
             return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length - static_cast<double>(wraps);
@@ -338,22 +411,9 @@ private:
         const uint32_t base = vertex_count();
         for (int64_t k = 1; k < m; ++k) {
             const double y = static_cast<double>(k) / static_cast<double>(m);
-            const int64_t most = 2 * c.height - 1;
-            int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * y) | 1;
-            if (height > most) height = most;
-            uint64_t piece = 0;
-            const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
-            if (!closed_leaf(f_, start, graph_.crossing_limit(), leaf_))
-                return call_.memory.failure() ? call_.out_of_memory() : call_.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges.");
-            ruler_.clear();
-            double v = 0, p[3];
-            for (size_t i = 0; i <= leaf_.size(); ++i) {
-                const Crossing& at = leaf_[i < leaf_.size() ? i : 0];
-                point_at(f_, position_, at, p);
-                if (!ruler_.push(v, p)) return call_.out_of_memory();
-                v += conjugate_.step(at);
-            }
-            const double round = ruler_.v.back(), here = twist_at(c, piece, height) / whole;
+            double twist = 0, p[3];
+            if (read_leaf(cylinder, k, twist)) return call_.status();
+            const double round = ruler_.v.back(), here = here_[static_cast<size_t>(k)];
             for (int64_t j = 0; j < n; ++j) {
                 double place = (1 - y) * low(j) + y * high(offset - j) - here;
                 place -= std::floor(place);
@@ -391,7 +451,8 @@ private:
     int64_t ring_ = 0;
     Ruler ruler_;
     Array<Crossing> leaf_;
-    Array<double> twist_;
+    Array<double> twist_;               // v along the path across a cylinder, per piece
+    Array<double> here_, before_;       // per row: where the path meets it; points of the row before
     Row lower_, upper_;
 };
 
