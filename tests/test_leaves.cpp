@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <functional>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <set>
 
@@ -460,6 +463,142 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     const hmf_loop_set set = fine.view();
     ASSERT_EQ(hmf_initialize(hierarchy->get(), &set, initial.data(), initial.size(), &error), HMF_OK) << error.message;
     EXPECT_EQ(cylinders_of(fine, initial), HMF_ERROR_VALUE_NOT_HARMONIC);
+}
+
+// What the header promises about arguments: each refusal with its status, and
+// nothing written.
+TEST(LeavesContract, Refusals) {
+    const Hierarchy hierarchy(pretzel(2, 1));
+    const std::vector<double> F = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-9)).values;
+    const hmf_hierarchy* h = hierarchy.get();
+    const size_t m = F.size();
+    size_t a = 77, b = 77;
+    hmf_error error{};
+    hmf_trace_options options = trace_options();
+    const auto trace_with = [&](const std::vector<double>& values) {
+        return hmf_trace(h, 0, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error);
+    };
+    EXPECT_EQ(hmf_trace(nullptr, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_trace(h, 99, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_LEVEL);
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m - 1, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, nullptr, &b, &error), HMF_ERROR_NULL);
+    std::vector<double> open = F;
+    *std::max_element(open.begin(), open.end()) *= 4;
+    EXPECT_EQ(trace_with(open), HMF_ERROR_VALUE_NOT_CLOSED);
+    open[0] = std::nan("");
+    EXPECT_EQ(trace_with(open), HMF_ERROR_VALUE_NOT_FINITE);
+    for (const double bad : {-1.0, static_cast<double>(INFINITY), static_cast<double>(NAN), 1e-30}) {
+        options = trace_options();
+        options.spacing = bad;
+        EXPECT_EQ(trace_with(F), HMF_ERROR_OPTIONS) << bad;
+    }
+    options = trace_options();
+    options.leaves = 7;
+    EXPECT_EQ(trace_with(F), HMF_ERROR_OPTIONS);
+    options = trace_options();
+    options.struct_size = 1;
+    EXPECT_EQ(trace_with(F), HMF_ERROR_OPTIONS);
+    options = trace_options();
+    options.point_count = 2;
+    EXPECT_EQ(trace_with(F), HMF_ERROR_NULL);
+    uint32_t triangles[] = {0, UINT32_MAX};
+    double barycentrics[] = {0.5, 0.25, 0.25, 1, 0, 0};
+    options.point_triangles = triangles;
+    options.point_barycentrics = barycentrics;
+    EXPECT_EQ(trace_with(F), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(error.index, 1u);
+    triangles[1] = 1;
+    barycentrics[3] = 0.5;
+    EXPECT_EQ(trace_with(F), HMF_ERROR_OPTIONS);
+    EXPECT_EQ(error.index, 1u);
+    EXPECT_EQ(a, 77u);
+    EXPECT_EQ(b, 77u);
+    barycentrics[3] = 1;
+    EXPECT_EQ(trace_with(F), HMF_OK);
+    EXPECT_EQ(a, 2u);
+
+    // Too small: nothing is written.
+    std::vector<hmf_line> lines(1);
+    lines[0].kind = 55;
+    a = 77;
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, &options, lines.data(), 1, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(lines[0].kind, 55);
+    EXPECT_EQ(a, 77u);
+    hmf_cylinder cylinder{};
+    cylinder.height = 55;
+    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, &cylinder, 1, nullptr, 0, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(cylinder.height, 55);
+    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, 0, &a, nullptr, &error), HMF_ERROR_NULL);
+
+    hmf_quad_options quads;
+    hmf_quad_options_init(&quads);
+    double position[3] = {55, 55, 55};
+    EXPECT_EQ(hmf_quads(h, 0, F.data(), m, &quads, position, 1, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(position[0], 55);
+    for (const double bad : {-1.0, static_cast<double>(NAN), 1e-9}) {
+        quads.edge_length = bad;
+        EXPECT_EQ(hmf_quads(h, 0, F.data(), m, &quads, nullptr, 0, nullptr, 0, &a, &b, &error), HMF_ERROR_OPTIONS) << bad;
+    }
+    hmf_trace_options_init(nullptr);
+    hmf_quad_options_init(nullptr);
+}
+
+// The n-th allocation fails, for every n: a status, and all memory comes back.
+TEST(LeavesContract, OutOfMemory) {
+    struct Meter {
+        size_t used = 0, calls = 0, fail = 0;
+        static void* take(void* user, size_t size) {
+            Meter& meter = *static_cast<Meter*>(user);
+            if (++meter.calls == meter.fail) return nullptr;
+            meter.used += size;
+            return std::malloc(size ? size : 1);
+        }
+        static void give(void* user, void* block, size_t size) {
+            static_cast<Meter*>(user)->used -= size;
+            std::free(block);
+        }
+    } meter;
+    hmf_build_options build;
+    hmf_build_options_init(&build);
+    build.allocate = Meter::take;
+    build.release = Meter::give;
+    build.allocator_user = &meter;
+    build.coarsest = 80;
+    const Hierarchy hierarchy(pretzel(2, 1), build);
+    const hmf_hierarchy* h = hierarchy.get();
+    const Loops loops = library_loops(hierarchy, hierarchy.coarsest());
+    const hmf_loop_set set = loops.view();
+    const std::vector<double> F = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-9)).values;
+    const size_t held = meter.used;
+    hmf_trace_options leaves = trace_options(), conjugate = trace_options();
+    leaves.critical = 1;
+    leaves.spacing = conjugate.spacing = 0.3;
+    conjugate.leaves = HMF_LEAVES_CONJUGATE;
+    hmf_cylinder list[2];
+    size_t a = 0, b = 0;
+    const std::vector<std::function<hmf_status()>> calls = {
+        [&] { return hmf_trace(h, 0, F.data(), F.size(), &leaves, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, nullptr); },
+        [&] { return hmf_trace(h, 0, F.data(), F.size(), &conjugate, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, nullptr); },
+        [&] { return hmf_cylinders(h, 0, F.data(), F.size(), &set, list, 2, nullptr, 0, nullptr, 0, &a, &b, nullptr); },
+        [&] { return hmf_quads(h, 0, F.data(), F.size(), nullptr, nullptr, 0, nullptr, 0, &a, &b, nullptr); }};
+    for (size_t k = 0; k < calls.size(); ++k) {
+        size_t failures = 0;
+        for (size_t n = 1;; ++n) {
+            meter.calls = 0;
+            meter.fail = n;
+            const hmf_status status = calls[k]();
+            const bool reached = meter.calls >= n;
+            meter.fail = 0;
+            ASSERT_EQ(meter.used, held) << k << ' ' << n;
+            if (!reached) {
+                EXPECT_EQ(status, HMF_OK) << k;
+                break;
+            }
+            ASSERT_EQ(status, HMF_ERROR_MEMORY) << k << ' ' << n;
+            ++failures;
+        }
+        EXPECT_GT(failures, 10u);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Samples, Leaves, testing::Range(size_t{0}, samples().size()));
