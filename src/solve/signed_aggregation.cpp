@@ -152,7 +152,8 @@ public:
     bool build(Memory& memory, Call* call) {
         const uint32_t n = level_.n;
         Array<uint32_t> place;
-        if (!place.allocate_filled(memory, a_.count, 0)) return false;
+        if (!place.allocate_filled(memory, a_.count, 0) || !tentative_.allocate(memory, n)) return false;
+        for (uint32_t i = 0; i < n; ++i) tentative_[i] = a_.of[i] == left_out ? 0 : a_.sign[i] * kernel_[i] / norm_[a_.of[i]];
         if (!level_.prolongation_start.allocate(memory, n + size_t{1})) return false;
         // place: 1 + the last row that touched the aggregate.
         uint32_t total = 0;
@@ -185,13 +186,12 @@ private:
         const uint32_t j = level_.column[k];
         return a_.of[j] != left_out && depends(kernel_, i, j, level_.entry[k], strength_);
     }
-    double tentative(uint32_t i) const { return a_.sign[i] * kernel_[i] / norm_[a_.of[i]]; }
 
     void fill_row(uint32_t i, Array<uint32_t>& place) {
         const uint32_t begin = level_.prolongation_start[i];
         uint32_t at = begin;
         add(a_.of[i], 0, begin, at, place);
-        double own = tentative(i);
+        double own = tentative_[i];
         if (is_smoothed(i)) {
             // Weak entries act on the smooth vector as if they lay on the diagonal.
             double diagonal = 1;
@@ -200,7 +200,7 @@ private:
             const double factor = diagonal > 0.05 ? omega / diagonal : 0;
             own *= factor > 0 ? 1 - omega : 1;
             for (uint32_t k = level_.start[2 * i]; k < level_.start[2 * i + 2]; ++k)
-                if (is_used(i, k)) add(a_.of[level_.column[k]], -factor * static_cast<double>(level_.entry[k]) * tentative(level_.column[k]), begin, at, place);
+                if (is_used(i, k)) add(a_.of[level_.column[k]], -factor * static_cast<double>(level_.entry[k]) * tentative_[level_.column[k]], begin, at, place);
         }
         add(a_.of[i], own, begin, at, place);
     }
@@ -220,6 +220,7 @@ private:
     const Array<double>& kernel_;
     const Aggregates& a_;
     const Array<double>& norm_;
+    Array<double> tentative_; // entry of T per unknown
     float strength_;
 };
 
