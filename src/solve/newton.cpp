@@ -158,6 +158,7 @@ private:
     bool solve_linear(const SignedMatrix& matrix, double accuracy) {
         constexpr uint32_t with_old_setup = 50, with_new_setup = 200, with_smoother = 10;
         if (multigrid_ready_) {
+            if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;

@@ -85,6 +85,10 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
+bool SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
+    return level_count_ == 0 || scale_matrix(matrix, level_[0], memory);
+}
+
 double SignedMultigrid::operator_complexity() const {
     double all = 0;
     for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[2 * size_t{level_[l].n}]);

@@ -63,6 +63,10 @@ public:
     // the error has no long waves.
     bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
+    // Takes the values of a matrix that hardly differs for the smoother of the
+    // finest level; the coarse levels stay.  false: out of memory.
+    bool refresh(const SignedMatrix& matrix, Memory& memory);
+
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities
     // costs a few iterations and saves the setup.  A singular A is allowed
