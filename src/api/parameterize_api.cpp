@@ -229,6 +229,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         measure.add(t, map[t]);
     }
     hmf_parameterization result = *out;
+    measure.finish(result);
+    if (!call.tick(0.98)) return cancelled(call);
     result.seam_edge_count = 0;
     result.seam_length = 0;
     // From here on nothing fails, and the outputs are written.
@@ -263,7 +265,6 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     }
     if (out->cone)
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) out->cone[v] = cone[level == 0 ? hierarchy->vertex_internal[v] : v];
-    measure.finish(result);
     result.linear_iterations = flat.iterations;
     result.seconds = call.seconds();
     *out = result;
