@@ -38,32 +38,6 @@ bool Annulus::add_copy(Place entry, double distance) {
 
 bool Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) { return border_.push({link, before, after}); }
 
-bool Annulus::push(Entry entry) {
-    if (!heap_.push(entry)) return false;
-    size_t i = heap_.size() - 1;
-    const auto less = [](const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); };
-    for (; i && less(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
-    heap_[i] = entry;
-    return true;
-}
-
-Annulus::Entry Annulus::pop() {
-    const auto less = [](const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); };
-    const Entry top = heap_[0], entry = heap_.back();
-    heap_.pop();
-    const size_t n = heap_.size();
-    if (n == 0) return top;
-    size_t i = 0;
-    for (size_t child = 1; child < n; child = 2 * i + 1) {
-        if (child + 1 < n && less(heap_[child + 1], heap_[child])) ++child;
-        if (!less(heap_[child], entry)) break;
-        heap_[i] = heap_[child];
-        i = child;
-    }
-    heap_[i] = entry;
-    return top;
-}
-
 // Copy i is the region between the places i and i + 1 of the loop.
 bool Annulus::build_strip(const Array<Place>& loop) {
     const uint32_t n = static_cast<uint32_t>(loop.size());
@@ -174,7 +148,7 @@ bool Annulus::grow(size_t capacity) {
     const auto enqueue = [&](uint32_t b) {
         const uint32_t link = border_[b].link;
         const Copy& copy = copies_[link / 4];
-        return push({copy.distance + copy.length[link % 4], b});
+        return heap_.push({copy.distance + copy.length[link % 4], b});
     };
     for (uint32_t b = 0; b < border_.size(); ++b)
         if (border_[b].link != NONE) close_up(b);
@@ -183,7 +157,7 @@ bool Annulus::grow(size_t capacity) {
     for (uint32_t b = 0; b < border_.size(); ++b)
         if (border_[b].link != NONE && !enqueue(b)) return false;
     while (!heap_.empty() && copies_.size() < capacity) {
-        const Entry top = pop();
+        const NearestFirst::Entry top = heap_.pop();
         const uint32_t b = top.item, link = border_[b].link;
         if (link == NONE) continue;
         if (copies_.size() % 8192 == 0 && !call_.tick(0, true)) return false;
@@ -240,10 +214,10 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
         distance_[start] = 0;
         from_[start] = NONE;
         stamp_[start] = 2 * epoch;
-        if (!push({left(start), start})) return false;
+        if (!heap_.push({left(start), start})) return false;
         bool arrived = false;
         while (!heap_.empty()) {
-            const Entry top = pop();
+            const NearestFirst::Entry top = heap_.pop();
             const uint32_t state = top.item;
             if (stamp_[state] == 2 * epoch + 1) continue;
             // The landmark has to know the goals of the others as well.
@@ -267,7 +241,7 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
                 stamp_[to] = 2 * epoch;
                 distance_[to] = d;
                 from_[to] = 4 * (state / TURNS) + s;
-                if (!push({whole, to})) return false;
+                if (!heap_.push({whole, to})) return false;
             }
         }
         if (!arrived || distance_[goal] >= best) continue;

@@ -19,6 +19,7 @@
 // least over the copies where turns are counted, is the shortest loop.
 #pragma once
 
+#include "../base/nearest_first.hpp"
 #include "dual_length.hpp"
 #include "multicurve.hpp"
 
@@ -49,7 +50,6 @@ private:
         double distance;    // from the loop
     };
     struct Border { uint32_t link, before, after; }; // link: 4 * copy + side
-    struct Entry { double distance; uint32_t item; };
     struct Wedge { uint32_t copy; int32_t turns; }; // of a fan, turns since its first
 
     uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
@@ -61,8 +61,6 @@ private:
     void close_up(uint32_t a);
     bool find_same(uint32_t a);
     bool search(double limit, Array<uint32_t>& out);
-    bool push(Entry entry);
-    Entry pop();
 
     const Mesh& mesh_;
     const DualLength& length_;
@@ -70,7 +68,7 @@ private:
     const Array<uint32_t>* count_ = nullptr;
     Array<Copy> copies_;
     Array<Border> border_;
-    Array<Entry> heap_;
+    NearestFirst heap_;
     Array<Wedge> fan_;
     Array<double> distance_, landmark_;
     Array<uint32_t> from_, stamp_;

@@ -23,6 +23,7 @@
 //  3. Cutting only makes loops longer, so the length found at a root is a lower
 //     bound for it later: roots are tried in that order, and mostly few.
 #include "../base/disjoint_sets.hpp"
+#include "../base/nearest_first.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
@@ -102,8 +103,6 @@ public:
     }
 
 private:
-    struct Entry { double distance; uint32_t state; };
-
     hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
 
     // All faces, in an order whose beginnings are spread over the mesh.
@@ -236,31 +235,6 @@ private:
     bool reached(uint32_t r) const { return stamp_[r] >= 2 * epoch_; }
     bool settled(uint32_t r) const { return stamp_[r] > 2 * epoch_; }
 
-    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.state < b.state); }
-
-    void heap_push(Entry entry) {
-        heap_.push(entry); // within the reserve: at most one for each link
-        size_t i = heap_.size() - 1;
-        for (; i && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
-        heap_[i] = entry;
-    }
-
-    Entry heap_pop() {
-        const Entry top = heap_[0], entry = heap_.back();
-        heap_.pop();
-        const size_t n = heap_.size();
-        if (n == 0) return top;
-        size_t i = 0;
-        for (size_t child = 1; child < n; child = 2 * i + 1) {
-            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
-            if (!before(heap_[child], entry)) break;
-            heap_[i] = heap_[child];
-            i = child;
-        }
-        heap_[i] = entry;
-        return top;
-    }
-
     // Step 2: the shortest non-separating loop through a region, if it is
     // shorter than best_, with the tail to the root stripped, as loop_.
     // Returns the length with the tail, or best_ as it was.
@@ -273,12 +247,12 @@ private:
         from_[root] = NONE;
         label_[root] = 0;
         stamp_[root] = 2 * epoch_;
-        heap_push({0, root});
+        heap_.push({0, root}); // within the reserve: at most one for each link
         double shortest = best_;
         uint32_t closing = NONE, closing_from = NONE, closing_to = NONE;
         while (!heap_.empty()) {
-            const Entry entry = heap_pop();
-            const uint32_t s = entry.state, r = region_[s];
+            const NearestFirst::Entry entry = heap_.pop();
+            const uint32_t s = entry.item, r = region_[s];
             if (settled(s)) continue;
             if (2 * entry.distance >= shortest) break;
             stamp_[s] = 2 * epoch_ + 1;
@@ -297,7 +271,7 @@ private:
                     from_[to] = link;
                     before_[to] = s;
                     label_[to] = label;
-                    heap_push({d, to});
+                    heap_.push({d, to});
                 } else if (label != label_[to] && d + distance_[to] < shortest) {
                     shortest = d + distance_[to];
                     closing = link;
@@ -421,7 +395,7 @@ private:
     Array<uint64_t> label_;      // signatures on the way from the root
     Array<uint32_t> stamp_;
     uint32_t epoch_ = 0;
-    Array<Entry> heap_;
+    NearestFirst heap_;
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
     bool found_ = false;

@@ -11,6 +11,7 @@
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.
 #include "../base/disjoint_sets.hpp"
+#include "../base/nearest_first.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
@@ -45,8 +46,6 @@ private:
     // A side of a loop (2 * component, + 1 for the right one), after one of its crossings.
     struct Seed { uint32_t side, crossing; };
     struct Pair { uint32_t a, b; }; // of seeds
-    struct Entry { double distance; uint32_t region; };
-
     bool cut() {
         if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes || !cut_.build(mesh_, curves_, true, memory_)) return false;
         const size_t n = loops_.count();
@@ -57,30 +56,6 @@ private:
         for (size_t k = 0; k < n; ++k)
             for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i) around_[k] += length_(edge_of(curves_.components.crossings[i]));
         return true;
-    }
-
-    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.region < b.region); }
-    bool push(Entry entry) {
-        if (!heap_.push(entry)) return false;
-        size_t i = heap_.size() - 1;
-        for (; i && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
-        heap_[i] = entry;
-        return true;
-    }
-    Entry pop() {
-        const Entry top = heap_[0], entry = heap_.back();
-        heap_.pop();
-        const size_t n = heap_.size();
-        if (n == 0) return top;
-        size_t i = 0;
-        for (size_t child = 1; child < n; child = 2 * i + 1) {
-            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
-            if (!before(heap_[child], entry)) break;
-            heap_[i] = heap_[child];
-            i = child;
-        }
-        heap_[i] = entry;
-        return top;
     }
 
     // From all sides of all loops at once: the nearest side of each region.
@@ -109,7 +84,7 @@ private:
                     if (seed_[r] == NONE) {
                         seed_[r] = seed;
                         distance_[r] = 0;
-                        if (!push({0, r})) return false;
+                        if (!heap_.push({0, r})) return false;
                     } else if (seeds_[seed_[r]].side != seeds_[seed].side) {
                         if (!pairs_.push({seed_[r], seed})) return false;
                     }
@@ -118,18 +93,18 @@ private:
             }
         }
         while (!heap_.empty()) {
-            const Entry top = pop();
-            if (top.distance > distance_[top.region]) continue;
+            const NearestFirst::Entry top = heap_.pop();
+            if (top.distance > distance_[top.item]) continue;
             for (uint32_t i = 0; i < 3; ++i) {
-                const uint32_t link = cut_.link[3 * size_t{top.region} + i];
+                const uint32_t link = cut_.link[3 * size_t{top.item} + i];
                 if (link == NONE) break;
                 const uint32_t to = cut_.region[link ^ 1u];
                 const double d = top.distance + length_(cut_.segment_edge[link >> 1]);
                 if (!(d < distance_[to])) continue;
                 distance_[to] = d;
-                seed_[to] = seed_[top.region];
+                seed_[to] = seed_[top.item];
                 from_[to] = link;
-                if (!push({d, to})) return false;
+                if (!heap_.push({d, to})) return false;
             }
         }
         return true;
@@ -225,7 +200,7 @@ private:
     Array<Pair> pairs_;             // that meet in one region
     Array<double> distance_;        // per region
     Array<uint32_t> seed_, from_;
-    Array<Entry> heap_;
+    NearestFirst heap_;
     Pair chosen_{NONE, NONE};
     uint32_t middle_ = NONE;
 };

@@ -9,6 +9,7 @@
 #include "seams.hpp"
 
 #include "../base/disjoint_sets.hpp"
+#include "../base/nearest_first.hpp"
 #include "../base/sort_keys.hpp"
 
 #include <cmath>
@@ -35,18 +36,18 @@ public:
             if (is_cone[v]) {
                 any = true;
                 distance[v] = 0;
-                if (!push({0, v})) return false;
+                if (!heap_.push({0, v})) return false;
             }
         if (!any) {
             distance[0] = 0;
-            if (!push({0, 0})) return false;
+            if (!heap_.push({0, 0})) return false;
         }
         uint32_t steps = 0;
         while (!heap_.empty()) {
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
-            const Entry entry = pop();
-            if (entry.distance > distance[entry.vertex]) continue;
-            const uint32_t first = mesh.out[entry.vertex];
+            const NearestFirst::Entry entry = heap_.pop();
+            if (entry.distance > distance[entry.item]) continue;
+            const uint32_t first = mesh.out[entry.item];
             uint32_t h = first;
             do {
                 const uint32_t w = mesh.target(h);
@@ -54,7 +55,7 @@ public:
                 if (d < distance[w]) {
                     distance[w] = d;
                     parent[w] = twin(h);
-                    if (!push({d, w})) return false;
+                    if (!heap_.push({d, w})) return false;
                 }
                 h = mesh.rotate_ccw(h);
             } while (h != first);
@@ -63,35 +64,7 @@ public:
     }
 
 private:
-    struct Entry { double distance; uint32_t vertex; };
-
-    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.vertex < b.vertex); }
-
-    bool push(Entry entry) {
-        if (!heap_.push(entry)) return false;
-        size_t i = heap_.size() - 1;
-        for (; i > 0 && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
-        heap_[i] = entry;
-        return true;
-    }
-
-    Entry pop() {
-        const Entry top = heap_[0], last = heap_.back();
-        heap_.pop();
-        const size_t n = heap_.size();
-        if (n == 0) return top;
-        size_t i = 0;
-        for (size_t child = 1; child < n; child = 2 * i + 1) {
-            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
-            if (!before(heap_[child], last)) break;
-            heap_[i] = heap_[child];
-            i = child;
-        }
-        heap_[i] = last;
-        return top;
-    }
-
-    Array<Entry> heap_;
+    NearestFirst heap_;
 };
 
 } // namespace

@@ -1,0 +1,52 @@
+// The queue of Dijkstra's algorithm: a binary heap of items, nearest first,
+// the lower number first where distances are equal.  An item may be in it
+// several times; who takes it out checks whether the entry is still true.
+#pragma once
+
+#include "memory.hpp"
+
+namespace hmf {
+
+class NearestFirst {
+public:
+    struct Entry {
+        double distance;
+        uint32_t item;
+    };
+
+    void start(Memory& memory) { heap_.start(memory); }
+    bool reserve(size_t n) { return heap_.reserve(n); }
+    void clear() { heap_.clear(); }
+    bool empty() const { return heap_.empty(); }
+
+    bool push(Entry entry) {
+        if (!heap_.push(entry)) return false;
+        size_t i = heap_.size() - 1;
+        for (; i > 0 && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
+        heap_[i] = entry;
+        return true;
+    }
+
+    Entry pop() {
+        const Entry top = heap_[0], last = heap_.back();
+        heap_.pop();
+        const size_t n = heap_.size();
+        if (n == 0) return top;
+        size_t i = 0;
+        for (size_t child = 1; child < n; child = 2 * i + 1) {
+            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
+            if (!before(heap_[child], last)) break;
+            heap_[i] = heap_[child];
+            i = child;
+        }
+        heap_[i] = last;
+        return top;
+    }
+
+private:
+    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); }
+
+    Array<Entry> heap_;
+};
+
+} // namespace hmf
