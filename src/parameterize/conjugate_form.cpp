@@ -12,7 +12,7 @@
 //           '    |    '
 //              ' V4 '                around an odd zero: v -> K - v, so v = K / 2 there
 //
-// Fluxes are rounded to even integers; what then is missing to 0 at a vertex
+// Fluxes are rounded to multiples of 4; what then is missing to 0 at a vertex
 // is carried along a forest to the zeros.  All after that is exact: dv is
 // closed, the same from both sides of an edge, and has the periods of the flux.
 #include "harmonic_form.hpp"
@@ -56,8 +56,7 @@ public:
             } while (h != first);
         }
         for (uint32_t i = size; i-- > roots;) carry(order_[i]);
-        if (!has_odd && missing(0) != 0) turn_round(size, memory);
-        return true;
+        return has_odd || missing(0) == 0 || turn_round(size, memory);
     }
 
 private:
@@ -79,9 +78,9 @@ private:
 
     // No odd zero, but closed paths that come back with the opposite sign: half
     // of what is missing at the root goes round one of them.
-    void turn_round(uint32_t size, Memory& memory) {
+    bool turn_round(uint32_t size, Memory& memory) {
         Array<int8_t> gauge; // of each vertex against the root, along the tree
-        if (!gauge.allocate(memory, mesh_.vertex_count)) return;
+        if (!gauge.allocate(memory, mesh_.vertex_count)) return false;
         gauge[0] = 1;
         // The chart of w in that of v, for h from v to w.
         const auto relative = [&](uint32_t h) { return static_cast<int8_t>(charts_.chart[h] * charts_.chart[mesh_.next[h]]); };
@@ -95,8 +94,9 @@ private:
             flux_.add(bundle_, h, -gauge[v] * charts_.chart[h] * (missing(0) / 2));
             for (uint32_t x = v; x != 0; x = mesh_.target(parent_[x])) carry(x);
             for (uint32_t x = w; x != 0; x = mesh_.target(parent_[x])) carry(x);
-            return;
+            break;
         }
+        return true;
     }
 
     const Mesh& mesh_;

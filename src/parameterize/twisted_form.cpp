@@ -172,7 +172,7 @@ private:
             }
         }
         if (end == NONE) {
-            call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_VERTEX, mesh_.origin[tripod_[start]],
+            call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                        "The mesh is too coarse: two zeros of the foliation need the same vertex. Subdivide the mesh.");
             return false;
         }
