@@ -321,6 +321,39 @@ TEST(SignedMultigrid, StartAndRightSide) {
     EXPECT_EQ(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-9, 2, call).iterations, 2u);
 }
 
+TEST(SignedMultigrid, RowsDecideWhenToStop) {
+    Random random(15);
+    const System s(10000, twisted_torus(100, 100, 8, random));
+    const std::vector<double> b = noise(s.n(), random);
+    std::vector<float> row_scale(s.n());
+    for (uint32_t i = 0; i < s.n(); ++i) row_scale[i] = static_cast<float>(i % 7 == 0 ? 0 : (0.5 + random.uniform()) / s.diagonal[i]);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(s.matrix(), memory));
+    uint32_t before = 0;
+    for (double tolerance : {1e-2, 1e-4, 1e-8}) {
+        std::vector<double> x(s.n(), 0);
+        const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 100, call, row_scale.data(), tolerance);
+        EXPECT_TRUE(result.converged);
+        EXPECT_GT(result.residual, 1e-13);
+        EXPECT_GT(result.iterations, before);
+        before = result.iterations;
+        const std::vector<double> y = s.times(x);
+        double largest = 0;
+        for (uint32_t i = 0; i < s.n(); ++i) largest = std::max(largest, std::abs(b[i] - y[i]) * static_cast<double>(row_scale[i]));
+        EXPECT_LE(largest, tolerance);
+        EXPECT_NEAR(largest, result.row_residual, 1e-12);
+    }
+    // The other rule holds as well, and the limit.
+    std::vector<double> x(s.n(), 0);
+    EXPECT_LE(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-2, 100, call, row_scale.data(), 1e-12).residual, 1e-2);
+    x.assign(s.n(), 0);
+    const hmf::LinearResult cut = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 3, call, row_scale.data(), 1e-12);
+    EXPECT_FALSE(cut.converged);
+    EXPECT_GT(cut.row_residual, 1e-12);
+}
+
 TEST(SignedMultigrid, KeepsWhenSomeSignsChange) {
     Random random(11);
     std::vector<Edge> edges = twisted_torus(100, 100, 5, random);

@@ -291,10 +291,31 @@ double scaled_norm(const float* scale, const double* r, size_t n) {
     return std::sqrt(sum);
 }
 
+// The two norms of a residual: 2-norm with the scaling to unit diagonal,
+// largest row with that of the caller.
+class ResidualNorms {
+public:
+    ResidualNorms(const float* scale, const float* row_scale) : scale_(scale), row_scale_(row_scale) {}
+    void add(size_t i, double r) {
+        const double g = static_cast<double>(scale_[i]) * r;
+        sum_ += g * g;
+        if (!row_scale_) return;
+        const double row = static_cast<double>(row_scale_[i]) * (r < 0 ? -r : r);
+        if (row > largest_row_) largest_row_ = row;
+    }
+    double norm() const { return std::sqrt(sum_); }
+    double largest_row() const { return largest_row_; }
+
+private:
+    const float* scale_;
+    const float* row_scale_; // may be null
+    double sum_ = 0, largest_row_ = 0;
+};
+
 } // namespace
 
 LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
-                                    uint32_t iteration_limit, Call& call) {
+                                    uint32_t iteration_limit, Call& call, const float* row_scale, double row_tolerance) {
     LinearResult result;
     const size_t n = matrix.n;
     const float* scale = level_[0].scale.data();
@@ -317,18 +338,25 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     double before_restart = 1e300;
     for (uint32_t restart = 0; restart < 8; ++restart) {
         multiply(matrix, x, r);
-        for (size_t i = 0; i < n; ++i) r[i] = b[i] - r[i];
-        double norm = scaled_norm(scale, r, n);
+        ResidualNorms norms(scale, row_scale);
+        for (size_t i = 0; i < n; ++i) {
+            r[i] = b[i] - r[i];
+            norms.add(i, r[i]);
+        }
+        double norm = norms.norm();
+        const auto is_small = [&] { return !(norm > goal) || (row_scale && norms.largest_row() <= row_tolerance); };
         result.residual = norm / reference;
-        result.converged = norm <= goal;
+        result.row_residual = norms.largest_row();
+        result.converged = norm < 1e300 && is_small();
         if (result.converged || !(norm < 0.5 * before_restart) || result.iterations >= iteration_limit) return result;
         before_restart = norm;
 
         for (size_t i = 0; i < n; ++i) q[i] = 0;
         double pq = 0; // 0: no direction yet
-        while (norm > goal && result.iterations < iteration_limit) {
+        while (!is_small() && result.iterations < iteration_limit) {
             if (!continues(&call) || call.out_of_time()) {
                 result.residual = norm / reference;
+                result.row_residual = norms.largest_row();
                 return result;
             }
             const double inverse = 1 / norm;
@@ -349,14 +377,13 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
             ++result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            double sum = 0;
+            norms = ResidualNorms(scale, row_scale);
             for (size_t i = 0; i < n; ++i) {
                 x[i] += alpha * p[i];
                 r[i] -= alpha * q[i];
-                const double g = static_cast<double>(scale[i]) * r[i];
-                sum += g * g;
+                norms.add(i, r[i]);
             }
-            norm = std::sqrt(sum);
+            norm = norms.norm();
         }
     }
     return result;

@@ -32,6 +32,7 @@ struct SignedMatrix {
 struct LinearResult {
     uint32_t iterations = 0;
     double residual = 0;      // |b - A x| / |b|, each row divided by the root of its diagonal
+    double row_residual = 0;  // largest |b - A x| of a row times its row_scale; 0 without
     bool converged = false;
 };
 
@@ -72,8 +73,10 @@ public:
     // costs a few iterations and saves the setup.  A singular A is allowed
     // where b is consistent.  Stops early on cancellation, finishing and the
     // time limit of the call.  Needs no memory.
+    // row_scale (n values, may be null): good enough is also an x where no row
+    // of |b - A x| times its row_scale exceeds row_tolerance.
     LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
-                       uint32_t iteration_limit, Call& call);
+                       uint32_t iteration_limit, Call& call, const float* row_scale = nullptr, double row_tolerance = 0);
 
     uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
     double operator_complexity() const; // entries of all sparse levels / entries of the finest
