@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 #include <vector>
 
 #include "../src/solve/signed_multigrid.hpp"
@@ -334,7 +335,7 @@ TEST(SignedMultigrid, RowsDecideWhenToStop) {
     uint32_t before = 0;
     for (double tolerance : {1e-2, 1e-4, 1e-8}) {
         std::vector<double> x(s.n(), 0);
-        const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 100, call, row_scale.data(), tolerance);
+        const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 100, call, {row_scale.data(), tolerance});
         EXPECT_TRUE(result.converged);
         EXPECT_GT(result.residual, 1e-13);
         EXPECT_GT(result.iterations, before);
@@ -347,11 +348,39 @@ TEST(SignedMultigrid, RowsDecideWhenToStop) {
     }
     // The other rule holds as well, and the limit.
     std::vector<double> x(s.n(), 0);
-    EXPECT_LE(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-2, 100, call, row_scale.data(), 1e-12).residual, 1e-2);
+    EXPECT_LE(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-2, 100, call, {row_scale.data(), 1e-12}).residual, 1e-2);
     x.assign(s.n(), 0);
-    const hmf::LinearResult cut = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 3, call, row_scale.data(), 1e-12);
+    const hmf::LinearResult cut = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 3, call, {row_scale.data(), 1e-12});
     EXPECT_FALSE(cut.converged);
     EXPECT_GT(cut.row_residual, 1e-12);
+}
+
+TEST(SignedMultigrid, FixedUnknownsKeepTheirValues) {
+    Random random(16);
+    const System s(10000, twisted_torus(100, 100, 8, random));
+    const std::vector<double> b = noise(s.n(), random);
+    std::vector<double> x(s.n(), 0);
+    std::vector<uint32_t> fixed;
+    for (uint32_t i = 17; i < s.n(); i += 1 + i / 2) fixed.push_back(i);
+    fixed.push_back(18); // a neighbour of the first
+    for (uint32_t i : fixed) x[i] = 3 * random.uniform();
+    const std::vector<double> start = x;
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(s.matrix(), memory));
+    hmf::LinearOptions options;
+    options.fixed = fixed.data();
+    options.fixed_count = fixed.size();
+    const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-10, 100, call, options);
+    EXPECT_TRUE(result.converged);
+    EXPECT_LT(result.iterations, 40u);
+    const std::vector<double> y = s.times(x);
+    const std::set<uint32_t> is_fixed(fixed.begin(), fixed.end());
+    for (uint32_t i = 0; i < s.n(); ++i) {
+        if (is_fixed.count(i)) EXPECT_EQ(x[i], start[i]);
+        else ASSERT_NEAR(y[i], b[i], 1e-7);
+    }
 }
 
 TEST(SignedMultigrid, KeepsWhenSomeSignsChange) {

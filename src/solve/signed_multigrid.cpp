@@ -315,12 +315,12 @@ private:
 } // namespace
 
 LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
-                                    uint32_t iteration_limit, Call& call, const float* row_scale, double row_tolerance) {
+                                    uint32_t iteration_limit, Call& call, const LinearOptions& options) {
     LinearResult result;
     const size_t n = matrix.n;
     const float* scale = level_[0].scale.data();
     float* input = level_count_ ? level_[0].b.data() : dense_b_.data();
-    const float* output = level_count_ ? level_[0].x.data() : dense_b_.data();
+    float* output = level_count_ ? level_[0].x.data() : dense_b_.data();
     double* r = residual_.data();
     double* p = direction_.data();
     double* q = product_.data();
@@ -332,19 +332,21 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
         return result;
     }
     const double goal = relative_tolerance * reference;
+    const auto leave_out = [&](auto* vector) {
+        for (size_t k = 0; k < options.fixed_count; ++k) vector[options.fixed[k]] = 0;
+    };
 
     // The residual of the recurrence drifts from the true one; at the goal the
     // true one decides, and if need be the search starts again from it.
     double before_restart = 1e300;
     for (uint32_t restart = 0; restart < 8; ++restart) {
         multiply(matrix, x, r);
-        ResidualNorms norms(scale, row_scale);
-        for (size_t i = 0; i < n; ++i) {
-            r[i] = b[i] - r[i];
-            norms.add(i, r[i]);
-        }
+        for (size_t i = 0; i < n; ++i) r[i] = b[i] - r[i];
+        leave_out(r);
+        ResidualNorms norms(scale, options.row_scale);
+        for (size_t i = 0; i < n; ++i) norms.add(i, r[i]);
         double norm = norms.norm();
-        const auto is_small = [&] { return !(norm > goal) || (row_scale && norms.largest_row() <= row_tolerance); };
+        const auto is_small = [&] { return !(norm > goal) || (options.row_scale && norms.largest_row() <= options.row_tolerance); };
         result.residual = norm / reference;
         result.row_residual = norms.largest_row();
         result.converged = norm < 1e300 && is_small();
@@ -362,6 +364,7 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
             const double inverse = 1 / norm;
             for (size_t i = 0; i < n; ++i) input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
             precondition();
+            leave_out(output);
             double zr = 0, zq = 0;
             for (size_t i = 0; i < n; ++i) {
                 const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
@@ -374,10 +377,11 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
                 p[i] = pq > 0 ? z + beta * p[i] : z;
             }
             pq = multiply(matrix, p, q);
+            leave_out(q);
             ++result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            norms = ResidualNorms(scale, row_scale);
+            norms = ResidualNorms(scale, options.row_scale);
             for (size_t i = 0; i < n; ++i) {
                 x[i] += alpha * p[i];
                 r[i] -= alpha * q[i];

@@ -29,6 +29,17 @@ struct SignedMatrix {
     const double* diagonal;   // n
 };
 
+// What a solve may be told beside the matrix and the right side; all optional.
+struct LinearOptions {
+    // n values: good enough is also an x where no row of |b - A x| times its
+    // row_scale exceeds row_tolerance.
+    const float* row_scale = nullptr;
+    double row_tolerance = 0;
+    // Unknowns that keep the value they have in x; their rows are not asked for.
+    const uint32_t* fixed = nullptr;
+    size_t fixed_count = 0;
+};
+
 struct LinearResult {
     uint32_t iterations = 0;
     double residual = 0;      // |b - A x| / |b|, each row divided by the root of its diagonal
@@ -73,10 +84,8 @@ public:
     // costs a few iterations and saves the setup.  A singular A is allowed
     // where b is consistent.  Stops early on cancellation, finishing and the
     // time limit of the call.  Needs no memory.
-    // row_scale (n values, may be null): good enough is also an x where no row
-    // of |b - A x| times its row_scale exceeds row_tolerance.
     LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
-                       uint32_t iteration_limit, Call& call, const float* row_scale = nullptr, double row_tolerance = 0);
+                       uint32_t iteration_limit, Call& call, const LinearOptions& options = {});
 
     uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
     double operator_complexity() const; // entries of all sparse levels / entries of the finest
