@@ -111,7 +111,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     OrderedTriangles ordered;
     const Origin origin = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
     hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, work_.position, scale_, call_);
-    if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, ordered, call_);
+    if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, h_.triangle_edges, ordered, call_);
     if (status) return status;
     if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)) return call_.out_of_memory();
     status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, call_);
@@ -123,7 +123,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
                           "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
-    status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, call_);
+    status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, work_.link.data(), call_);
     if (status) return status;
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();

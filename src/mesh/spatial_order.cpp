@@ -13,6 +13,8 @@
 // vertices into one cell costs time and nothing else.
 #include "spatial_order.hpp"
 
+#include "../base/prefetch.hpp"
+
 namespace hmf {
 
 namespace {
@@ -112,10 +114,14 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
 }
 
 hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal, size_t vertex_count,
-                           OrderedTriangles& out, Call& call) {
+                           uint32_t* sides, OrderedTriangles& out, Call& call) {
     Array<uint32_t> begin;
     if (!begin.allocate_filled(call.memory, vertex_count, 0) || !out.words.allocate(call.memory, 4 * triangle_count)) return call.out_of_memory();
-    const auto lowest = [](uint32_t a, uint32_t b, uint32_t c) { return a < b ? a < c ? a : c : b < c ? b : c; };
+    constexpr size_t ahead = 16;
+    const auto lowest = [](const uint32_t* v) {
+        const uint32_t low = v[0] < v[1] ? v[0] : v[1];
+        return low < v[2] ? low : v[2];
+    };
     for (size_t t = 0; t < triangle_count; ++t) {
         if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count))) return HMF_CANCELLED;
         const uint32_t* corner = triangles + 3 * t;
@@ -129,7 +135,9 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
             return call.fail(HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, t,
                              "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.", number, corner[0],
                              corner[1], corner[2]);
-        ++begin[lowest(vertex_internal[corner[0]], vertex_internal[corner[1]], vertex_internal[corner[2]])];
+        uint32_t* internal = sides + 3 * t;
+        for (int s = 0; s < 3; ++s) internal[s] = vertex_internal[corner[s]];
+        ++begin[lowest(internal)];
     }
     uint32_t total = 0;
     for (uint32_t& entry : begin) {
@@ -139,12 +147,14 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
     }
     for (size_t t = 0; t < triangle_count; ++t) {
         if (t % TICK == 0 && !call.tick(0.03 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count))) return HMF_CANCELLED;
-        const uint32_t a = vertex_internal[triangles[3 * t]], b = vertex_internal[triangles[3 * t + 1]], c = vertex_internal[triangles[3 * t + 2]];
-        uint32_t* words = &out.words[size_t{4} * begin[lowest(a, b, c)]++];
-        words[0] = a;
-        words[1] = b;
-        words[2] = c;
+        if (triangle_count - t > 2 * ahead) prefetch(&begin[lowest(sides + 3 * (t + 2 * ahead))]);
+        if (triangle_count - t > ahead) prefetch(&out.words[size_t{4} * begin[lowest(sides + 3 * (t + ahead))]]);
+        uint32_t* internal = sides + 3 * t;
+        const uint32_t face = begin[lowest(internal)]++;
+        uint32_t* words = &out.words[size_t{4} * face];
+        for (int s = 0; s < 3; ++s) words[s] = internal[s];
         words[3] = static_cast<uint32_t>(t);
+        internal[0] = face;
     }
     return HMF_OK;
 }

@@ -12,6 +12,7 @@
 #include "validate.hpp"
 
 #include "../base/disjoint_sets.hpp"
+#include "../base/prefetch.hpp"
 
 namespace hmf {
 
@@ -249,27 +250,33 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
                      "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
 }
 
-hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges, uint32_t* edge_internal, Call& call) {
-    Array<uint32_t> face, number;
-    if (!face.allocate(call.memory, mesh.face_count) || !number.allocate_filled(call.memory, mesh.edge_count, NONE)) return call.out_of_memory();
-    for (uint32_t f = 0; f < mesh.face_count; ++f) face[ordered.number(f)] = f;
-    // Several passes without branches: each access to memory in the order of the
-    // caller may miss the caches, and a wrong guess would wait for it.
-    for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.14 + 0.01 * t / mesh.face_count)) return HMF_CANCELLED;
-        const uint32_t* half_edges = &ordered.words[size_t{4} * face[t]];
-        for (size_t s = 0; s < 3; ++s) triangle_edges[size_t{3} * t + s] = edge_of(half_edges[s]);
-    }
+hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges, uint32_t* edge_internal,
+                        uint32_t* scratch, Call& call) {
+    uint32_t* const number = scratch;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) number[e] = NONE;
+    // Memory is read in the order of the caller, which may have nothing to do
+    // with this one: ask for it some triangles ahead, and never guess.
+    constexpr uint32_t ahead = 16;
+    const auto half_edges = [&](uint32_t t) { return &ordered.words[size_t{4} * triangle_edges[size_t{3} * t]]; };
     uint32_t count = 0;
-    for (uint32_t side = 0; side < 3 * mesh.face_count; ++side) {
-        if (side % TICK == 0 && !call.tick(0.15 + 0.01 * side / mesh.face_count)) return HMF_CANCELLED;
-        uint32_t& known = number[triangle_edges[side]];
-        const uint32_t first = known == NONE;
-        known = first ? count : known;
-        count += first;
-        triangle_edges[side] = known;
+    for (uint32_t t = 0; t < mesh.face_count; ++t) {
+        if (t % TICK == 0 && !call.tick(0.14 + 0.03 * t / mesh.face_count)) return HMF_CANCELLED;
+        if (mesh.face_count - t > 2 * ahead) prefetch(half_edges(t + 2 * ahead));
+        if (mesh.face_count - t > ahead) {
+            const uint32_t* soon = half_edges(t + ahead);
+            for (size_t s = 0; s < 3; ++s) prefetch(&number[edge_of(soon[s])]);
+        }
+        const uint32_t* here = half_edges(t);
+        for (size_t s = 0; s < 3; ++s) {
+            const uint32_t e = edge_of(here[s]), known = number[e], first = known == NONE;
+            // The last edge that was new is written again until the next one comes.
+            const uint32_t last = count - 1 + first, n = first ? count : known;
+            edge_internal[last] = first ? e : edge_internal[last];
+            number[e] = n;
+            triangle_edges[size_t{3} * t + s] = n;
+            count += first;
+        }
     }
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) edge_internal[number[e]] = e;
     return HMF_OK;
 }
 
