@@ -409,7 +409,9 @@ TEST(SpatialOrder, FollowsTheCurve) {
         for (size_t n = 1; n < V; ++n) inversions += place[n] < place[n - 1];
         EXPECT_LE(inversions, V / 200) << "not more than rounding at the bounds of cells explains";
         OrderedTriangles ordered;
-        ASSERT_EQ(order_triangles(mesh.triangles.data(), F, internal.data(), V, ordered, call), HMF_OK);
+        std::vector<uint32_t> sides(3 * size_t{F});
+        ASSERT_EQ(order_triangles(mesh.triangles.data(), F, internal.data(), V, sides.data(), ordered, call), HMF_OK);
+        for (uint32_t f = 0; f < F; ++f) EXPECT_EQ(sides[3 * size_t{ordered.number(f)}], f);
         std::vector<char> seen(F, 0);
         uint32_t before = 0;
         for (uint32_t f = 0; f < F; ++f) {

@@ -114,8 +114,8 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, h_.triangle_edges, ordered, call_);
     if (status) return status;
     if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)) return call_.out_of_memory();
-    status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, call_);
-    if (!status) status = check_connection(work_.mesh, work_.degree, origin, call_);
+    status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, work_.link.data(), call_);
+    if (!status) status = check_connection(work_.mesh, work_.degree, origin, work_.link.data(), call_);
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);

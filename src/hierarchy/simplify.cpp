@@ -160,7 +160,7 @@ bool WorkMesh::allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_cou
     const size_t sides = size_t{2} * edge_count;
     if (!origin.allocate(memory, sides) || !next.allocate(memory, sides) || !face.allocate(memory, sides)
         || !out.allocate(memory, vertex_count) || !degree.allocate_filled(memory, vertex_count, 0)
-        || !link.allocate(memory, edge_count)
+        || !link.allocate(memory, edge_count > vertex_count ? edge_count : vertex_count)
         || !marks.allocate_filled(memory, vertex_count, 0) || !queue.allocate(memory)
         || (with_quadrics && !quadrics.allocate(memory, vertex_count)))
         return false;

@@ -51,7 +51,7 @@ struct WorkMesh {
     uint32_t vertex_end = 0, edge_end = 0, face_end = 0; // numbers in use, with those of removed elements
     Array<uint32_t> origin, next, face, out, degree;
     Array<double> position;
-    Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips
+    Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips; before, scratch of the validation
     Array<uint8_t> marks;            // per vertex, zeros
     Array<Quadric> quadrics;         // per vertex, with HMF_COLLAPSE_QSLIM only
     double centre[3] = {0, 0, 0};    // that the quadrics are about

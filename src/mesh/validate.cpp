@@ -23,12 +23,26 @@ constexpr size_t TICK = 1u << 16;
 // Squared area (times 4) against the longest side: a needle of 0.001 degrees
 // has 1e-10, the rounding of collinear corners stays below the bound.
 bool has_area(const double* a, const double* b, const double* c) {
-    double u[3], v[3], largest = 0;
+    double u[3], v[3];
     for (int n = 0; n < 3; ++n) {
         u[n] = b[n] - a[n];
         v[n] = c[n] - a[n];
-        const double w = c[n] - b[n], sides[3] = {u[n] < 0 ? -u[n] : u[n], v[n] < 0 ? -v[n] : v[n], w < 0 ? -w : w};
-        for (const double size : sides) largest = size > largest ? size : largest;
+    }
+    const auto square_of_cross = [&] {
+        const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        return x * x + y * y + z * z;
+    };
+    // Almost all triangles pass this, which implies what is below: the square of
+    // the longest side is at most twice the sum.
+    const double sum = u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (sum > 1e-100 && square_of_cross() > 1e-28 * sum * sum) return true;
+    double largest = 0;
+    for (int n = 0; n < 3; ++n) {
+        const double sides[3] = {u[n], v[n], c[n] - b[n]};
+        for (const double side : sides) {
+            const double size = side < 0 ? -side : side;
+            largest = size > largest ? size : largest;
+        }
     }
     if (!(largest > 0)) return false;
     if (largest < 1e-60) { // no underflow in small details
@@ -38,9 +52,8 @@ bool has_area(const double* a, const double* b, const double* c) {
         }
         largest = 1;
     }
-    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
     const double square = largest * largest;
-    return x * x + y * y + z * z > 4e-30 * square * square;
+    return square_of_cross() > 4e-30 * square * square;
 }
 
 // A side is a place in OrderedTriangles::words: 4 * face + corner.
@@ -53,37 +66,54 @@ struct Side {
 
 struct Mark {
     uint32_t low;   // the bucket that the vertex was seen in
-    uint32_t entry; // the side seen there; NONE: it has found its other side
+    uint32_t place; // the side seen there; NONE: it has found its other side
 };
 
-// The third side of a triangle, in the list of its bucket.
-struct Later {
-    uint32_t high;
-    uint32_t next; // place of the next third side, or NONE
+// The sides of triangles that wait for the bucket of their lower vertex, one
+// list for each vertex.  They lie in arrays of the mesh that are filled later.
+struct Waiting {
+    uint32_t *first, *high, *next; // per vertex: a place; per face: the higher vertex, a place; NONE ends the list
+};
+
+// Sides that belong together.
+struct Pairs {
+    static constexpr uint32_t ROOM = 512;
+    uint32_t side[ROOM][2], count = 0;
+
+    // Numbers the edges from edge_count; words of the sides become half-edges.
+    void make_edges(uint32_t* words, const Mesh& mesh, uint32_t& edge_count) {
+        uint32_t h = 2 * edge_count;
+        for (uint32_t n = 0; n < count; ++n)
+            for (const uint32_t place : side[n]) {
+                mesh.origin[h] = words[place];
+                words[place] = h++;
+            }
+        edge_count += count;
+        count = 0;
+    }
 };
 
 // Messages about one triangle or bucket.
 class Report {
 public:
-    Report(const OrderedTriangles& ordered, const Origin& origin, const Array<Side>& bucket, Call& call)
-        : ordered_(ordered), origin_(origin), bucket_(bucket), call_(call) {}
+    Report(const OrderedTriangles& ordered, const Origin& origin, Call& call) : ordered_(ordered), origin_(origin), call_(call) {}
 
     // The third triangle at the edge, by the caller's numbers.
-    hmf_status third(uint32_t high) const {
+    hmf_status third(const Side* bucket, uint32_t size, uint32_t high) const {
         const Side* lowest[3] = {nullptr, nullptr, nullptr};
-        for (const Side& side : bucket_) {
-            if (side.high != high) continue;
-            const Side* here = &side;
+        for (uint32_t n = 0; n < size; ++n) {
+            if (bucket[n].high != high) continue;
+            const Side* here = &bucket[n];
             for (const Side*& place : lowest)
-                if (here && (!place || number(*here) < number(*place))) {
+                if (here && (!place || number(here->place) < number(place->place))) {
                     const Side* moved = place;
                     place = here;
                     here = moved;
                 }
         }
-        return call_.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(*lowest[2]),
+        return call_.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(lowest[2]->place),
                           "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
-                          "duplicate the vertices to separate the sheets.", number(*lowest[2]), from(*lowest[2]), to(*lowest[2]));
+                          "duplicate the vertices to separate the sheets.", number(lowest[2]->place), from(lowest[2]->place), to(lowest[2]->place));
     }
     hmf_status flat(uint32_t triangle) const {
         const uint32_t* corner = origin_.triangles + size_t{3} * triangle;
@@ -91,25 +121,24 @@ public:
                           "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or set mollify in the build options.",
                           triangle, corner[0], corner[1], corner[2]);
     }
-    hmf_status alone(const Side& side) const {
+    hmf_status alone(uint32_t side) const {
         return call_.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
                           "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
                           "the hole, or join duplicate vertices.", number(side), from(side), to(side));
     }
-    hmf_status turned(const Side& a, const Side& b) const {
+    hmf_status turned(uint32_t a, uint32_t b) const {
         return call_.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, number(a),
                           "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
                           "possible, the surface is not orientable.", number(a), number(b), from(a), to(a));
     }
 
 private:
-    uint32_t number(const Side& side) const { return ordered_.number(side.place / 4); }
-    uint32_t from(const Side& side) const { return origin_.triangles[size_t{3} * number(side) + side.place % 4]; }
-    uint32_t to(const Side& side) const { return origin_.triangles[size_t{3} * number(side) + side_after(side.place) % 4]; }
+    uint32_t number(uint32_t side) const { return ordered_.number(side / 4); }
+    uint32_t from(uint32_t side) const { return origin_.triangles[size_t{3} * number(side) + side % 4]; }
+    uint32_t to(uint32_t side) const { return origin_.triangles[size_t{3} * number(side) + side_after(side) % 4]; }
 
     const OrderedTriangles& ordered_;
     const Origin& origin_;
-    const Array<Side>& bucket_;
     Call& call_;
 };
 
@@ -134,18 +163,10 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
 }
 
 hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& position, const Origin& origin, Mesh& mesh,
-                          Array<uint32_t>& degree, Call& call) {
-    Array<uint32_t>& words = ordered.words;
-    const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(words.size());
-    Array<uint32_t> waiting; // per vertex: third sides of its bucket
-    Array<Later> later;      // per face
-    Array<Mark> marks;
-    Array<Side> bucket;
-    if (!waiting.allocate_filled(call.memory, vertex_count, NONE) || !later.allocate(call.memory, places / 4)
-        || !marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE}))
-        return call.out_of_memory();
-    bucket.start(call.memory);
-    const Report report(ordered, origin, bucket, call);
+                          Array<uint32_t>& degree, uint32_t* part, Call& call) {
+    uint32_t* const words = ordered.words.data();
+    const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
+    const Report report(ordered, origin, call);
     uint32_t flat = NONE; // the first triangle without area, by the caller's numbers
     for (uint32_t place = 0; place < places; place += 4) {
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
@@ -154,48 +175,61 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
         if (!origin.flat_allowed && !has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
+    Array<Mark> marks;
+    Array<Side> bucket;
+    uint32_t largest = 0;
+    for (const uint32_t d : degree) largest = d > largest ? d : largest;
+    if (!marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE}) || !bucket.allocate(call.memory, size_t{2} * largest))
+        return call.out_of_memory();
+    const Waiting waiting = {mesh.out, mesh.next, mesh.face};
+    for (uint32_t v = 0; v < vertex_count; ++v) waiting.first[v] = NONE;
+    Pairs pairs;
     uint32_t edges = 0, place = 0;
     for (uint32_t low = 0; low < vertex_count; ++low) {
         if (low % TICK == 0 && !call.tick(0.06 + 0.03 * low / vertex_count)) return HMF_CANCELLED;
-        bucket.clear();
+        uint32_t size = 0;
         for (; place < places; place += 4) {
             const uint32_t a = words[place], b = words[place + 1], c = words[place + 2];
-            if (a != low && b != low && c != low) break;
-            const uint32_t s = a == low ? 0 : b == low ? 1 : 2; // the corner that is lowest
+            if ((a != low) & (b != low) & (c != low)) break;
+            const uint32_t s = (b == low) + 2 * (c == low); // the corner that is lowest
             const uint32_t next = side_after(place + s), last = side_after(next), v = words[next], w = words[last];
-            if (!bucket.push({v, place + s}) || !bucket.push({w, last})) return call.out_of_memory();
+            bucket[size] = {v, place + s};
+            bucket[size + 1] = {w, last};
+            size += 2;
             const uint32_t lower = v < w ? v : w;
-            later[place / 4] = {v < w ? w : v, waiting[lower]};
-            waiting[lower] = next;
+            waiting.high[place / 4] = v < w ? w : v;
+            waiting.next[place / 4] = waiting.first[lower];
+            waiting.first[lower] = next;
         }
-        for (uint32_t third = waiting[low]; third != NONE; third = later[third / 4].next)
-            if (!bucket.push({later[third / 4].high, third})) return call.out_of_memory();
+        for (uint32_t third = waiting.first[low]; third != NONE; third = waiting.next[third / 4]) bucket[size++] = {waiting.high[third / 4], third};
+        // Which sides find another one cannot be predicted, so no branch depends
+        // on it: what is written for the others is overwritten.
         uint32_t matched = 0, turned[2] = {NONE, NONE};
-        for (uint32_t n = 0; n < bucket.size(); ++n) {
-            Mark& mark = marks[bucket[n].high];
-            if (mark.low != low) {
-                mark = {low, n};
-                continue;
+        for (uint32_t n = 0; n < size; ++n) {
+            const Side side = bucket[n];
+            Mark& mark = marks[side.high];
+            const bool second = mark.low == low;
+            const uint32_t first = second ? mark.place : side.place;
+            if (first == NONE) return report.third(bucket.data(), size, side.high);
+            mark = {low, second ? NONE : side.place};
+            if (second & (words[first] == words[side.place])) {
+                turned[0] = first;
+                turned[1] = side.place;
             }
-            if (mark.entry == NONE) return report.third(bucket[n].high);
-            const uint32_t first = bucket[mark.entry].place, second = bucket[n].place;
-            if (words[first] == words[second]) {
-                turned[0] = mark.entry;
-                turned[1] = n;
-            }
-            mesh.origin[2 * edges] = words[first];
-            mesh.origin[2 * edges + 1] = words[second];
-            words[first] = 2 * edges;
-            words[second] = 2 * edges + 1;
-            ++edges;
-            mark.entry = NONE;
-            matched += 2;
+            pairs.side[pairs.count][0] = first;
+            pairs.side[pairs.count][1] = side.place;
+            pairs.count += second;
+            matched += 2 * second;
+            if (pairs.count == Pairs::ROOM) pairs.make_edges(words, mesh, edges);
         }
-        if (matched < bucket.size())
-            for (uint32_t n = 0; n < bucket.size(); ++n)
-                if (marks[bucket[n].high].entry == n) return report.alone(bucket[n]);
-        if (turned[0] != NONE) return report.turned(bucket[turned[0]], bucket[turned[1]]);
+        if (matched < size)
+            for (uint32_t n = 0; n < size; ++n)
+                if (marks[bucket[n].high].place == bucket[n].place) return report.alone(bucket[n].place);
+        if (turned[0] != NONE) return report.turned(turned[0], turned[1]);
     }
+    pairs.make_edges(words, mesh, edges);
+    // A mark still tells a lower neighbour: trees that cover almost everything.
+    for (uint32_t v = 0; v < vertex_count; ++v) part[v] = marks[v].low == NONE ? v : part[marks[v].low];
     for (uint32_t face = 0; face < places / 4; ++face) {
         if (face % TICK == 0 && !call.tick(0.09 + 0.08 * face / places)) return HMF_CANCELLED;
         const uint32_t* h = &words[size_t{4} * face];
@@ -208,16 +242,15 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
     return HMF_OK;
 }
 
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, Call& call) {
-    Array<uint32_t> component;
-    if (!component.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part, Call& call) {
     const auto callers_vertex = [&](uint32_t internal) {
         uint32_t v = 0;
         while (origin.vertex_internal[v] != internal) ++v;
         return v;
     };
+    uint32_t parts = 0;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        component[v] = v;
+        parts += part[v] == v;
         if (degree[v] > 0) continue;
         const uint32_t number = callers_vertex(v);
         return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, number,
@@ -225,27 +258,29 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
     }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (v % TICK == 0 && !call.tick(0.11 + 0.02 * v / mesh.vertex_count)) return HMF_CANCELLED;
-        uint32_t steps = 0, h = mesh.out[v];
-        do {
+        // One fan comes back after all triangles, and not before.  Counted, so that
+        // the walk round the next vertex need not wait for the end of this one.
+        uint32_t h = mesh.out[v], returns = 0;
+        for (uint32_t steps = 0; steps < degree[v]; ++steps) {
             h = mesh.rotate_cw(h);
-            ++steps;
-        } while (h != mesh.out[v]);
-        if (steps == degree[v]) continue;
+            returns += h == mesh.out[v];
+        }
+        if ((returns == 1) & (h == mesh.out[v])) continue;
         const uint32_t number = callers_vertex(v);
         return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
                          "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", number);
     }
-    uint32_t components = mesh.vertex_count;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+    for (uint32_t e = 0; e < mesh.edge_count && parts > 1; ++e) {
         if (e % TICK == 0 && !call.tick(0.13 + 0.01 * e / mesh.edge_count)) return HMF_CANCELLED;
-        components -= unite(component.data(), mesh.origin[2 * e], mesh.origin[2 * e + 1]);
+        const uint32_t i = mesh.origin[2 * e], j = mesh.origin[2 * e + 1];
+        if (part[i] != part[j]) parts -= unite(part, i, j);
     }
-    if (components == 1) return HMF_OK;
-    const auto component_of = [&](uint32_t triangle) {
-        return find_root(component.data(), origin.vertex_internal[origin.triangles[size_t{3} * triangle]]);
+    if (parts == 1) return HMF_OK;
+    const auto part_of = [&](uint32_t triangle) {
+        return find_root(part, origin.vertex_internal[origin.triangles[size_t{3} * triangle]]);
     };
     uint32_t lost = 0;
-    while (component_of(lost) == component_of(0)) ++lost;
+    while (part_of(lost) == part_of(0)) ++lost;
     return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
                      "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
 }

@@ -21,12 +21,13 @@ struct Origin {
 
 // Refuses triangles without area, and everything that is not a closed, oriented
 // edge-manifold.  Fills mesh (whose arrays have room for 3/2 edges a triangle)
-// and degree; the corners in `ordered` become half-edges.
+// and degree; the corners in `ordered` become half-edges.  part (vertex_count)
+// becomes a forest of disjoint_sets.hpp over vertices that are connected.
 hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& position, const Origin& origin, Mesh& mesh,
-                          Array<uint32_t>& degree, Call& call);
+                          Array<uint32_t>& degree, uint32_t* part, Call& call);
 
 // Refuses unused vertices, vertices with several fans, and several components.
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, Call& call);
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part, Call& call);
 
 // Numbers edges by their first appearance in the caller's triangles: fills
 // triangle_edges (3 * triangle_count), which is as order_triangles left it, and
