@@ -22,6 +22,7 @@ struct CoarseMatrix {
 bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
 
 // The scaled matrix in single precision, into level (scale is already there).
+// Takes no memory where there is a matrix of the same pattern.
 bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
 
 // Aggregates, prolongation and Galerkin product.
@@ -29,7 +30,7 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
 //                 Laplacian before scaling); replaced by that of the coarse level
 //   strength      entries with a smaller share of their row are weak
 // false: out of memory, or cancelled.
-// The prolongation still lacks the scaling of the coarse level.
+// The prolongation still lacks the scaling of both levels.
 bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
              Memory& memory, Call* call);
 

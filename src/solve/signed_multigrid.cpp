@@ -26,16 +26,32 @@ constexpr double dense_shift = 1e-3;
 // sweeps would decay into subnormal numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
-// Sum of entry * x over a padded part of a row.
-inline float row_product(const uint32_t* column, const float* entry, uint32_t begin, uint32_t end, const float* x) {
+// Sum of entry * x over row i below the diagonal.
+inline float row_product(const MultigridLevel& level, size_t i, const float* x) {
+    const uint32_t* column = level.column.data();
+    const float* entry = level.entry.data();
     float sum = 0;
-    for (uint32_t k = begin; k < end; k += 4)
+    for (uint32_t k = level.start[i]; k < level.start[i + 1]; k += 4)
         sum += (entry[k] * x[column[k]] + entry[k + 1] * x[column[k + 1]])
              + (entry[k + 2] * x[column[k + 2]] + entry[k + 3] * x[column[k + 3]]);
     return sum;
 }
 
+// y -= value times column i above the diagonal.
+inline void subtract_column(const MultigridLevel& level, size_t i, float value, float* y) {
+    const uint32_t* column = level.column.data();
+    const float* entry = level.entry.data();
+    for (uint32_t k = level.start[i]; k < level.start[i + 1]; ++k) y[column[k]] -= entry[k] * value;
+}
+
 } // namespace
+
+// From the unknowns of the matrices to those with unit diagonals.
+static void scale_prolongation(MultigridLevel& fine, const Array<float>& coarse_scale) {
+    for (size_t c = 0; c < coarse_scale.size(); ++c)
+        for (uint32_t t = fine.prolongation_start[c]; t < fine.prolongation_start[c + 1]; ++t)
+            fine.prolongation_entry[t] *= coarse_scale[c] / fine.scale[fine.prolongation_row[t]];
+}
 
 bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
@@ -56,19 +72,20 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         MultigridLevel& level = level_[l];
         if (!unit_diagonal_scale(current, threshold, level.scale, memory)) return false;
         if (l > 0) {
-            MultigridLevel& finer = level_[l - 1];
-            for (size_t k = 0; k < finer.prolongation_column.size(); ++k) finer.prolongation_entry[k] *= level.scale[finer.prolongation_column[k]];
+            scale_prolongation(level_[l - 1], level.scale);
+            if (l > 1) level_[l - 1].scale.release();
         }
         if (current.n <= dense_limit) {
             if (!factorise(current, level.scale, memory)) return false;
             break;
         }
-        if (!continues(call) || !scale_matrix(current, level, memory)) return false;
         ++level_count_;
-        if (l + 1 == depth || l + 1 == max_levels) break;
+        const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
-        if (!coarsen(current, level, strength, near_kernel, coarse, memory, call)) return false;
-        if (l > 0) level.scale.release();
+        if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
+            || !scale_matrix(current, level, memory))
+            return false;
+        if (last) break;
         storage = static_cast<CoarseMatrix&&>(coarse);
         current = storage.view();
         // A coarse diagonal far below 1 belongs to the kernel of a component.
@@ -91,8 +108,8 @@ bool SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
 
 double SignedMultigrid::operator_complexity() const {
     double all = 0;
-    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[2 * size_t{level_[l].n}]);
-    return level_count_ ? all / (level_[0].n + static_cast<double>(level_[0].start[2 * size_t{level_[0].n}])) : 1;
+    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[level_[l].n]);
+    return level_count_ ? all / (level_[0].n + static_cast<double>(level_[0].start[level_[0].n])) : 1;
 }
 
 // --- Coarsest level ----------------------------------------------------------
@@ -151,52 +168,50 @@ void SignedMultigrid::solve_dense(float* b) const {
 // Forward sweep from x = 0, then the right side of the next level.
 void SignedMultigrid::descend(uint32_t l) {
     MultigridLevel& level = level_[l];
-    const uint32_t n = level.n;
-    const uint32_t* start = level.start.data();
-    const uint32_t* column = level.column.data();
-    const float* entry = level.entry.data();
     const float* b = level.b.data();
     float* x = level.x.data();
-    for (size_t i = 0; i < n; ++i) {
-        x[i] = b[i] - row_product(column, entry, start[2 * i], start[2 * i + 1], x);
+    float* r = level.r.data();
+    // After a sweep from zero the residual is that of the part above the diagonal.
+    for (size_t i = 0; i < level.n; ++i) {
+        const float value = b[i] - row_product(level, i, x);
+        x[i] = value;
+        r[i] = 0;
+        subtract_column(level, i, value, r);
     }
     if (level.prolongation_start.empty()) return;
     const bool last = l + 1 == level_count_;
     float* coarse = last ? dense_b_.data() : level_[l + 1].b.data();
     const size_t m = last ? dense_n_ : level_[l + 1].n;
-    for (size_t c = 0; c < m; ++c) coarse[c] = floor_value;
-    const uint32_t* p_start = level.prolongation_start.data();
-    const uint32_t* p_column = level.prolongation_column.data();
-    const float* p_entry = level.prolongation_entry.data();
-    // After a sweep from zero the residual is the upper part alone.
-    for (size_t i = 0; i < n; ++i) {
-        const float r = -row_product(column, entry, start[2 * i + 1], start[2 * i + 2], x);
-        for (uint32_t k = p_start[i]; k < p_start[i + 1]; ++k) coarse[p_column[k]] += p_entry[k] * r;
+    const uint32_t* start = level.prolongation_start.data();
+    const uint32_t* row = level.prolongation_row.data();
+    const float* entry = level.prolongation_entry.data();
+    for (size_t c = 0; c < m; ++c) {
+        float sum = floor_value;
+        for (uint32_t t = start[c]; t < start[c + 1]; ++t) sum += entry[t] * r[row[t]];
+        coarse[c] = sum;
     }
 }
 
 // Adds the correction of the next level, then a backward sweep.
 void SignedMultigrid::ascend(uint32_t l) {
     MultigridLevel& level = level_[l];
-    const uint32_t n = level.n;
-    const uint32_t* start = level.start.data();
-    const uint32_t* column = level.column.data();
-    const float* entry = level.entry.data();
-    const float* b = level.b.data();
     float* x = level.x.data();
     if (!level.prolongation_start.empty()) {
-        const float* coarse = l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
-        const uint32_t* p_start = level.prolongation_start.data();
-        const uint32_t* p_column = level.prolongation_column.data();
-        const float* p_entry = level.prolongation_entry.data();
-        for (size_t i = 0; i < n; ++i) {
-            float sum = x[i];
-            for (uint32_t k = p_start[i]; k < p_start[i + 1]; ++k) sum += p_entry[k] * coarse[p_column[k]];
-            x[i] = sum;
-        }
+        const bool last = l + 1 == level_count_;
+        const float* coarse = last ? dense_b_.data() : level_[l + 1].x.data();
+        const size_t m = last ? dense_n_ : level_[l + 1].n;
+        const uint32_t* start = level.prolongation_start.data();
+        const uint32_t* row = level.prolongation_row.data();
+        const float* entry = level.prolongation_entry.data();
+        for (size_t c = 0; c < m; ++c)
+            for (uint32_t t = start[c]; t < start[c + 1]; ++t) x[row[t]] += entry[t] * coarse[c];
     }
-    for (size_t i = n; i-- > 0;) {
-        x[i] = b[i] - row_product(column, entry, start[2 * i], start[2 * i + 2], x);
+    float* r = level.r.data();
+    std::memcpy(r, level.b.data(), level.n * sizeof(float));
+    for (size_t i = level.n; i-- > 0;) {
+        const float value = r[i] - row_product(level, i, x);
+        x[i] = value;
+        subtract_column(level, i, value, r);
     }
 }
 
@@ -208,17 +223,17 @@ void SignedMultigrid::v_cycle(uint32_t first) {
 
 namespace {
 
-// y = A x and its product with z; y may be null.
-double multiply(const MultigridLevel& level, const float* x, float* y, const float* z) {
-    const uint32_t* start = level.start.data();
-    const uint32_t* column = level.column.data();
-    const float* entry = level.entry.data();
-    double sum = 0;
+// y = A x.
+void multiply(const MultigridLevel& level, const float* x, float* y) {
     for (size_t i = 0; i < level.n; ++i) {
-        const float v = x[i] + row_product(column, entry, start[2 * i], start[2 * i + 2], x);
-        if (y) y[i] = v;
-        sum += static_cast<double>(v) * static_cast<double>(z[i]);
+        y[i] = x[i] + row_product(level, i, x);
+        subtract_column(level, i, -x[i], y);
     }
+}
+
+double dot(const float* x, const float* y, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) sum += static_cast<double>(x[i]) * static_cast<double>(y[i]);
     return sum;
 }
 
@@ -233,23 +248,18 @@ void SignedMultigrid::k_cycle() {
     float* c = first_.data();
     float* v = image_.data();
     v_cycle(1);
-    double cb = 0;
-    for (size_t i = 0; i < n; ++i) {
-        c[i] = x[i];
-        cb += static_cast<double>(x[i]) * static_cast<double>(b[i]);
-    }
-    const double cv = multiply(level, c, v, c);
+    std::memcpy(c, x, n * sizeof(float));
+    const double cb = dot(c, b, n);
+    multiply(level, c, v);
+    const double cv = dot(c, v, n);
     if (!(cv > 0)) return;
     const float step = static_cast<float>(cb / cv);
     for (size_t i = 0; i < n; ++i) b[i] -= step * v[i];
     v_cycle(1);
-    double xb = 0, xv = 0;
-    for (size_t i = 0; i < n; ++i) {
-        xb += static_cast<double>(x[i]) * static_cast<double>(b[i]);
-        xv += static_cast<double>(x[i]) * static_cast<double>(v[i]);
-    }
+    const double xb = dot(x, b, n), xv = dot(x, v, n);
     // What is left of the second direction once it is conjugate to the first.
-    const double xx = multiply(level, x, nullptr, x);
+    multiply(level, x, level.r.data());
+    const double xx = dot(x, level.r.data(), n);
     const double rest = xx - xv * xv / cv;
     const double second = rest > 1e-6 * xx ? xb / rest : 0;
     const float along_x = static_cast<float>(second), along_c = static_cast<float>(cb / cv - xv / cv * second);
@@ -332,6 +342,8 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
         return result;
     }
     const double goal = relative_tolerance * reference;
+    // Zero entries of the sweeps meet values that were not yet computed.
+    for (uint32_t l = 0; l < level_count_; ++l) std::memset(level_[l].x.data(), 0, level_[l].n * sizeof(float));
     const auto leave_out = [&](auto* vector) {
         for (size_t k = 0; k < options.fixed_count; ++k) vector[options.fixed[k]] = 0;
     };

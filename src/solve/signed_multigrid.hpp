@@ -52,17 +52,17 @@ struct LinearResult {
 struct MultigridLevel {
     uint32_t n = 0;
     Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; only kept on level 0
-    // Row i: columns below i from start[2i], columns above i from
-    // start[2i+1] to start[2i+2].  A sweep from zero only meets the first part.
-    // Both parts are filled up with zero entries to multiples of four: loops
-    // of hardly varying length are worth the room.
-    Array<uint32_t> start;         // 2 n + 1
+    // Row i: the entries in columns below i, from start[i] to start[i+1]; what
+    // is above the diagonal is their transpose.  Filled up with zero entries to
+    // multiples of four: loops of hardly varying length are worth the room.
+    Array<uint32_t> start;         // n + 1
     Array<uint32_t> column;
     Array<float> entry;
-    Array<uint32_t> prolongation_start; // n + 1; empty on the last level
-    Array<uint32_t> prolongation_column;
+    // Transpose of the prolongation, by coarse unknowns: longer rows.
+    Array<uint32_t> prolongation_start; // coarse n + 1; empty on the last level
+    Array<uint32_t> prolongation_row;
     Array<float> prolongation_entry;
-    Array<float> b, x;             // n
+    Array<float> b, x, r;          // n
 };
 
 class SignedMultigrid {
