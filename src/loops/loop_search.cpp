@@ -1,0 +1,124 @@
+#include "loop_search.hpp"
+
+namespace hmf {
+
+bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
+    Memory& memory = call_.memory;
+    const size_t n = cut_.region_count, states = edge_label_ ? states_per_region * n : n;
+    heap_.start(memory);
+    order_.start(memory);
+    epoch_ = 0;
+    starved_ = false;
+    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states) ||
+        !sum_.allocate(memory, edge_label_ ? states : 0) || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
+        return false;
+    for (size_t i = 0; i < 3 * n; ++i) {
+        const uint32_t link = cut_.link[i], segment = link >> 1;
+        arc_[i] = link == NONE ? Arc{0, 0, NONE, NONE} : Arc{edge_length_[cut_.segment_edge[segment]], signatures.of[segment], cut_.region[link ^ 1u], link};
+    }
+    for (uint32_t s = 0; s < states; ++s) state_[s] = {0, 0, 0, s, NONE, NONE};
+    return true;
+}
+
+// The state of a region with a sum of labels, NONE if there is no room.  A
+// region is its own first state; others follow in a list.
+uint32_t LoopSearch::find_state(uint32_t region, uint64_t label) {
+    uint32_t s = region;
+    if (!edge_label_) return s;
+    if (!reached(s)) {
+        sum_[s] = {label, NONE};
+        return s;
+    }
+    while (sum_[s].label != label) {
+        if (sum_[s].next == NONE) {
+            if (state_count_ == state_.size()) {
+                starved_ = starved_here_ = true;
+                return NONE;
+            }
+            const uint32_t made = state_count_++;
+            sum_[s].next = made;
+            sum_[made] = {label, NONE};
+            state_[made].region = region;
+            state_[made].stamp = 0;
+            return made;
+        }
+        s = sum_[s].next;
+    }
+    return s;
+}
+
+bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
+    ++epoch_;
+    heap_.clear();
+    order_.clear();
+    state_count_ = cut_.region_count;
+    starved_here_ = false;
+    const uint32_t start = find_state(root, 0);
+    state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
+    heap_.push({0, start}); // within the reserve: at most one for each link
+    double shortest = limit;
+    uint32_t closing = NONE, closing_from = NONE, closing_to = NONE;
+    while (!heap_.empty()) {
+        const NearestFirst::Entry entry = heap_.pop();
+        const uint32_t s = entry.item;
+        if (settled(s)) continue;
+        if (2 * entry.distance >= shortest) break;
+        state_[s].stamp = 2 * epoch_ + 1;
+        order_.push(s); // within the reserve
+        if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
+        const Arc* const arcs = &arc_[3 * size_t{state_[s].region}];
+        const uint64_t label = edge_label_ ? sum_[s].label : 0, signature_here = state_[s].signature;
+        for (uint32_t i = 0; i < 3; ++i) {
+            const Arc& arc = arcs[i];
+            if (arc.to == NONE) break;
+            if (bound_[arc.to] >= shortest) continue;
+            const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment)) : arc.to;
+            if (to == NONE) continue;
+            State& state = state_[to];
+            const double d = entry.distance + arc.length;
+            const uint64_t signature = signature_here ^ arc.signature;
+            if (state.stamp <= 2 * epoch_) {
+                if (state.stamp == 2 * epoch_ && !(d < state.distance)) continue;
+                state.stamp = 2 * epoch_;
+                state.distance = d;
+                state.signature = signature;
+                state.before = s;
+                state.through = arc.half_segment;
+                heap_.push({d, to});
+            } else if (signature != state.signature && d + state.distance < shortest) {
+                shortest = d + state.distance;
+                closing = arc.half_segment;
+                closing_from = s;
+                closing_to = to;
+            }
+        }
+    }
+    if (!starved_here_)
+        for (const uint32_t s : order_) raise_bound(state_[s].region, shortest - 2 * state_[s].distance);
+    return closing != NONE && strip(closing, closing_from, closing_to, found);
+}
+
+// The cycle of a link in the search tree:  root ---- o===state
+//                                                     \\  | closing
+//                                                       `=to
+bool LoopSearch::strip(uint32_t closing, uint32_t state, uint32_t to, Array<uint32_t>& found) {
+    ++epoch_; // marks the way from the state to the root
+    for (uint32_t at = state; at != NONE; at = state_[at].before) state_[at].stamp = 2 * epoch_;
+    uint32_t meet = to;
+    while (!reached(meet)) meet = state_[meet].before;
+    found.clear();
+    for (uint32_t at = state; at != meet; at = state_[at].before)
+        if (!found.push(state_[at].through)) return false;
+    for (size_t i = 0, j = found.size(); i + 1 < j; ++i) {
+        --j;
+        const uint32_t link = found[i];
+        found[i] = found[j];
+        found[j] = link;
+    }
+    if (!found.push(closing)) return false;
+    for (uint32_t at = to; at != meet; at = state_[at].before)
+        if (!found.push(state_[at].through ^ 1u)) return false;
+    return true;
+}
+
+} // namespace hmf

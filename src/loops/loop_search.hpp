@@ -1,0 +1,89 @@
+// The shortest loop that does not separate, through a region of a cut surface.
+//
+// Dijkstra from the region, its root, on the dual graph
+//
+//     regions of triangles = nodes,  segments of edges = links.
+//
+// A link between two reached regions closes a cycle; the shortest with a
+// signature (signatures.hpp), with the way from the root to it and back, is the
+// answer.  With labels the search runs in the covering where they add up to 0
+// round each loop: its nodes, states, are regions with a sum of labels.
+//
+// What a search finds bounds the loops through all regions that it came to: if
+// none through the root is shorter than L, none through a region at distance d
+// is shorter than L - 2 d.  Regions with a bound above the length looked for
+// are not entered.  Loops only get longer as the surface is cut, so bounds stay.
+#pragma once
+
+#include "../base/nearest_first.hpp"
+#include "signatures.hpp"
+
+namespace hmf {
+
+class LoopSearch {
+public:
+    // edge_length: per edge.  edge_label, if not NULL: see cut_system.
+    LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call)
+        : cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
+
+    static constexpr size_t MOST_STATES = 256; // per region
+
+    // For a new cut; all bounds become 0.  False: out of memory.
+    bool prepare(const Signatures& signatures, size_t states_per_region);
+
+    // Looks for loops through the root that are shorter than `limit`, with the
+    // way from the root to them and back, and gets bounds.  True: `found` is a
+    // cycle of half-segments, not longer.
+    // Stops at once if the call is cancelled.
+    bool search(uint32_t root, double limit, Array<uint32_t>& found);
+
+    double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
+    void raise_bound(uint32_t region, double length) { if (length > bound_[region]) bound_[region] = length; }
+    uint64_t work() const { return work_; }     // regions settled
+    bool starved() const { return starved_; }   // the states did not suffice, since prepare
+
+private:
+    struct Arc { // from a region; in the order of its links
+        double length;
+        uint64_t signature;
+        uint32_t to, half_segment; // NONE: there is none
+    };
+    struct State {
+        double distance;
+        uint64_t signature;      // sum on the way from the root
+        uint32_t stamp;
+        uint32_t region;
+        uint32_t before, through; // the state before and the half-segment, seen from there
+    };
+    struct Sum { // of labels on the way from the root
+        uint64_t label;
+        uint32_t next; // state of the same region
+    };
+
+    uint32_t find_state(uint32_t region, uint64_t label);
+    uint64_t label_after(uint64_t label, uint32_t half_segment) const {
+        const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];
+        return half_segment & 1u ? label - add : label + add;
+    }
+    bool strip(uint32_t closing, uint32_t state, uint32_t to, Array<uint32_t>& found);
+
+    // 2 * epoch: reached, 2 * epoch + 1: settled.
+    bool reached(uint32_t s) const { return state_[s].stamp >= 2 * epoch_; }
+    bool settled(uint32_t s) const { return state_[s].stamp > 2 * epoch_; }
+
+    const CutSurface& cut_;
+    const Array<double>& edge_length_;
+    const uint64_t* edge_label_;
+    Call& call_;
+    Array<Arc> arc_;        // three per region
+    Array<double> bound_;   // per region
+    Array<State> state_;
+    Array<Sum> sum_;        // per state, with labels
+    Array<uint32_t> order_; // states as they were settled
+    uint32_t state_count_ = 0, epoch_ = 0;
+    bool starved_ = false, starved_here_ = false;
+    uint64_t work_ = 0;
+    NearestFirst heap_;
+};
+
+} // namespace hmf

@@ -1,0 +1,93 @@
+#include "signatures.hpp"
+
+#include "../base/disjoint_sets.hpp"
+
+namespace hmf {
+
+namespace {
+
+uint64_t mix(uint64_t x) { // splitmix64
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+} // namespace
+
+bool Signatures::build(const CutSurface& cut, Call& call) {
+    Memory& memory = call.memory;
+    const uint32_t regions = cut.region_count, segments = cut.segment_count, points = cut.point_count;
+    Array<uint32_t> queue, parent, degree, last;
+    Array<uint8_t> in_tree; // of the regions
+    Array<uint64_t> value;
+    if (!of.allocate_filled(memory, segments, uint64_t{0}) || !reached.allocate(memory, regions) || !rank.allocate_filled(memory, regions, NONE) ||
+        !queue.allocate(memory, regions > points ? regions : points) || !parent.allocate(memory, points) ||
+        !degree.allocate_filled(memory, points, 0u) || !last.allocate_filled(memory, points, 0u) ||
+        !in_tree.allocate_filled(memory, segments, uint8_t{0}) || !value.allocate_filled(memory, points, uint64_t{0}))
+        return false;
+    size_t begin = 0, end = 0;
+    reached[0] = NONE;
+    rank[0] = 0;
+    queue[end++] = 0;
+    while (begin < end) {
+        if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+        const uint32_t r = queue[begin++];
+        for (uint32_t i = 0; i < 3; ++i) {
+            const uint32_t link = cut.link[3 * size_t{r} + i];
+            if (link == NONE) break;
+            const uint32_t to = cut.region[link ^ 1u];
+            if (rank[to] != NONE) continue;
+            reached[to] = link;
+            rank[to] = static_cast<uint32_t>(end);
+            in_tree[link >> 1] = 1;
+            queue[end++] = to;
+        }
+    }
+    for (uint32_t p = 0; p < points; ++p) parent[p] = p;
+    uint64_t word = 0;
+    for (uint32_t s = 0; s < segments; ++s) {
+        if (s % 65536 == 0 && !call.tick(0, true)) return false;
+        if (in_tree[s]) continue;
+        const uint32_t p = cut.point[2 * size_t{s}], q = cut.point[2 * size_t{s} + 1];
+        if (unite(parent.data(), p, q)) {
+            ++degree[p];
+            ++degree[q];
+            last[p] ^= s; // once the degree is one, this is the segment left
+            last[q] ^= s;
+        } else {
+            of[s] = mix(++word) | 1u;
+            value[p] ^= of[s];
+            value[q] ^= of[s];
+        }
+    }
+    // Strip leaves: a segment lies on the cycles that end behind it.
+    begin = end = 0;
+    for (uint32_t p = 0; p < points; ++p)
+        if (degree[p] == 1) queue[end++] = p;
+    while (begin < end) {
+        if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+        const uint32_t p = queue[begin++];
+        if (degree[p] != 1) continue;
+        const uint32_t s = last[p];
+        const uint32_t q = cut.point[2 * size_t{s}] == p ? cut.point[2 * size_t{s} + 1] : cut.point[2 * size_t{s}];
+        of[s] = value[p];
+        value[q] ^= value[p];
+        last[q] ^= s;
+        degree[p] = 0;
+        if (--degree[q] == 1) queue[end++] = q;
+    }
+    return true;
+}
+
+double Signatures::cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length) const {
+    double sum = edge_length[cut.segment_edge[segment]];
+    for (uint32_t r = cut.region[2 * size_t{segment}], q = cut.region[2 * size_t{segment} + 1]; r != q;) {
+        uint32_t& behind = rank[r] > rank[q] ? r : q;
+        sum += edge_length[cut.segment_edge[reached[behind] >> 1]];
+        behind = cut.region[reached[behind]];
+    }
+    return sum;
+}
+
+} // namespace hmf

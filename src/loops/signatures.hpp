@@ -1,0 +1,32 @@
+// Which cycles of regions separate?  One word per segment answers it.
+//
+// A spanning tree of the regions and one of the points (vertices, and the
+// shrunk sides of the earlier loops) that crosses none of its links leave
+// 2 * genus segments.  Each closes a cycle of points; the set of these that a
+// segment lies on, as the exclusive or of one random word per cycle, is its
+// signature.  The signatures along a cycle of regions cancel if it separates;
+// if they do not, it does not separate.
+//
+// So a cycle that does not separate crosses a segment with a signature.  There
+// are few of these: they are where fronts of the search that made the tree of
+// the regions meet on the far side of a handle.
+#pragma once
+
+#include "cut_surface.hpp"
+
+namespace hmf {
+
+struct Signatures {
+    Array<uint64_t> of;      // per segment; 0: on no cycle
+    // The tree of the regions, breadth first.
+    Array<uint32_t> reached; // per region: the half-segment it was reached through, seen from there; NONE: the root
+    Array<uint32_t> rank;    // per region: its place in the order of the search
+
+    // False: out of memory or cancelled.
+    bool build(const CutSurface& cut, Call& call);
+
+    // Length of the cycle that a segment closes in the tree of the regions.
+    double cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length) const;
+};
+
+} // namespace hmf
