@@ -246,8 +246,8 @@ TEST(Mollify, AddsWhatIsMissing) {
     const double* position = hierarchy.get()->levels[0].position;
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Metric plain, thick;
-    ASSERT_TRUE(hmf::measure(input, position, 1, memory, plain, nullptr));
-    ASSERT_TRUE(hmf::measure(input, position, 1, memory, thick, nullptr));
+    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, memory, plain, nullptr));
+    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, memory, thick, nullptr));
     hmf::mollify(input, 0.01, thick, nullptr);
     double mean = 0, margin = HUGE_VAL;
     for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;

@@ -78,7 +78,7 @@ private:
     hmf_status number();
     hmf_status replay();
     bool input_positions();
-    hmf_status measure_input(const Mesh& mesh, const double* position, double scale);
+    hmf_status measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides);
     hmf_status make_delaunay();
 
     hmf_hierarchy& h_;
@@ -128,7 +128,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
-    status = measure_input(work_.mesh, work_.position.data(), 1);
+    status = measure_input(work_.mesh, work_.position.data(), 1, ordered.words.data());
     if (status) return status;
     is_delaunay_ = is_delaunay(work_.mesh, weight_);
     if (is_delaunay_) metric_ = Metric();
@@ -137,8 +137,8 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
 }
 
 // Metric of the input, and sums of cotangents for the weights of level 0.
-hmf_status Builder::measure_input(const Mesh& mesh, const double* position, double scale) {
-    if (!measure(mesh, position, scale, h_.memory, metric_, weight_)) return call_.out_of_memory();
+hmf_status Builder::measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides) {
+    if (!measure(mesh, position, scale, sides, h_.memory, metric_, weight_)) return call_.out_of_memory();
     if (options_.mollify > 0) mollify(mesh, options_.mollify, metric_, weight_);
     for (const double area : metric_.four_areas)
         if (!(area > 0)) // all points are one
@@ -312,7 +312,7 @@ hmf_status Builder::make_delaunay() {
                 room = count;
                 if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(room))) return call_.out_of_memory();
                 copy_prefix(h_.input, level.mesh);
-                status = measure_input(h_.input, level.position, scale_);
+                status = measure_input(h_.input, level.position, scale_, nullptr);
                 if (!status) status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_, at, at + 0.02);
                 if (status) return status;
             }

@@ -31,9 +31,12 @@ constexpr double FAILURE = -1e-7;   // of the weight
 constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
 constexpr uint32_t NOT_WAITING = NONE - 1;
 
-// b^2 + c^2 - a^2 without the cancellation of needles.
+// b^2 + c^2 - a^2 without the cancellation of needles.  Which of b and c is
+// greater cannot be predicted: they are taken from a table.
 double opposite_product(double a, double b, double c) {
-    const double high = b > c ? b : c, low = b > c ? c : b;
+    const double sides[2] = {b, c};
+    const bool second = !(b > c);
+    const double high = sides[second], low = sides[!second];
     return (high - a) * (high + a) + low * low;
 }
 
@@ -98,37 +101,46 @@ void clear(const Mesh& mesh, double* sum) {
 }
 
 // The three angles of a face to the sums of the edges opposite to them.
-void add_cotangents(const Mesh& mesh, const Metric& metric, uint32_t ij, uint32_t jk, uint32_t ki, double* sum) {
-    if (!sum) return;
-    const double a = metric.length[edge_of(ij)], b = metric.length[edge_of(jk)], c = metric.length[edge_of(ki)];
-    const double inverse = 1 / metric.four_areas[mesh.face[ij]];
-    sum[edge_of(ij)] += inverse * opposite_product(a, b, c);
-    sum[edge_of(jk)] += inverse * opposite_product(b, c, a);
-    sum[edge_of(ki)] += inverse * opposite_product(c, a, b);
+void add_cotangents(const uint32_t* half_edges, const double* length, double four_areas, double* sum) {
+    const double a = length[0], b = length[1], c = length[2], inverse = 1 / four_areas;
+    sum[edge_of(half_edges[0])] += inverse * opposite_product(a, b, c);
+    sum[edge_of(half_edges[1])] += inverse * opposite_product(b, c, a);
+    sum[edge_of(half_edges[2])] += inverse * opposite_product(c, a, b);
 }
 
 } // namespace
 
-bool measure(const Mesh& mesh, const double* position, double scale, Memory& memory, Metric& metric, double* sum) {
+bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory, Metric& metric, double* sum) {
     if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
-    const auto difference = [&](uint32_t h, double* d) {
-        const double *a = position + size_t{3} * mesh.origin[h], *b = position + size_t{3} * mesh.target(h);
-        for (int c = 0; c < 3; ++c) d[c] = scale * (b[c] - a[c]);
-    };
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        double u[3];
-        difference(2 * e, u);
-        metric.length[e] = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    }
     clear(mesh, sum);
-    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-        double u[3], v[3];
-        difference(ij, u);
-        difference(jk, v);
+    const auto visit = [&](uint32_t ij, uint32_t jk, uint32_t ki) {
+        const uint32_t half_edges[3] = {ij, jk, ki};
+        const double* corner[3];
+        for (int s = 0; s < 3; ++s) corner[s] = position + size_t{3} * mesh.origin[half_edges[s]];
+        double side[3][3];
+        for (int s = 0; s < 3; ++s) {
+            const double *a = corner[s], *b = corner[s == 2 ? 0 : s + 1];
+            for (int c = 0; c < 3; ++c) side[s][c] = scale * (b[c] - a[c]);
+        }
+        // Both triangles of an edge give it the same length.
+        double length[3];
+        for (int s = 0; s < 3; ++s) length[s] = std::sqrt(side[s][0] * side[s][0] + side[s][1] * side[s][1] + side[s][2] * side[s][2]);
+        const double *u = side[0], *v = side[1];
         const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-        metric.four_areas[mesh.face[ij]] = 2 * std::sqrt(x * x + y * y + z * z);
-        add_cotangents(mesh, metric, ij, jk, ki, sum);
-    });
+        const double four_areas = 2 * std::sqrt(x * x + y * y + z * z);
+        for (int s = 0; s < 3; ++s) metric.length[edge_of(half_edges[s])] = length[s];
+        metric.four_areas[mesh.face[ij]] = four_areas;
+        if (sum) add_cotangents(half_edges, length, four_areas, sum);
+    };
+    if (!sides) {
+        for_each_face(mesh, 0, 2 * mesh.edge_count, visit);
+        return true;
+    }
+    for (uint32_t face = 0; face < mesh.face_count; ++face) { // by its lowest half-edge, as there
+        const uint32_t* h = sides + size_t{4} * face;
+        const uint32_t lowest = ((h[1] < h[0]) & (h[1] < h[2])) + 2u * ((h[2] < h[0]) & (h[2] < h[1])), second = lowest == 2 ? 0 : lowest + 1;
+        visit(h[lowest], h[second], h[3 - lowest - second]);
+    }
     return true;
 }
 
@@ -145,8 +157,11 @@ void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum) {
     for (double& x : length) x += missing;
     clear(mesh, sum);
     for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-        metric.four_areas[mesh.face[ij]] = four_areas(length[edge_of(ij)], length[edge_of(jk)], length[edge_of(ki)]);
-        add_cotangents(mesh, metric, ij, jk, ki, sum);
+        const uint32_t half_edges[3] = {ij, jk, ki};
+        const double side[3] = {length[edge_of(ij)], length[edge_of(jk)], length[edge_of(ki)]};
+        double& area = metric.four_areas[mesh.face[ij]];
+        area = four_areas(side[0], side[1], side[2]);
+        if (sum) add_cotangents(half_edges, side, area, sum);
     });
 }
 
