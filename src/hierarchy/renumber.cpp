@@ -39,24 +39,26 @@ void number_level(const WorkMesh& work, const Collapse* records, size_t record_c
 }
 
 void compact(WorkMesh& work, const Numbering& numbers) {
-    // In place: no number rises.
+    // In place: no number rises.  What stays cannot be predicted; each element is
+    // written to the next free number, and the next one overwrites a removed one.
     Mesh& mesh = work.mesh;
-    for (uint32_t e = 0; e < work.edge_end; ++e) {
-        if (work.removed(e)) continue;
-        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
-            const uint32_t to = renumbered_side(numbers.edge, h);
-            mesh.origin[to] = numbers.vertex[mesh.origin[h]];
-            mesh.next[to] = renumbered_side(numbers.edge, mesh.next[h]);
-            mesh.face[to] = numbers.face[mesh.face[h]];
+    for (uint32_t e = 0, to = 0; e < work.edge_end; ++e) {
+        const uint32_t stays = !work.removed(e);
+        for (uint32_t side = 0; side < 2; ++side) {
+            const uint32_t h = 2 * e + side, face = mesh.face[h] & (0 - stays); // no face at all: any
+            mesh.origin[to + side] = numbers.vertex[mesh.origin[h]];
+            mesh.next[to + side] = renumbered_side(numbers.edge, mesh.next[h]);
+            mesh.face[to + side] = numbers.face[face];
         }
+        to += 2 * stays;
     }
-    for (uint32_t v = 0; v < work.vertex_end; ++v) {
-        if (mesh.out[v] == NONE) continue;
-        const uint32_t to = numbers.vertex[v];
-        mesh.out[to] = renumbered_side(numbers.edge, mesh.out[v]);
+    for (uint32_t v = 0, to = 0; v < work.vertex_end; ++v) {
+        const uint32_t stays = mesh.out[v] != NONE;
+        mesh.out[to] = renumbered_side(numbers.edge, mesh.out[v] & (0 - stays));
         work.degree[to] = work.degree[v];
         for (int c = 0; c < 3; ++c) work.at(to)[c] = work.at(v)[c];
         if (!work.quadrics.empty()) work.quadrics[to] = work.quadrics[v];
+        to += stays;
     }
     work.vertex_end = mesh.vertex_count;
     work.edge_end = mesh.edge_count;

@@ -12,6 +12,8 @@
 // round only asks for the link condition.
 #include "simplify.hpp"
 
+#include "../base/prefetch.hpp"
+
 #include <cmath>
 
 namespace hmf {
@@ -38,29 +40,55 @@ void cross(const double* u, const double* v, double* n) {
 
 double dot(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
-// Does a triangle at origin(h), other than the two at h, turn by more than
-// about 80 degrees if the origin moves to p?
-bool turns_over(const WorkMesh& work, uint32_t h, const double* p) {
-    const Mesh& mesh = work.mesh;
-    const double* v = work.at(mesh.origin[h]);
-    uint32_t g = mesh.rotate_cw(h);
-    const double* a = work.at(mesh.target(g));
-    for (;;) {
-        g = mesh.rotate_cw(g);
-        if (g == h) return false;
-        const double* b = work.at(mesh.target(g));
-        double side[3], before[3], after[3], old_normal[3], new_normal[3];
-        for (int c = 0; c < 3; ++c) {
-            side[c] = b[c] - a[c];
-            before[c] = v[c] - a[c];
-            after[c] = p[c] - a[c];
+// The neighbours of a vertex of moderate degree, clockwise.
+struct Star {
+    uint32_t neighbour[MAX_DEGREE + 4];
+    uint32_t count;
+
+    // From the target of h.  Counted, so that a second walk need not wait for the
+    // end of this one.
+    Star(const WorkMesh& work, uint32_t h) : count(work.degree[work.mesh.origin[h]]) {
+        assert(count <= MAX_DEGREE + 4);
+        for (uint32_t n = 0; n < count; ++n) {
+            neighbour[n] = work.mesh.target(h);
+            h = work.mesh.rotate_cw(h);
         }
-        cross(side, before, old_normal);
-        cross(side, after, new_normal);
-        const double d = dot(old_normal, new_normal);
-        if (!(d > 0) || d * d < 0.03 * dot(old_normal, old_normal) * dot(new_normal, new_normal)) return true;
+    }
+};
+
+// can_collapse on the stars of the two ends.
+bool can_collapse(const Star& i, const Star& j, uint32_t k, uint32_t l, uint8_t* marks) {
+    if (k == l) return false;
+    uint32_t shared = 0;
+    for (uint32_t n = 0; n < i.count; ++n) marks[i.neighbour[n]] = 1;
+    for (uint32_t n = 0; n < j.count; ++n) shared += marks[j.neighbour[n]];
+    for (uint32_t n = 0; n < i.count; ++n) marks[i.neighbour[n]] = 0;
+    return shared == 2;
+}
+
+// Does a triangle of v with two consecutive neighbours turn by more than about
+// 80 degrees if v moves to p?
+bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p) {
+    // Two of everything: before and after.
+    const double* v = work.at(v_number);
+    const double apex[3][2] = {{v[0], p[0]}, {v[1], p[1]}, {v[2], p[2]}};
+    const double* a = work.at(neighbour[0]);
+    for (uint32_t n = 1; n < count; ++n) {
+        const double* b = work.at(neighbour[n]);
+        const double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+        double normal[3][2], square[2];
+        for (int w = 0; w < 2; ++w) {
+            const double to_x = apex[0][w] - a[0], to_y = apex[1][w] - a[1], to_z = apex[2][w] - a[2];
+            normal[0][w] = y * to_z - z * to_y;
+            normal[1][w] = z * to_x - x * to_z;
+            normal[2][w] = x * to_y - y * to_x;
+            square[w] = normal[0][w] * normal[0][w] + normal[1][w] * normal[1][w] + normal[2][w] * normal[2][w];
+        }
+        const double d = normal[0][0] * normal[0][1] + normal[1][0] * normal[1][1] + normal[2][0] * normal[2][1];
+        if (!(d > 0) || d * d < 0.03 * square[0] * square[1]) return true;
         a = b;
     }
+    return false;
 }
 
 void add(Quadric& to, const Quadric& q) {
@@ -91,30 +119,79 @@ bool minimum(const Quadric& q, double* x) {
     return true;
 }
 
-// Where the merged vertex of an edge goes, and what the collapse costs.
-Placement place(const WorkMesh& work, int32_t strategy, uint32_t h) {
-    const uint32_t v = work.mesh.origin[h], w = work.mesh.target(h);
-    const double *i = work.at(v), *j = work.at(w);
+// Where the merged vertex of v and w goes by their quadrics, and what it costs.
+Placement place_on_planes(const WorkMesh& work, uint32_t v, uint32_t w) {
     Placement result;
-    result.cost = squared_distance(i, j);
-    for (int c = 0; c < 3; ++c) result.position[c] = strategy == HMF_COLLAPSE_ENDPOINT ? i[c] : 0.5 * (i[c] + j[c]);
-    if (strategy == HMF_COLLAPSE_QSLIM) {
-        Quadric q = work.quadrics[v];
-        add(q, work.quadrics[w]);
-        double best[3];
-        if (minimum(q, best))
-            for (int c = 0; c < 3; ++c) result.position[c] = best[c] + work.centre[c];
-        for (int c = 0; c < 3; ++c) best[c] = result.position[c] - work.centre[c];
-        result.cost = value(q, best);
-    }
+    const double *i = work.at(v), *j = work.at(w);
+    Quadric q = work.quadrics[v];
+    add(q, work.quadrics[w]);
+    double best[3];
+    const bool is_point = minimum(q, best);
+    for (int c = 0; c < 3; ++c) result.position[c] = is_point ? best[c] + work.centre[c] : 0.5 * (i[c] + j[c]);
+    for (int c = 0; c < 3; ++c) best[c] = result.position[c] - work.centre[c];
+    result.cost = value(q, best);
     return result;
 }
+
+// Where the merged vertex of an edge goes, and what the collapse costs.
+inline Placement place(const WorkMesh& work, int32_t strategy, uint32_t h) {
+    const uint32_t v = work.mesh.origin[h], w = work.mesh.target(h);
+    if (strategy == HMF_COLLAPSE_QSLIM) return place_on_planes(work, v, w);
+    Placement result;
+    const double *i = work.at(v), *j = work.at(w);
+    result.cost = squared_distance(i, j);
+    for (int c = 0; c < 3; ++c) result.position[c] = strategy == HMF_COLLAPSE_ENDPOINT ? i[c] : 0.5 * (i[c] + j[c]);
+    return result;
+}
+
+// Runs ahead of the edges that are taken from a list, and asks for what they
+// need.  A list does not change any more when the first edge is taken.
+class Scout {
+public:
+    void step(const WorkMesh& work, uint32_t list) {
+        if (list != list_) {
+            list_ = list;
+            far_ = near_ = work.queue.first(list);
+            for (uint32_t n = 0; n < 2 * DISTANCE && far_ != NONE; ++n) {
+                far_ = work.link[far_];
+                if (n >= DISTANCE) near_ = work.link[near_];
+            }
+        }
+        if (far_ != NONE) {
+            prefetch(&work.mesh.origin[2 * far_]);
+            prefetch(&work.mesh.face[2 * far_]);
+            far_ = work.link[far_];
+        }
+        if (near_ != NONE) {
+            prefetch(&work.mesh.next[2 * near_]);
+            prefetch(work.at(work.mesh.origin[2 * near_]));
+            prefetch(work.at(work.mesh.origin[2 * near_ + 1]));
+            near_ = work.link[near_];
+        }
+    }
+
+private:
+    static constexpr uint32_t DISTANCE = 8;
+    uint32_t list_ = NONE, far_ = NONE, near_ = NONE;
+};
 
 // The half-edge of an edge that a collapse keeps the origin of: the end with
 // more neighbours, so that less is renamed.
 uint32_t directed(const WorkMesh& work, uint32_t edge) {
     const uint32_t h = 2 * edge;
     return work.degree[work.mesh.target(h)] > work.degree[work.mesh.origin[h]] ? twin(h) : h;
+}
+
+// What a careful round asks for: the link condition, moderate degrees, and no
+// triangle that turns over.
+bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
+    const Mesh& mesh = work.mesh;
+    const uint32_t i = mesh.origin[h], j = mesh.target(h);
+    if (work.degree[i] + work.degree[j] > MAX_DEGREE + 4 || i == j) return false;
+    const uint32_t k = mesh.target(mesh.next[h]), l = mesh.target(mesh.next[twin(h)]);
+    const Star star_i(work, h), star_j(work, twin(h)); // j, l .. k, and i, k .. l
+    return can_collapse(star_i, star_j, k, l, work.marks.data())
+        && !turns_over(work, i, star_i.neighbour + 1, star_i.count - 1, p) && !turns_over(work, j, star_j.neighbour + 1, star_j.count - 1, p);
 }
 
 void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_quadrics, Collapse& record) {
@@ -211,6 +288,7 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
     bool strict = true;
     while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum) {
         const uint32_t edges_at_round = mesh.edge_count;
+        Scout scout;
         // Backwards: lists give the latest first, so each is taken in order.
         for (uint32_t e = work.edge_end; e-- > 0;) {
             if (!work.removed(e)) work.queue.put(e, BucketQueue::bucket(place(work, strategy, 2 * e).cost), work.link);
@@ -218,7 +296,9 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
                 if (!call.tick(from)) return HMF_CANCELLED;
         }
         while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum && !work.queue.empty()) {
-            const uint32_t now = work.queue.lowest(), e = work.queue.take(work.link);
+            const uint32_t now = work.queue.lowest();
+            scout.step(work, now);
+            const uint32_t e = work.queue.take(work.link);
             if (++steps % 8192 == 0) {
                 const double part = static_cast<double>(edges_before - mesh.edge_count) / static_cast<double>(edges_before - edge_target);
                 if (!call.tick(from + (to - from) * part)) return HMF_CANCELLED;
@@ -231,9 +311,7 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
                 work.queue.put(e, bucket, work.link);
                 continue;
             }
-            if (strict && work.degree[mesh.origin[h]] + work.degree[mesh.target(h)] > MAX_DEGREE + 4) continue;
-            if (!can_collapse(mesh, h, work.marks.data())) continue;
-            if (strict && (turns_over(work, h, placement.position) || turns_over(work, twin(h), placement.position))) continue;
+            if (strict ? !keeps_shape(work, h, placement.position) : !can_collapse(mesh, h, work.marks.data())) continue;
             apply(work, h, placement, with_quadrics, log[log_count++]);
         }
         work.queue.clear();

@@ -18,6 +18,7 @@ public:
     void clear();
     bool empty();                        // moves on to the lowest list in use
     uint32_t lowest() const { return low_; }
+    uint32_t first(uint32_t list) const { return head_[list]; }
     void put(uint32_t edge, uint32_t at, Array<uint32_t>& link) {
         link[edge] = head_[at];
         head_[at] = edge;
