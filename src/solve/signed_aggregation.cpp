@@ -21,6 +21,11 @@
 
 #include <cmath>
 
+#include "../base/prefetch.hpp"
+#ifndef AHEAD
+#define AHEAD 48
+#endif
+
 namespace hmf {
 
 namespace {
@@ -36,7 +41,7 @@ constexpr uint32_t rows_between_ticks = 32768;
 
 constexpr uint8_t on_column = 1, on_row = 2; // the row depends strongly on the column, the column on the row
 
-double magnitude(double x) { return x < 0 ? -x : x; }
+inline double magnitude(double x) { return std::fabs(x); }
 
 struct Aggregates {
     uint32_t count = 0;
@@ -51,21 +56,27 @@ struct Aggregates {
 // lighter rows weak.
 bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory) {
     const uint32_t n = matrix.n;
-    Array<double> least; // |a_ij| kernel_j of a strong entry of row i
-    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1) || !a.strong.allocate(memory, matrix.offset[n])
-        || !least.allocate(memory, n))
-        return false;
-    for (uint32_t i = 0; i < n; ++i) least[i] = kernel[i] > 0 ? static_cast<double>(strength) * kernel[i] * matrix.diagonal[i] : 1e300;
+    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1) || !a.strong.allocate(memory, matrix.offset[n])) return false;
+    struct Unknown { double kernel, least; }; // least: |a_ij| kernel_j of a strong entry of row i
+    Array<Unknown> unknowns;
+    if (!unknowns.allocate(memory, n)) return false;
+    Unknown* unknown = unknowns.data();
+    for (uint32_t i = 0; i < n; ++i)
+        unknown[i] = {kernel[i], kernel[i] > 0 ? static_cast<double>(strength) * kernel[i] * matrix.diagonal[i] : 1e300};
+    const uint32_t total = matrix.offset[n];
+    uint8_t* strong = a.strong.data();
+    uint32_t* of = a.of.data();
     for (uint32_t i = 0; i < n; ++i) {
-        const double own = kernel[i], own_least = least[i];
+        const Unknown own = unknown[i];
         double sum = 0;
-        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
-            const uint32_t j = matrix.column[k];
-            const double size = magnitude(matrix.entry[k]), share = size * kernel[j];
+        for (uint32_t k = matrix.offset[i], end = matrix.offset[i + 1]; k < end; ++k) {
+            if (AHEAD && total - k > AHEAD) prefetch(&unknown[matrix.column[k + AHEAD]]);
+            const Unknown other = unknown[matrix.column[k]];
+            const double size = magnitude(matrix.entry[k]), share = size * other.kernel;
             sum += share;
-            a.strong[k] = static_cast<uint8_t>((share >= own_least ? on_column : 0) | (size * own >= least[j] ? on_row : 0));
+            strong[k] = static_cast<uint8_t>((share >= own.least) * on_column + (size * own.kernel >= other.least) * on_row);
         }
-        a.of[i] = sum > 0.1 * own * matrix.diagonal[i] ? undecided : left_out;
+        of[i] = sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
     }
     return true;
 }
@@ -151,6 +162,39 @@ bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     return true;
 }
 
+// A row that is being written.
+template <class Entry>
+struct RowWriter {
+    uint32_t* place;   // per column, where it lies in the row; those of earlier rows lie before begin
+    uint32_t* column;
+    Entry* entry;
+    uint32_t begin, at;
+
+    // Without jumps: which columns were met before, nobody can predict.
+    void add(uint32_t c, Entry value) {
+        const uint32_t p = place[c];
+        const bool is_new = p - begin >= at - begin;
+        const uint32_t slot = is_new ? at : p;
+        place[c] = slot;
+        column[slot] = c;
+        entry[slot] += value;
+        at += is_new;
+        entry[at] = 0;
+    }
+    // Takes the entry in column c out.
+    Entry take_out(uint32_t c) {
+        const uint32_t p = place[c];
+        if (p - begin >= at - begin) return 0;
+        const Entry value = entry[p];
+        --at;
+        entry[p] = entry[at];
+        column[p] = column[at];
+        place[column[p]] = p;
+        place[c] = undecided;
+        return value;
+    }
+};
+
 // A sparse matrix that is written row by row.
 template <class Entry>
 class GrowingRows {
@@ -162,44 +206,12 @@ public:
         return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected) && entry.allocate(memory, expected)
             && place_.allocate_filled(memory, columns, undecided);
     }
-    // most: no row has more entries.  One more is written to, but not kept.
-    bool begin_row(uint32_t row, size_t most, Memory& memory) {
-        offset[row] = begin_ = at_;
-        if (!make_room(most + 1, memory)) return false;
-        entry[at_] = 0;
-        return true;
-    }
-    void add(uint32_t c, Entry value) {
-        const uint32_t p = place_[c];
-        // Places of earlier rows lie before begin_.
-        if (p - begin_ < at_ - begin_) { entry[p] += value; return; }
-        place_[c] = at_;
-        column[at_] = c;
-        entry[at_++] = value;
-    }
-    // Takes the entry in column c out of the row that was written last.
-    Entry take_out(uint32_t c) {
-        const uint32_t p = place_[c];
-        if (p - begin_ >= at_ - begin_) return 0;
-        const Entry value = entry[p];
-        --at_;
-        entry[p] = entry[at_];
-        column[p] = column[at_];
-        place_[column[p]] = p;
-        place_[c] = undecided;
-        return value;
-    }
-    void end(uint32_t rows) {
-        offset[rows] = at_;
-        place_.release();
-    }
-
-private:
-    bool make_room(size_t more, Memory& memory) {
-        const size_t used = at_;
-        if (used + more <= column.size()) return true;
-        if (used + more > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
-        const size_t wanted = used + more + column.size() / 3;
+    // For a row of at most so many entries.
+    bool make_room(size_t entries, Memory& memory) {
+        const size_t used = used_, needed = used + entries + 1; // a writer sets the entry behind its last to zero
+        if (needed <= column.size()) return true;
+        if (needed > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+        const size_t wanted = needed + column.size() / 3;
         Array<uint32_t> new_column;
         Array<Entry> new_entry;
         if (!new_column.allocate(memory, wanted) || !new_entry.allocate(memory, wanted)) return false;
@@ -211,9 +223,20 @@ private:
         entry.swap(new_entry);
         return true;
     }
+    RowWriter<Entry> begin_row(uint32_t row) {
+        offset[row] = used_;
+        entry[used_] = 0;
+        return {place_.data(), column.data(), entry.data(), used_, used_};
+    }
+    void end_row(const RowWriter<Entry>& row) { used_ = row.at; }
+    void end(uint32_t rows) {
+        offset[rows] = used_;
+        place_.release();
+    }
 
-    Array<uint32_t> place_; // per column, where it lies in the row
-    uint32_t begin_ = 0, at_ = 0;
+private:
+    Array<uint32_t> place_;
+    uint32_t used_ = 0;
 };
 
 // P for the matrix before scaling, row by row.
@@ -226,7 +249,8 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
     for (uint32_t i = 0; i < n; ++i) {
         if (i % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-        if (!rows.begin_row(i, end - begin + size_t{1}, memory)) return false;
+        if (!rows.make_room(end - begin + size_t{1}, memory)) return false;
+        RowWriter<float> row = rows.begin_row(i);
         if (a.of[i] == left_out) continue;
         double factor = 0;
         if (end - begin <= largest_smoothed_degree) {
@@ -240,12 +264,12 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
             }
             if (strong > 0.05 * all) factor = omega * kernel[i] / strong;
         }
-        rows.add(a.of[i], static_cast<float>(factor > 0 ? (1 - omega) * tentative[i] : tentative[i]));
-        if (!(factor > 0)) continue;
-        for (uint32_t k = begin; k < end; ++k) {
+        row.add(a.of[i], static_cast<float>(factor > 0 ? (1 - omega) * tentative[i] : tentative[i]));
+        for (uint32_t k = begin; k < end && factor > 0; ++k) {
             const uint32_t j = matrix.column[k];
-            if ((a.strong[k] & on_column) && a.of[j] != left_out) rows.add(a.of[j], static_cast<float>(-factor * matrix.entry[k] * tentative[j]));
+            if ((a.strong[k] & on_column) && a.of[j] != left_out) row.add(a.of[j], static_cast<float>(-factor * matrix.entry[k] * tentative[j]));
         }
+        rows.end_row(row);
     }
     rows.end(n);
     return true;
@@ -275,18 +299,21 @@ bool multiply_by_prolongation(const SignedMatrix& matrix, const GrowingRows<floa
                               Call* call) {
     const uint32_t n = matrix.n;
     if (!product.begin(n, size_t{5} * n, count, memory)) return false;
-    const uint32_t* offset = p.offset.data();
+    const uint32_t *offset = p.offset.data(), *p_column = p.column.data();
+    const float* p_entry = p.entry.data();
     for (uint32_t i = 0; i < n; ++i) {
         if (i % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t first = matrix.offset[i], end = matrix.offset[i + 1];
         size_t most = offset[i + 1] - offset[i];
         for (uint32_t k = first; k < end; ++k) most += offset[matrix.column[k] + 1] - offset[matrix.column[k]];
-        if (!product.begin_row(i, most < count ? most : count, memory)) return false;
+        if (!product.make_room(most < count ? most : count, memory)) return false;
+        RowWriter<double> row = product.begin_row(i);
         for (uint32_t k = first; k <= end; ++k) {
             const uint32_t j = k < end ? matrix.column[k] : i;
             const double value = k < end ? matrix.entry[k] : matrix.diagonal[i];
-            for (uint32_t q = offset[j]; q < offset[j + 1]; ++q) product.add(p.column[q], value * static_cast<double>(p.entry[q]));
+            for (uint32_t q = offset[j]; q < offset[j + 1]; ++q) row.add(p_column[q], value * static_cast<double>(p_entry[q]));
         }
+        product.end_row(row);
     }
     product.end(n);
     return true;
@@ -295,19 +322,23 @@ bool multiply_by_prolongation(const SignedMatrix& matrix, const GrowingRows<floa
 // P^T (A P), a coarse row at a time.
 bool galerkin(const MultigridLevel& level, const GrowingRows<double>& product, uint32_t count, CoarseMatrix& coarse, Memory& memory, Call* call) {
     GrowingRows<double> rows;
+    const uint32_t* p_column = product.column.data();
+    const double* p_entry = product.entry.data();
     if (!coarse.diagonal.allocate(memory, count) || !rows.begin(count, size_t{10} * count, count, memory)) return false;
     for (uint32_t c = 0; c < count; ++c) {
         if (c % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t first = level.prolongation_start[c], end = level.prolongation_start[c + 1];
         size_t most = 0;
         for (uint32_t t = first; t < end; ++t) most += product.offset[level.prolongation_row[t] + 1] - product.offset[level.prolongation_row[t]];
-        if (!rows.begin_row(c, most < count ? most : count, memory)) return false;
+        if (!rows.make_room(most < count ? most : count, memory)) return false;
+        RowWriter<double> row = rows.begin_row(c);
         for (uint32_t t = first; t < end; ++t) {
             const uint32_t i = level.prolongation_row[t];
             const double left = static_cast<double>(level.prolongation_entry[t]);
-            for (uint32_t k = product.offset[i]; k < product.offset[i + 1]; ++k) rows.add(product.column[k], left * product.entry[k]);
+            for (uint32_t k = product.offset[i]; k < product.offset[i + 1]; ++k) row.add(p_column[k], left * p_entry[k]);
         }
-        coarse.diagonal[c] = rows.take_out(c);
+        coarse.diagonal[c] = row.take_out(c);
+        rows.end_row(row);
     }
     rows.end(count);
     coarse.offset = static_cast<Array<uint32_t>&&>(rows.offset);
