@@ -22,9 +22,6 @@
 #include <cmath>
 
 #include "../base/prefetch.hpp"
-#ifndef AHEAD
-#define AHEAD 48
-#endif
 
 namespace hmf {
 
@@ -40,8 +37,6 @@ constexpr uint32_t largest_smoothed_degree = 48;
 constexpr uint32_t rows_between_ticks = 32768;
 
 constexpr uint8_t on_column = 1, on_row = 2; // the row depends strongly on the column, the column on the row
-
-inline double magnitude(double x) { return std::fabs(x); }
 
 struct Aggregates {
     uint32_t count = 0;
@@ -64,15 +59,16 @@ bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, fl
     for (uint32_t i = 0; i < n; ++i)
         unknown[i] = {kernel[i], kernel[i] > 0 ? static_cast<double>(strength) * kernel[i] * matrix.diagonal[i] : 1e300};
     const uint32_t total = matrix.offset[n];
+    constexpr uint32_t ahead = 48;
     uint8_t* strong = a.strong.data();
     uint32_t* of = a.of.data();
     for (uint32_t i = 0; i < n; ++i) {
         const Unknown own = unknown[i];
         double sum = 0;
         for (uint32_t k = matrix.offset[i], end = matrix.offset[i + 1]; k < end; ++k) {
-            if (AHEAD && total - k > AHEAD) prefetch(&unknown[matrix.column[k + AHEAD]]);
+            if (total - k > ahead) prefetch(&unknown[matrix.column[k + ahead]]);
             const Unknown other = unknown[matrix.column[k]];
-            const double size = magnitude(matrix.entry[k]), share = size * other.kernel;
+            const double size = std::fabs(matrix.entry[k]), share = size * other.kernel;
             sum += share;
             strong[k] = static_cast<uint8_t>((share >= own.least) * on_column + (size * own.kernel >= other.least) * on_row);
         }
@@ -110,7 +106,7 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
     for (uint32_t k = begin; k < end; ++k) {
         const uint32_t of = a.of[matrix.column[k]];
         if (!counts(k, of)) continue;
-        const double v = vote[of & mask], size = magnitude(v);
+        const double v = vote[of & mask], size = std::fabs(v);
         if (size <= best_vote) continue;
         best = of & mask;
         best_vote = size;
@@ -122,6 +118,21 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
     }
     if (best == undecided) return false;
     a.of[i] = best | joined;
+    return true;
+}
+
+// Numbers the aggregates by their last members.  Meshes from a hierarchy have
+// most vertices at the end, in an order in space; the roots jump about.
+bool renumber(Aggregates& a, uint32_t n, Memory& memory) {
+    Array<uint32_t> number;
+    if (!number.allocate_filled(memory, a.count, undecided)) return false;
+    uint32_t next = a.count;
+    for (uint32_t i = n; i-- > 0;) {
+        if (a.of[i] >= left_out) continue;
+        uint32_t& own = number[a.of[i] & ~joined];
+        if (own == undecided) own = --next;
+        a.of[i] = own;
+    }
     return true;
 }
 
@@ -157,61 +168,23 @@ bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     // What is left has weak neighbours only.
     for (uint32_t i = 0; i < n; ++i)
         if (a.of[i] == undecided && !join_by_vote(matrix, kernel, i, true, vote.data(), a)) take_in(matrix, i, false, a);
-    for (uint32_t i = 0; i < n; ++i)
-        if (a.of[i] < left_out) a.of[i] &= ~joined;
-    return true;
+    return renumber(a, n, memory);
 }
-
-// A row that is being written.
-template <class Entry>
-struct RowWriter {
-    uint32_t* place;   // per column, where it lies in the row; those of earlier rows lie before begin
-    uint32_t* column;
-    Entry* entry;
-    uint32_t begin, at;
-
-    // Without jumps: which columns were met before, nobody can predict.
-    void add(uint32_t c, Entry value) {
-        const uint32_t p = place[c];
-        const bool is_new = p - begin >= at - begin;
-        const uint32_t slot = is_new ? at : p;
-        place[c] = slot;
-        column[slot] = c;
-        entry[slot] += value;
-        at += is_new;
-        entry[at] = 0;
-    }
-    // Takes the entry in column c out.
-    Entry take_out(uint32_t c) {
-        const uint32_t p = place[c];
-        if (p - begin >= at - begin) return 0;
-        const Entry value = entry[p];
-        --at;
-        entry[p] = entry[at];
-        column[p] = column[at];
-        place[column[p]] = p;
-        place[c] = undecided;
-        return value;
-    }
-};
 
 // A sparse matrix that is written row by row.
 template <class Entry>
-class GrowingRows {
-public:
+struct GrowingRows {
     Array<uint32_t> offset, column;
     Array<Entry> entry;
+    uint32_t used = 0;
 
-    bool begin(uint32_t rows, size_t expected, uint32_t columns, Memory& memory) {
-        return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected) && entry.allocate(memory, expected)
-            && place_.allocate_filled(memory, columns, undecided);
+    bool begin(uint32_t rows, size_t expected, Memory& memory) {
+        return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected) && entry.allocate(memory, expected);
     }
-    // For a row of at most so many entries.
-    bool make_room(size_t entries, Memory& memory) {
-        const size_t used = used_, needed = used + entries + 1; // a writer sets the entry behind its last to zero
-        if (needed <= column.size()) return true;
-        if (needed > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
-        const size_t wanted = needed + column.size() / 3;
+    bool make_room(size_t more, Memory& memory) {
+        if (used + more <= column.size()) return true;
+        if (used + more > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+        const size_t wanted = used + more + column.size() / 3;
         Array<uint32_t> new_column;
         Array<Entry> new_entry;
         if (!new_column.allocate(memory, wanted) || !new_entry.allocate(memory, wanted)) return false;
@@ -223,20 +196,32 @@ public:
         entry.swap(new_entry);
         return true;
     }
-    RowWriter<Entry> begin_row(uint32_t row) {
-        offset[row] = used_;
-        entry[used_] = 0;
-        return {place_.data(), column.data(), entry.data(), used_, used_};
+    void begin_row(uint32_t row) { offset[row] = used; }
+    void push(uint32_t c, Entry value) {
+        column[used] = c;
+        entry[used++] = value;
     }
-    void end_row(const RowWriter<Entry>& row) { used_ = row.at; }
-    void end(uint32_t rows) {
-        offset[rows] = used_;
-        place_.release();
-    }
+    void end(uint32_t rows) { offset[rows] = used; }
+};
 
-private:
-    Array<uint32_t> place_;
-    uint32_t used_ = 0;
+// A row of P that is being written.
+struct ProlongationRow {
+    uint32_t* place;   // per column, where it lies in the row; those of earlier rows lie before begin
+    uint32_t* column;
+    float* entry;
+    uint32_t begin, at;
+
+    // Without jumps: which columns were met before, nobody can predict.
+    void add(uint32_t c, float value) {
+        const uint32_t p = place[c];
+        const bool is_new = p - begin >= at - begin;
+        const uint32_t slot = is_new ? at : p;
+        place[c] = slot;
+        column[slot] = c;
+        entry[slot] += value;
+        at += is_new;
+        entry[at] = 0;
+    }
 };
 
 // P for the matrix before scaling, row by row.
@@ -244,14 +229,17 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
                         GrowingRows<float>& rows, Memory& memory, Call* call) {
     const uint32_t n = matrix.n;
     Array<double> tentative; // entry of T per unknown
-    if (!tentative.allocate(memory, n) || !rows.begin(n, size_t{3} * n, a.count, memory)) return false;
+    Array<uint32_t> place;
+    if (!tentative.allocate(memory, n) || !rows.begin(n, size_t{3} * n, memory) || !place.allocate_filled(memory, a.count, undecided)) return false;
     for (uint32_t i = 0; i < n; ++i) tentative[i] = a.of[i] == left_out ? 0 : a.sign[i] * kernel[i] / norm[a.of[i]];
     for (uint32_t i = 0; i < n; ++i) {
         if (i % rows_between_ticks == 0 && !continues(call)) return false;
         const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-        if (!rows.make_room(end - begin + size_t{1}, memory)) return false;
-        RowWriter<float> row = rows.begin_row(i);
+        if (!rows.make_room(end - begin + size_t{2}, memory)) return false; // one more is set to zero behind the last
+        rows.begin_row(i);
         if (a.of[i] == left_out) continue;
+        ProlongationRow row{place.data(), rows.column.data(), rows.entry.data(), rows.used, rows.used};
+        rows.entry[rows.used] = 0;
         double factor = 0;
         if (end - begin <= largest_smoothed_degree) {
             // Weak entries act on the smooth vector as if they lay on the diagonal.
@@ -260,7 +248,7 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
             for (uint32_t k = begin; k < end; ++k) {
                 const uint32_t j = matrix.column[k];
                 const bool used = (a.strong[k] & on_column) & (a.of[j] != left_out);
-                strong -= magnitude(matrix.entry[k]) * (used ? 0 : kernel[j]);
+                strong -= std::fabs(matrix.entry[k]) * (used ? 0 : kernel[j]);
             }
             if (strong > 0.05 * all) factor = omega * kernel[i] / strong;
         }
@@ -269,7 +257,7 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
             const uint32_t j = matrix.column[k];
             if ((a.strong[k] & on_column) && a.of[j] != left_out) row.add(a.of[j], static_cast<float>(-factor * matrix.entry[k] * tentative[j]));
         }
-        rows.end_row(row);
+        rows.used = row.at;
     }
     rows.end(n);
     return true;
@@ -294,51 +282,87 @@ bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel&
     return true;
 }
 
-// A P, diagonal of A included.
-bool multiply_by_prolongation(const SignedMatrix& matrix, const GrowingRows<float>& p, uint32_t count, GrowingRows<double>& product, Memory& memory,
-                              Call* call) {
-    const uint32_t n = matrix.n;
-    if (!product.begin(n, size_t{5} * n, count, memory)) return false;
-    const uint32_t *offset = p.offset.data(), *p_column = p.column.data();
-    const float* p_entry = p.entry.data();
-    for (uint32_t i = 0; i < n; ++i) {
-        if (i % rows_between_ticks == 0 && !continues(call)) return false;
-        const uint32_t first = matrix.offset[i], end = matrix.offset[i + 1];
-        size_t most = offset[i + 1] - offset[i];
-        for (uint32_t k = first; k < end; ++k) most += offset[matrix.column[k] + 1] - offset[matrix.column[k]];
-        if (!product.make_room(most < count ? most : count, memory)) return false;
-        RowWriter<double> row = product.begin_row(i);
-        for (uint32_t k = first; k <= end; ++k) {
-            const uint32_t j = k < end ? matrix.column[k] : i;
-            const double value = k < end ? matrix.entry[k] : matrix.diagonal[i];
-            for (uint32_t q = offset[j]; q < offset[j + 1]; ++q) row.add(p_column[q], value * static_cast<double>(p_entry[q]));
-        }
-        product.end_row(row);
+// A vector with few entries, and which those are.
+class SparseVector {
+public:
+    bool allocate(uint32_t n, Memory& memory) {
+        if (!places_.allocate_filled(memory, n, {0, undecided}) || !touched_.allocate(memory, n + size_t{1})) return false;
+        place_ = places_.data();
+        list_ = touched_.data();
+        return true;
     }
-    product.end(n);
-    return true;
-}
+    // label: another one for every vector.
+    void begin(uint32_t label) {
+        label_ = label;
+        count_ = 0;
+    }
+    // Without jumps: whether i was met before, nobody can predict.
+    void add(uint32_t i, double value) {
+        Place& p = place_[i];
+        list_[count_] = i;
+        count_ += p.label != label_;
+        p.label = label_;
+        p.value += value;
+    }
+    uint32_t count() const { return count_; }
+    uint32_t index(uint32_t k) const { return list_[k]; }
+    double take(uint32_t i) {
+        const double value = place_[i].value;
+        place_[i].value = 0;
+        return value;
+    }
 
-// P^T (A P), a coarse row at a time.
-bool galerkin(const MultigridLevel& level, const GrowingRows<double>& product, uint32_t count, CoarseMatrix& coarse, Memory& memory, Call* call) {
+private:
+    struct Place {
+        double value;
+        uint32_t label;
+    };
+    Array<Place> places_;
+    Array<uint32_t> touched_;
+    Place* place_ = nullptr;
+    uint32_t* list_ = nullptr;
+    uint32_t label_ = undecided, count_ = 0;
+};
+
+// P^T A P, a column at a time; by symmetry that is a row.
+bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const GrowingRows<float>& p, uint32_t count, CoarseMatrix& coarse,
+              Memory& memory, Call* call) {
+    SparseVector fine, sum; // column of A P, and of the whole product
     GrowingRows<double> rows;
-    const uint32_t* p_column = product.column.data();
-    const double* p_entry = product.entry.data();
-    if (!coarse.diagonal.allocate(memory, count) || !rows.begin(count, size_t{10} * count, count, memory)) return false;
+    if (!fine.allocate(matrix.n, memory) || !sum.allocate(count, memory) || !coarse.diagonal.allocate(memory, count)
+        || !rows.begin(count, size_t{11} * count, memory))
+        return false;
+    const uint32_t* row = level.prolongation_row.data();
+    const uint32_t total = level.prolongation_start[count];
+    // The rows of A are met in no order: their memory is asked for ahead.
+    constexpr uint32_t ahead = 16;
     for (uint32_t c = 0; c < count; ++c) {
         if (c % rows_between_ticks == 0 && !continues(call)) return false;
-        const uint32_t first = level.prolongation_start[c], end = level.prolongation_start[c + 1];
-        size_t most = 0;
-        for (uint32_t t = first; t < end; ++t) most += product.offset[level.prolongation_row[t] + 1] - product.offset[level.prolongation_row[t]];
-        if (!rows.make_room(most < count ? most : count, memory)) return false;
-        RowWriter<double> row = rows.begin_row(c);
-        for (uint32_t t = first; t < end; ++t) {
-            const uint32_t i = level.prolongation_row[t];
-            const double left = static_cast<double>(level.prolongation_entry[t]);
-            for (uint32_t k = product.offset[i]; k < product.offset[i + 1]; ++k) row.add(p_column[k], left * p_entry[k]);
+        fine.begin(c);
+        for (uint32_t t = level.prolongation_start[c], end = level.prolongation_start[c + 1]; t < end; ++t) {
+            if (total - t > 2 * ahead) prefetch(&matrix.offset[row[t + 2 * ahead]]);
+            if (total - t > ahead) {
+                const uint32_t soon = row[t + ahead], at = matrix.offset[soon];
+                prefetch(&matrix.diagonal[soon]);
+                prefetch(&matrix.column[at]);
+                prefetch(&matrix.entry[at]);
+            }
+            const uint32_t j = row[t];
+            const double factor = static_cast<double>(level.prolongation_entry[t]);
+            fine.add(j, factor * matrix.diagonal[j]);
+            for (uint32_t k = matrix.offset[j], last = matrix.offset[j + 1]; k < last; ++k) fine.add(matrix.column[k], factor * matrix.entry[k]);
         }
-        coarse.diagonal[c] = row.take_out(c);
-        rows.end_row(row);
+        sum.begin(c);
+        for (uint32_t f = 0; f < fine.count(); ++f) {
+            const uint32_t i = fine.index(f);
+            const double value = fine.take(i);
+            for (uint32_t q = p.offset[i], last = p.offset[i + 1]; q < last; ++q) sum.add(p.column[q], static_cast<double>(p.entry[q]) * value);
+        }
+        coarse.diagonal[c] = sum.take(c);
+        if (!rows.make_room(sum.count(), memory)) return false;
+        rows.begin_row(c);
+        for (uint32_t d = 0; d < sum.count(); ++d)
+            if (sum.index(d) != c) rows.push(sum.index(d), sum.take(sum.index(d)));
     }
     rows.end(count);
     coarse.offset = static_cast<Array<uint32_t>&&>(rows.offset);
@@ -386,7 +410,7 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
             const double value = matrix.entry[k] * own * static_cast<double>(scale[j]);
             column[at] = j;
             // Smaller ones would only make slow subnormal numbers.
-            entry[at] = magnitude(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
+            entry[at] = std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
             at += j < i;
         }
         const uint32_t end = (at + 3) / 4 * 4;
@@ -413,15 +437,11 @@ bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
     for (uint32_t i = 0; i < n; ++i)
         if (a.of[i] != left_out) norm[a.of[i]] += matrix.diagonal[i] * near_kernel[i] * near_kernel[i];
     for (uint32_t c = 0; c < count; ++c) norm[c] = std::sqrt(norm[c]);
-    GrowingRows<double> product;
-    {
-        GrowingRows<float> rows;
-        if (!build_prolongation(matrix, near_kernel, a, norm, rows, memory, call)) return false;
-        a = Aggregates{};
-        near_kernel = static_cast<Array<double>&&>(norm);
-        if (!transpose(rows, count, level, memory) || !multiply_by_prolongation(matrix, rows, count, product, memory, call)) return false;
-    }
-    return galerkin(level, product, count, coarse, memory, call);
+    GrowingRows<float> rows;
+    if (!build_prolongation(matrix, near_kernel, a, norm, rows, memory, call)) return false;
+    a = Aggregates{};
+    near_kernel = static_cast<Array<double>&&>(norm);
+    return transpose(rows, count, level, memory) && galerkin(matrix, level, rows, count, coarse, memory, call);
 }
 
 } // namespace hmf
