@@ -11,17 +11,23 @@ namespace hmf {
 namespace {
 
 // Survivors from 0, removed ones from kept; both keep their order.  Which is
-// which cannot be predicted, so there is no branch.
+// which cannot be predicted, so there is no branch: masks choose.
+uint32_t choose(uint32_t mask, uint32_t ones, uint32_t zeros) { return (ones & mask) | (zeros & ~mask); }
+
 template <class Removed>
 void number_elements(uint32_t end, uint32_t kept, uint32_t* number, Removed removed) {
-    uint32_t next[2] = {0, kept};
-    for (uint32_t x = 0; x < end; ++x) number[x] = next[removed(x)]++;
+    uint32_t survivors = 0;
+    for (uint32_t x = 0; x < end; ++x) {
+        const uint32_t gone = removed(x);
+        number[x] = choose(0 - gone, kept + x - survivors, survivors);
+        survivors += 1 - gone;
+    }
 }
 
 void compose_elements(uint32_t count, uint32_t kept, uint32_t* number, const uint32_t* coarser) {
     for (uint32_t x = 0; x < count; ++x) {
-        const uint32_t here = number[x], stays = here < kept, there = coarser[stays ? here : 0];
-        number[x] = stays ? there : here;
+        const uint32_t here = number[x], stays = 0 - static_cast<uint32_t>(here < kept);
+        number[x] = choose(stays, coarser[here & stays], here);
     }
 }
 
