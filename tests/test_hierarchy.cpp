@@ -384,7 +384,7 @@ TEST(SpatialOrder, FollowsTheCurve) {
         Array<double> position;
         ASSERT_TRUE(position.allocate(memory, 3 * V));
         double scale = 0;
-        ASSERT_EQ(order_vertices(x.data(), V, 0, internal.data(), position, scale, call), HMF_OK);
+        ASSERT_EQ(order_vertices(x.data(), V, 0, internal.data(), position.data(), scale, call), HMF_OK);
         // The cell of each vertex, bit by bit from the highest, in its order.
         double low[3], extent = 0;
         for (size_t c = 0; c < 3; ++c) {

@@ -77,7 +77,6 @@ private:
     hmf_status keep_geometry(Level& level, double fraction);
     hmf_status number();
     hmf_status replay();
-    bool input_positions();
     hmf_status measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides);
     hmf_status make_delaunay();
 
@@ -88,7 +87,8 @@ private:
     Call& call_;
     uint32_t vertex_count_ = 0, edge_count_ = 0, face_count_ = 0;
     double scale_ = 1;
-    WorkMesh work_;
+    double* input_position_ = nullptr; // of the working mesh; in the end, the caller's in internal order
+    WorkMesh work_;                    // lies in the arrays of h_.input
     Array<Level> levels_;
     Array<uint32_t> flips_;
     double* weight_ = nullptr;     // of level 0: sums of cotangents first
@@ -105,15 +105,18 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     face_count_ = static_cast<uint32_t>(triangle_count);
     edge_count_ = static_cast<uint32_t>(3 * triangle_count / 2);
     if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)) || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
-        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count)) || !work_.position.allocate(h_.memory, 3 * vertex_count))
+        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count)) || !(input_position_ = arena.take<double>(3 * vertex_count)))
         return call_.out_of_memory();
     std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
     const Origin origin = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
-    hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, work_.position, scale_, call_);
+    hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
     if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, h_.triangle_edges, ordered, call_);
     if (status) return status;
-    if (!work_.allocate(h_.memory, vertex_count_, edge_count_, face_count_, options_.collapse == HMF_COLLAPSE_QSLIM)) return call_.out_of_memory();
+    if (!take_mesh(arena, vertex_count_, edge_count_, face_count_, h_.input)
+        || !work_.allocate(h_.memory, h_.input, options_.collapse == HMF_COLLAPSE_QSLIM))
+        return call_.out_of_memory();
+    work_.position = input_position_;
     status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, work_.link.data(), call_);
     if (!status) status = check_connection(work_.mesh, work_.degree, origin, work_.link.data(), call_);
     if (status) return status;
@@ -128,7 +131,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
-    status = measure_input(work_.mesh, work_.position.data(), 1, ordered.words.data());
+    status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
     if (status) return status;
     is_delaunay_ = is_delaunay(work_.mesh, weight_);
     if (is_delaunay_) metric_ = Metric();
@@ -152,7 +155,7 @@ hmf_status Builder::keep_geometry(Level& level, double fraction) {
     if (!(level.position = h_.arena.take<double>(coordinates)) || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
         return call_.out_of_memory();
     for (size_t n = 0; n < coordinates; ++n) level.position[n] = work_.position[n] / scale_;
-    const hmf_status status = cotangent_sums(work_.mesh, work_.position.data(), level.weight, call_, fraction);
+    const hmf_status status = cotangent_sums(work_.mesh, work_.position, level.weight, call_, fraction);
     if (!status) level.raised_count = coarse_weights(work_.mesh, level.weight);
     return status;
 }
@@ -201,10 +204,11 @@ hmf_status Builder::coarsen() {
         if (!levels_.push(level)) return call_.out_of_memory();
         if (work_.mesh.edge_count > target + 3 && work_.mesh.vertex_count > minimum) break; // stuck
     }
-    // The coarsest level has its final numbers.
-    Mesh& coarsest = levels_.size() > 1 ? levels_.back().mesh : h_.input;
-    if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest)) return call_.out_of_memory();
-    copy_prefix(work_.mesh, coarsest);
+    if (levels_.size() > 1) { // the coarsest level has its final numbers
+        Mesh& coarsest = levels_.back().mesh;
+        if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest)) return call_.out_of_memory();
+        copy_prefix(work_.mesh, coarsest);
+    }
     work_ = WorkMesh();
     return HMF_OK;
 }
@@ -254,11 +258,7 @@ hmf_status Builder::number() {
 hmf_status Builder::replay() {
     scratch_.clear();
     const size_t last = h_.level_count - 1;
-    Mesh& mesh = h_.input;
-    if (last > 0) {
-        if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, mesh)) return call_.out_of_memory();
-        copy_prefix(h_.levels[last].mesh, mesh);
-    }
+    Mesh& mesh = h_.input; // its first elements are the coarsest level
     for (size_t k = last; k > 0; --k) {
         Level& level = h_.levels[k];
         const Level& finer = h_.levels[k - 1];
@@ -276,16 +276,10 @@ hmf_status Builder::replay() {
             split(mesh, h_.collapses[n]);
         }
     }
-    return input_positions() ? HMF_OK : call_.out_of_memory();
-}
-
-bool Builder::input_positions() {
-    double* position = h_.arena.take<double>(size_t{3} * vertex_count_);
-    if (!position) return false;
     for (size_t v = 0; v < vertex_count_; ++v)
-        for (size_t c = 0; c < 3; ++c) position[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
-    h_.levels[0].position = position;
-    return true;
+        for (size_t c = 0; c < 3; ++c) input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+    h_.levels[0].position = input_position_;
+    return HMF_OK;
 }
 
 hmf_status Builder::make_delaunay() {
@@ -378,7 +372,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t loading = input + work + 16 * F + 8 * F + 12 * V + 48 * F;
     // The log of flips grows by doubling: three times its length while it does.
     const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh;
-    const uint64_t numbering = input + metric + log + 3 * flips + geometry + numberings + mesh + 8 * E;
+    const uint64_t numbering = input + metric + log + 3 * flips + geometry + numberings + coarse_meshes + mesh + 24 * V + 8 * E;
     const uint64_t replaying = input + metric + log + flips + geometry + coarse_meshes + mesh + 24 * V;
     const uint64_t finishing = replaying + mesh + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;

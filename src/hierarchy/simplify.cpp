@@ -233,24 +233,18 @@ void BucketQueue::clear() {
     high_ = 0;
 }
 
-bool WorkMesh::allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, bool with_quadrics) {
-    const size_t sides = size_t{2} * edge_count;
-    if (!origin.allocate(memory, sides) || !next.allocate(memory, sides) || !face.allocate(memory, sides)
-        || !out.allocate(memory, vertex_count) || !degree.allocate_filled(memory, vertex_count, 0)
-        || !link.allocate(memory, edge_count > vertex_count ? edge_count : vertex_count)
-        || !marks.allocate_filled(memory, vertex_count, 0) || !queue.allocate(memory)
-        || (with_quadrics && !quadrics.allocate(memory, vertex_count)))
-        return false;
-    mesh = {vertex_count, edge_count, face_count, origin.data(), next.data(), face.data(), out.data()};
-    vertex_end = vertex_count;
-    edge_end = edge_count;
-    face_end = face_count;
-    return true;
+bool WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
+    mesh = all;
+    vertex_end = all.vertex_count;
+    edge_end = all.edge_count;
+    face_end = all.face_count;
+    return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, edge_end > vertex_end ? edge_end : vertex_end)
+        && marks.allocate_filled(memory, vertex_end, 0) && queue.allocate(memory) && (!with_quadrics || quadrics.allocate(memory, vertex_end));
 }
 
 void initial_quadrics(WorkMesh& work) {
     const Mesh& mesh = work.mesh;
-    for (int c = 0; c < 3; ++c) work.centre[c] = work.position[static_cast<size_t>(c)];
+    for (int c = 0; c < 3; ++c) work.centre[c] = work.position[c];
     for (Quadric& q : work.quadrics) q = Quadric{};
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         // One third of the triangle's area for each of its corners.

@@ -48,20 +48,20 @@ struct Quadric {
 // The mesh while it is coarsened.  Inside a level, removed elements stay in
 // place: an edge has face NONE then, a vertex has out NONE.
 struct WorkMesh {
-    Mesh mesh;                                       // counts: of what is left
+    Mesh mesh;                                       // counts: of what is left; arrays owned elsewhere
+    double* position = nullptr;                      // owned elsewhere
     uint32_t vertex_end = 0, edge_end = 0, face_end = 0; // numbers in use, with those of removed elements
-    Array<uint32_t> origin, next, face, out, degree;
-    Array<double> position;
+    Array<uint32_t> degree;
     Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips; before, scratch of the validation
     Array<uint8_t> marks;            // per vertex, zeros
     Array<Quadric> quadrics;         // per vertex, with HMF_COLLAPSE_QSLIM only
     double centre[3] = {0, 0, 0};    // that the quadrics are about
     BucketQueue queue;
 
-    // All but position, which comes first.
-    bool allocate(Memory& memory, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, bool with_quadrics);
-    const double* at(uint32_t v) const { return &position[size_t{3} * v]; }
-    double* at(uint32_t v) { return &position[size_t{3} * v]; }
+    // For a mesh with room for all its elements.
+    bool allocate(Memory& memory, const Mesh& all, bool with_quadrics);
+    const double* at(uint32_t v) const { return position + size_t{3} * v; }
+    double* at(uint32_t v) { return position + size_t{3} * v; }
     bool removed(uint32_t edge) const { return mesh.face[2 * edge] == NONE; }
 };
 

@@ -23,7 +23,7 @@ constexpr uint32_t NONE = 0xffffffffu;
 inline uint32_t twin(uint32_t h) { return h ^ 1u; }
 inline uint32_t edge_of(uint32_t h) { return h >> 1; }
 
-// Arrays of a mesh, owned elsewhere (arena, or WorkMesh).
+// Arrays of a mesh, owned elsewhere.
 struct Mesh {
     uint32_t vertex_count = 0, edge_count = 0, face_count = 0;
     uint32_t* origin = nullptr; // 2 * edge_count

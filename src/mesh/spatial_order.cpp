@@ -67,7 +67,7 @@ uint32_t spread(uint32_t x) {
 } // namespace
 
 hmf_status order_vertices(const double* positions, size_t vertex_count, size_t stride, uint32_t* vertex_internal,
-                          Array<double>& position, double& scale, Call& call) {
+                          double* position, double& scale, Call& call) {
     Bounds bounds;
     if (find_bounds(positions, vertex_count, stride, bounds, call)) return call.status();
     if (!call.tick(0.01)) return HMF_CANCELLED;

@@ -24,7 +24,7 @@ struct OrderedTriangles {
 // that brings coordinates to a size whose fourth power is harmless; 1 for all
 // reasonable units.  Refuses coordinates that are not finite.
 hmf_status order_vertices(const double* positions, size_t vertex_count, size_t position_stride, uint32_t* vertex_internal,
-                          Array<double>& position, double& scale, Call& call);
+                          double* position, double& scale, Call& call);
 
 // Refuses indices out of range and triangles with a repeated vertex.  sides has
 // 3 words for each of the caller's triangles; the first one becomes its place

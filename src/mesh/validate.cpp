@@ -162,7 +162,7 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
     return HMF_OK;
 }
 
-hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& position, const Origin& origin, Mesh& mesh,
+hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const Origin& origin, Mesh& mesh,
                           Array<uint32_t>& degree, uint32_t* part, Call& call) {
     uint32_t* const words = ordered.words.data();
     const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
@@ -172,7 +172,7 @@ hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& positi
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
         const uint32_t* v = &words[place];
         for (int s = 0; s < 3; ++s) ++degree[v[s]];
-        if (!origin.flat_allowed && !has_area(&position[size_t{3} * v[0]], &position[size_t{3} * v[1]], &position[size_t{3} * v[2]]) && v[3] < flat) flat = v[3];
+        if (!origin.flat_allowed && !has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2]) && v[3] < flat) flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
     Array<Mark> marks;

@@ -23,7 +23,7 @@ struct Origin {
 // edge-manifold.  Fills mesh (whose arrays have room for 3/2 edges a triangle)
 // and degree; the corners in `ordered` become half-edges.  part (vertex_count)
 // becomes a forest of disjoint_sets.hpp over vertices that are connected.
-hmf_status link_triangles(OrderedTriangles& ordered, const Array<double>& position, const Origin& origin, Mesh& mesh,
+hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const Origin& origin, Mesh& mesh,
                           Array<uint32_t>& degree, uint32_t* part, Call& call);
 
 // Refuses unused vertices, vertices with several fans, and several components.
