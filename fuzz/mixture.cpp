@@ -20,7 +20,7 @@ struct Done {
 class Mixture {
 public:
     explicit Mixture(Bytes& bytes) : bytes_(bytes), random_(bytes), f_(random_.f) {
-        FUZZ_ASSERT(scratch_.allocate(random_.memory(), f_.mesh.vertex_count + RandomFoliation::spare_vertices));
+        FUZZ_ASSERT(scratch_.allocate(random_.memory()));
     }
 
     void run() {

@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } else {
         // The foliation has changed in between: it goes down by restriction.
         RestrictionScratch scratch;
-        FUZZ_ASSERT(scratch.allocate(random.memory(), f.mesh.vertex_count));
+        FUZZ_ASSERT(scratch.allocate(random.memory()));
         while (!log.empty()) {
             collapse_foliation(f, log.back(), scratch);
             f.mesh.vertex_count -= 1;

@@ -9,11 +9,8 @@ namespace hmf {
 struct RestrictionScratch {
     Star star;
     Array<Rings::Side> side;
-    Array<uint32_t> movers;    // vertices that move together
-    Array<uint32_t> mover_of;  // per vertex: round in which it moved last
-    uint32_t round = 0;
     Memory* memory = nullptr;
-    bool allocate(Memory& memory, uint32_t vertex_count);
+    bool allocate(Memory& memory);
     bool room_for(uint32_t degree); // grows star and side
 };
 

@@ -1,8 +1,8 @@
-// Whitehead moves of a vertex v that has edges to itself.  Such an edge, which
-// bounds no disk, stands for a deck transformation g; its value is the distance
-// of phi(v) and g phi(v).  Its two half-edges are the directions to g phi(v) and
-// to the inverse of g, each in a sector of its own or both in one.  If v moves
-// by mu into direction S, so does g v into g S:
+// Edges from a vertex v to itself that bound no disk.  Such an edge stands for a
+// deck transformation g; its value is the distance of phi(v) and g phi(v).  Its
+// two half-edges are the directions to g phi(v) and to the inverse of g, each in
+// a sector of its own or both in one.  If v moves by mu into direction S, so
+// does g v into g S:
 //
 //     both half-edges in S     -2 mu      the images approach each other
 //     one of them                 0
@@ -11,103 +11,132 @@
 // so that every half-edge counts for itself, as those to other vertices do.
 //
 // A value of 0 means that g fixes phi(v).  Then the edge stays 0 if g fixes S,
-// and gets 2 mu otherwise.  The triangle beside the edge decides:
+// and gets 2 mu otherwise.  g fixes S exactly if the edge and a boundary of the
+// cluster that lies in S alone bound an annulus of zero triangles.  So look at
+// the triangles on both sides of the edge:
 //
-//          w          the half-edges of v at the two sides of the triangle
-//        /   \        are g-images of each other: if both are in S, g fixes S;
-//       v--0--v       if one is, it does not.
+//          w          w in S from both ends of the edge: g fixes S; from one: it
+//        /   \        does not.  In no S: the annulus is not on this side.
+//       v--0--v
 //
-// Where both triangles have other zero edges or no side in S, nothing is known
-// for sure, and the vertex waits.  A move with zero edges is tried: what it
-// leaves behind may not be a pole.
+// If w belongs to the cluster, look at its part without v.  Only a disk without
+// closed corners fits into an annulus.  It hangs on v in several places, between
+// edges from v to itself or values of its own; each place knows whether v
+// goes the same way there as in the others, from the sides next to it or from
+// edges that are decided.
 #include "whitehead.hpp"
 
 namespace hmf {
 
 namespace {
 
-// Side of star that follows or precedes side t.
 uint32_t after(uint32_t t, uint32_t degree) { return t + 1 < degree ? t + 1 : 0; }
 uint32_t before(uint32_t t, uint32_t degree) { return t > 0 ? t - 1 : degree - 1; }
 
-uint32_t find_side(const Rings::Side* side, uint32_t degree, uint32_t half_edge) {
-    uint32_t t = 0;
-    while (t < degree && side[t].half_edge != half_edge) ++t;
-    return t;
-}
+class ZeroSelfEdges {
+public:
+    ZeroSelfEdges(Foliation& f, const Rings::Side* side, Star& star)
+        : f_(f), side_(side), star_(star), degree_(star.degree), v_(f.mesh.origin[side[0].half_edge]) {}
 
-enum class Zero : uint8_t { stays, opens, unknown };
-
-// What happens to a zero edge whose half-edges are the sides t and u.
-Zero zero_edge(const Star& star, uint32_t t, uint32_t u) {
-    const uint32_t d = star.degree;
-    const uint32_t pair[2][2] = {{before(t, d), after(u, d)}, {after(t, d), before(u, d)}};
-    bool known = true;
-    for (const auto& two : pair) {
-        const bool first = star.group[two[0]] == star.best, second = star.group[two[1]] == star.best;
-        if (first && second) return Zero::stays;
-        if (first || second) return Zero::opens;
-        known = known && star.F[two[0]] != 0 && star.F[two[1]] != 0;
+    bool decide() {
+        for (uint32_t t = 0; t < degree_; ++t)
+            way(t) = star_.F[t] != 0 ? (star_.group[t] == star_.best ? SAME : OTHER) : is_part(t) ? UNSEEN : OPEN;
+        for (uint32_t t = 0; t < degree_; ++t)
+            if (way(t) == UNSEEN) look_at_part(t);
+        uint32_t open = 1;
+        for (bool changed = true; changed && open > 0;) {
+            changed = false;
+            open = 0;
+            for (uint32_t t = 0; t < degree_; ++t) {
+                if (star_.F[t] != 0 || target(t) != v_ || (side_[t].half_edge & 1)) continue;
+                changed |= decide(t);
+                open += way(t) == OPEN;
+            }
+        }
+        for (uint32_t t = 0; t < degree_; ++t)
+            if (star_.F[t] == 0 && target(t) == v_) star_.step[t] = way(t) == OTHER;
+        return open == 0 && !f_.out_of_memory;
     }
-    return known ? Zero::opens : Zero::unknown;
-}
 
-bool is_broken(const Foliation& f, uint32_t h) {
-    return f.corner2(h) < 0 || f.corner2(f.mesh.next[h]) < 0 || f.corner2(f.mesh.prev(h)) < 0;
-}
+private:
+    // Where v goes at a side: as in direction S, another way, or not decided;
+    // of a part that fits into no annulus: OUTSIDE.
+    enum Way : uint8_t { SAME, OTHER, OPEN, OUTSIDE, UNSEEN };
+
+    uint8_t& way(uint32_t t) { return star_.way[t]; }
+    uint32_t target(uint32_t t) const { return f_.mesh.target(side_[t].half_edge); }
+    bool is_part(uint32_t t) const { return star_.F[t] == 0 && target(t) != v_; }
+
+    // Sets the row of zero edges to one part that side t belongs to.
+    void set_row(uint32_t t, uint8_t value) {
+        for (uint32_t s = t; is_part(s); s = after(s, degree_)) way(s) = value;
+        for (uint32_t s = t; is_part(s); s = before(s, degree_)) way(s) = value;
+    }
+
+    // The part without v behind side t, in all places where it hangs on v.
+    void look_at_part(uint32_t t) {
+        const Cluster part = explore_cluster(f_, target(t), NONE, v_, NONE, 1, star_.budget);
+        bool fits = part.closed_corners == 0 && (!part.complete || part.euler == 1), has_values = false;
+        for (uint32_t s = 0; s < degree_; ++s)
+            if (is_part(s) && f_.stamp[target(s)] == f_.epoch) way(s) = OPEN;
+        for (uint32_t s = 0; s < degree_ && part.complete; ++s) {
+            if (!is_part(s) || f_.stamp[target(s)] != f_.epoch) continue;
+            const uint32_t ends[2] = {before(s, degree_), after(s, degree_)};
+            for (const uint32_t end : ends) {
+                if (star_.F[end] == 0) continue;
+                has_values = true;
+                fits &= way(s) == OPEN || way(s) == way(end);
+                set_row(s, way(end));
+            }
+        }
+        if (!fits) {
+            for (uint32_t s = 0; s < degree_; ++s)
+                if (s == t || (is_part(s) && f_.stamp[target(s)] == f_.epoch)) set_row(s, OUTSIDE);
+        } else if (part.complete && !has_values) {
+            set_row(t, SAME); // compared with this place
+        }
+    }
+
+    // What the triangle with these two sides tells about the edge between them.
+    uint8_t across(uint32_t a, uint32_t b) {
+        if (way(a) == SAME && way(b) == SAME) return SAME;
+        if ((way(a) == SAME && way(b) == OTHER) || (way(a) == OTHER && way(b) == SAME)) return OTHER;
+        if (way(a) == OUTSIDE || way(b) == OUTSIDE || (star_.F[a] != 0 && star_.F[b] != 0)) return OUTSIDE;
+        return OPEN;
+    }
+
+    // The edge that starts at side t; true if something has become known.
+    bool decide(uint32_t t) {
+        uint32_t u = 0;
+        while (side_[u].half_edge != twin(side_[t].half_edge)) u = after(u, degree_);
+        const uint32_t pair[2][2] = {{before(t, degree_), after(u, degree_)}, {after(t, degree_), before(u, degree_)}};
+        bool changed = false;
+        if (way(t) == OPEN) {
+            const uint8_t one = across(pair[0][0], pair[0][1]), two = across(pair[1][0], pair[1][1]);
+            if (one == SAME || two == SAME) way(t) = SAME;
+            else if (one == OTHER || two == OTHER || (one == OUTSIDE && two == OUTSIDE)) way(t) = OTHER;
+            way(u) = way(t);
+            changed = way(t) != OPEN;
+        }
+        if (way(t) == OPEN) return false;
+        for (const auto& ends : pair)
+            for (uint32_t k = 0; k < 2; ++k) {
+                const uint32_t from = ends[k], to = ends[1 - k];
+                if (!is_part(to) || way(to) != OPEN || (way(from) != SAME && (way(from) != OTHER || way(t) == OTHER))) continue;
+                set_row(to, way(t) == SAME ? way(from) : OTHER);
+                changed = true;
+            }
+        return changed;
+    }
+
+    Foliation& f_;
+    const Rings::Side* side_;
+    Star& star_;
+    const uint32_t degree_, v_;
+};
 
 } // namespace
 
-bool move_with_self_edges(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change) {
-    const Mesh& mesh = f.mesh;
-    const uint32_t degree = star.degree, v = mesh.origin[side[0].half_edge];
-    const auto sign = [&](uint32_t t) { return star.group[t] == star.best ? -1 : 1; };
-    // Change of the value of a side for mu = 1; of an edge to itself both half-edges.
-    const auto rate = [&](uint32_t t) {
-        if (mesh.target(side[t].half_edge) != v) return sign(t);
-        const uint32_t u = find_side(side, degree, twin(side[t].half_edge));
-        if (star.F[t] == 0 && zero_edge(star, t, u) == Zero::stays) return 0;
-        return sign(t) + sign(u);
-    };
-    double curvature = 0;
-    int64_t limit = INT64_MAX;
-    for (uint32_t t = 0; t < degree; ++t) {
-        const uint32_t h = side[t].half_edge;
-        const bool self = mesh.target(h) == v;
-        if (self && star.F[t] == 0 && zero_edge(star, t, find_side(side, degree, twin(h))) == Zero::unknown) return false;
-        const int r = rate(t);
-        if (!self || !(h & 1)) curvature += weight[edge_of(h)] * r * r;
-        if (star.group[t] != star.best || star.F[t] == 0) continue;
-        const int64_t room = r < -1 ? star.F[t] / 2 : star.F[t];
-        if (room < limit) limit = room;
-        const uint32_t u = after(t, degree);
-        if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit) limit = star.corner2[t] / 2;
-    }
-    const double excess = 2 * star.best_pull - star.pull;
-    if (!(curvature > 0) || excess < curvature || limit < 1) return false; // less than a unit
-    const double best = excess / curvature;
-    lands = best >= static_cast<double>(limit);
-    const int64_t mu = lands ? limit : static_cast<int64_t>(best);
-    for (uint32_t t = 0; t < degree; ++t) f.value[edge_of(side[t].half_edge)] = star.F[t] + rate(t) * mu;
-    bool sound = true;
-    for (uint32_t t = 0; t < degree && sound && star.has_zero; ++t) {
-        const uint32_t h = side[t].half_edge;
-        sound = !is_broken(f, h);
-        if (!sound || star.F[t] != 0 || f.at(h) == 0) continue;
-        const Cluster part = explore_cluster(f, mesh.target(h), NONE, NONE, NONE, 2, star.budget);
-        sound = (part.complete || part.closed_corners >= 2) && !part.is_pole();
-    }
-    if (sound && star.has_zero) {
-        const Cluster own = explore_cluster(f, v, NONE, NONE, NONE, 2, star.budget);
-        sound = (own.complete || own.closed_corners >= 2) && !own.is_pole();
-    }
-    if (!sound) {
-        for (uint32_t t = 0; t < degree; ++t) f.value[edge_of(side[t].half_edge)] = star.F[t];
-        return false;
-    }
-    const double step = static_cast<double>(mu);
-    energy_change += step * (step * curvature - 2 * excess);
-    return true;
-}
+bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star) { return ZeroSelfEdges(f, side, star).decide(); }
 
 } // namespace hmf

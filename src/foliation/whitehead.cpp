@@ -14,10 +14,8 @@
 // Legal is a move up to the first closed corner or the first neighbour in S:
 // there the vertex lands exactly, and what it finds there (a branch of the
 // tree, or a neighbour, with which it then forms a cluster) decides how it
-// goes on.  A vertex may leave its cluster unless it leaves a pole behind: a
-// part of the cluster that is a disk with S on all sides but for less than two
-// closed corners.  Such a part lies ahead of v and has to move first; its
-// turn comes in the same sweep or the next.
+// goes on.  A vertex may leave its cluster, but must not leave a pole behind:
+// what would be one moves along (cluster_move.cpp).
 #include "whitehead.hpp"
 
 #include <cmath>
@@ -59,8 +57,10 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
 }
 
 bool Star::allocate(Memory& memory, uint32_t max_degree) {
+    pushed.start(memory);
     return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree)
-        && group.allocate(memory, max_degree) && group_pull.allocate(memory, max_degree);
+        && group.allocate(memory, max_degree) && group_pull.allocate(memory, max_degree)
+        && step.allocate(memory, max_degree) && way.allocate(memory, max_degree);
 }
 
 namespace {
@@ -177,49 +177,6 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         if (star.group_pull[k] > star.best_pull) { star.best_pull = star.group_pull[k]; star.best = k; }
 }
 
-namespace {
-
-// May v leave its cluster into direction star.best?
-bool may_leave(Foliation& f, const Rings::Side* side, const Star& star) {
-    const Mesh& mesh = f.mesh;
-    const uint32_t v = mesh.origin[side[0].half_edge];
-    const uint32_t degree = star.degree;
-    // A boundary vertex with one row of zero edges and one direction: the
-    // cluster without it has the same shape and the same closed corners.
-    uint32_t rows = 0, closed = 0;
-    for (uint32_t t = 0; t < degree; ++t) {
-        const uint32_t u = t + 1 < degree ? t + 1 : 0;
-        rows += star.F[t] != 0 && star.F[u] == 0;
-        closed += star.F[t] != 0 && star.F[u] != 0 && star.corner2[t] == 0;
-    }
-    if (rows == 1 && closed == 0) return true;
-    for (uint32_t t = 0; t < degree; ++t) {
-        const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
-        if (star.F[t] == 0 || star.F[first_zero] != 0 || star.group[t] != star.best) continue;
-        uint32_t u = first_zero;
-        while (star.F[u] == 0) u = u + 1 < degree ? u + 1 : 0;
-        if (star.group[u] != star.best) continue;
-        // Direction S on both sides of this part of the cluster.
-        const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 2, star.budget);
-        if (part.closed_corners >= 2) continue;
-        if (!part.complete) return false;
-        if (part.euler != 1) continue;
-        // Where the part hangs on v elsewhere, sides that fall behind v close corners.
-        uint32_t corners = part.closed_corners;
-        for (uint32_t s = 0; s < degree; ++s) {
-            if (star.F[s] == 0) continue;
-            const uint32_t next = s + 1 < degree ? s + 1 : 0, before = s > 0 ? s - 1 : degree - 1;
-            if (star.group[s] == star.best) continue;
-            if (star.F[next] == 0 && f.stamp[mesh.target(side[next].half_edge)] == f.epoch) ++corners;
-            if (star.F[before] == 0 && f.stamp[mesh.target(side[before].half_edge)] == f.epoch) ++corners;
-        }
-        if (corners < 2) return false;
-    }
-    return true;
-}
-
-} // namespace
-
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
@@ -229,19 +186,21 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         read_star(f, side, degree, weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         if (!(excess > 0)) return moved;
-        if (rings.is(v, Monogons::SELF_EDGE)) {
+        const bool self_edge = rings.is(v, Monogons::SELF_EDGE);
+        const double best = excess / rings.weight_sum[v];
+        if (best < 1 && !self_edge) return moved;
+        if ((self_edge || star.has_zero) && (!star.decided || !plan_move(f, side, star))) {
+            ++result.blocked;
+            return moved;
+        }
+        if (self_edge || (star.has_zero && !star.pushed.empty())) {
             bool lands = false;
-            if (!star.decided || !move_with_self_edges(f, side, weight, star, lands, result.energy_change)) {
-                ++result.blocked;
-                return moved;
-            }
+            if (!move_together(f, side, weight, star, lands, result.energy_change)) return moved;
             ++result.moves;
             moved = true;
             if (!lands) return true;
             continue;
         }
-        const double best = excess / rings.weight_sum[v];
-        if (best < 1) return moved;
         int64_t limit = INT64_MAX;
         for (uint32_t t = 0; t < star.degree; ++t) {
             if (star.group[t] != star.best || star.F[t] == 0) continue;
@@ -250,10 +209,6 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
             if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
                 limit = star.corner2[t] / 2;
-        }
-        if (star.has_zero && (!star.decided || !may_leave(f, side, star))) {
-            ++result.blocked;
-            return moved;
         }
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);

@@ -54,6 +54,11 @@ struct Star {
     Array<int64_t> corner2;     // twice the coordinate of the corner between sides t and t+1
     Array<uint32_t> group;      // per side: direction, NONE for zero edges
     Array<double> group_pull;
+    // Of the move into group `best` that plan_move has found.
+    Array<int8_t> step;         // per side: sign of its share of the change of its edge, 0 if it has none
+    Array<uint8_t> way;         // per side: scratch of open_zero_self_edges
+    Array<uint32_t> pushed;     // vertices that move along; all their values shrink
+    uint32_t moving = 0;        // stamp of these and of the vertex itself
     bool allocate(Memory& memory, uint32_t max_degree);
 };
 
@@ -73,9 +78,18 @@ struct SweepResult {
 void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
            Call& call, double fraction);
 
-// Takes the image of a vertex that has edges to itself into star.best, as far as
-// is best and legal (self_edges.cpp).  false: it must wait.
-bool move_with_self_edges(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change);
+// A move of the vertex of a star into star.best, with what has to go along
+// (cluster_move.cpp).  plan_move fills star.step and star.pushed; false: what
+// would be left behind or go along is not known, the vertex has to wait.
+bool plan_move(Foliation& f, const Rings::Side* side, Star& star);
+// The planned move goes up to the first neighbour or branch point.
+int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star);
+void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t mu);
+// As far as is best and there is room; false: not by a unit.  lands: as far as there is room.
+bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change);
+// Fills star.step for edges of value 0 from the vertex to itself: 1 if they
+// open, else 0 (self_edges.cpp).  false: not known for all of them.
+bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star);
 
 // One vertex, repeatedly, as in a sweep; true if it moved.
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result);

@@ -79,7 +79,7 @@ bool State::go_to(size_t target, Call& call) {
         if (!refine(call)) return false;
     if (level < target) {
         RestrictionScratch scratch;
-        if (!scratch.allocate(call.memory, foliation.mesh.vertex_count)) return false;
+        if (!scratch.allocate(call.memory)) return false;
         while (level < target)
             if (!coarsen(call, scratch)) return false;
     }
