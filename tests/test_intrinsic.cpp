@@ -110,6 +110,17 @@ TEST(Intrinsic, RandomFlips) {
     }
 }
 
+// Small meshes with clusters that hang on a vertex between its edges to itself.
+TEST(Intrinsic, ZeroEdgesToItself) {
+    expect_solved(with_random_flips(stretched(plate(2), 7, 1, 4), 2000, -1, 1441), "boundary in several places");
+    expect_solved(with_random_flips(stretched(plate(2), 6, 1, 1), 2000, -1, 1510), "closed corners");
+    expect_solved(with_random_flips(stretched(plate(2), 5, 1, 1), 2000, -1, 2615), "one boundary");
+    for (size_t holes = 2; holes <= 4; ++holes) {
+        expect_solved(stretched(pretzel(holes, 1), 1e4, 1, 1), "long neck");
+        expect_solved(stretched(pretzel(holes, 1), 1, 1e4, 1), "limbs inside");
+    }
+}
+
 TEST(Intrinsic, VerticesAtEdges) {
     for (const double height : {1e-3, 1e-6, 1e-9}) {
         SCOPED_TRACE(height);
@@ -144,7 +155,8 @@ TEST(Intrinsic, TreatmentsGiveSelfEdgesAndMonogons) {
 // method finds the same minimum from where they stop.
 TEST(Intrinsic, MovesKeepTheClass) {
     const TriMesh meshes[] = {stretched(pretzel(2, 2), 1, 60, 1), stretched(torus(48, 12, 3, 1), 1000, 1, 1), with_spikes(pretzel(2, 2), 60, 10, 1),
-                              with_random_flips(pretzel(2, 2), 40000, -1, 4)};
+                              with_random_flips(pretzel(2, 2), 40000, -1, 4), stretched(pretzel(2, 1), 1e4, 1, 1),
+                              with_random_flips(stretched(plate(2), 7, 1, 4), 2000, -1, 1441)};
     for (const TriMesh& mesh : meshes) {
         const Hierarchy hierarchy(mesh);
         ASSERT_TRUE(hierarchy);

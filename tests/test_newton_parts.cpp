@@ -1,7 +1,7 @@
 // What the direct method is made of, on a torus with a known height.
 // The signs of the twisted model can be combed there: the matrix is the ordinary
 // Laplacian up to the orientation of each unknown.  An extremum goes back to
-// its nearest neighbour.
+// its nearest neighbour.  A move takes along what it would leave behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -142,4 +142,70 @@ TEST(SettleExtremum, ReturnsToTheNearestNeighbour) {
                 combed.height[v] = nearest;
                 EXPECT_EQ(combed.value, combed.values());
             }
+}
+
+namespace {
+
+// v is moved; x, which has the same height and nothing below but v, goes along.
+void expect_taken_along(Combed& combed, uint32_t v, uint32_t x) {
+    Foliation& f = combed.f;
+    combed.value = combed.values();
+    f.value = combed.value.data();
+    ASSERT_EQ(combed.count().poles, 0u);
+    ASSERT_EQ(combed.count().broken_triangles, 0u);
+    std::vector<double> weight(f.mesh.edge_count, 1);
+    for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h)
+        if (f.mesh.origin[h] == v && f.mesh.target(h) != x) weight[edge_of(h)] = 12; // so that the first move is the best
+    Rings rings;
+    Star star;
+    ASSERT_TRUE(rings.build(f.mesh, weight.data(), combed.memory) && star.allocate(combed.memory, rings.max_degree));
+    const double before = energy(f, weight.data());
+    SweepResult result;
+    EXPECT_TRUE(relax_vertex(f, rings, weight.data(), v, star, result));
+    EXPECT_EQ(result.blocked, 0u);
+    EXPECT_LT(result.energy_change, -1);
+    EXPECT_NEAR(energy(f, weight.data()) - before, result.energy_change, 1e-9 * before);
+    EXPECT_EQ(combed.count().poles, 0u);
+    // The values are those of heights in which the two went up by the same.
+    int64_t mu = 0;
+    for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h)
+        if (f.mesh.origin[h] == v && f.mesh.target(h) != x && combed.rise(h) < 0) mu = f.at(h) + combed.rise(h);
+    EXPECT_GT(mu, 0);
+    combed.height[v] += mu;
+    combed.height[x] += mu;
+    EXPECT_EQ(combed.value, combed.values());
+}
+
+} // namespace
+
+TEST(Move, TakesANeighbourAlong) {
+    const std::vector<int64_t> along = {0, 70, 3, 60, 5, 80, 2, 90};
+    for (const uint32_t v : {34u, 36u, 38u}) { // lower than the vertex before
+        Combed combed(along);
+        const uint32_t x = v + static_cast<uint32_t>(along.size());
+        combed.height[x] = combed.height[v];
+        expect_taken_along(combed, v, x);
+    }
+}
+
+// x between two edges from v to q has degree 2: alone it would never move, or
+// only a part of the way to q.
+TEST(Move, TakesAVertexOfDegreeTwoAlong) {
+    Combed combed({0, 70, 3, 60, 5, 80, 2, 90});
+    Mesh& mesh = combed.f.mesh;
+    const uint32_t x = 44, v = x - 8; // with v, the next above and its neighbours round it
+    for (uint32_t turn = 0, h = mesh.out[x], degree = 6; degree > 2 && turn < 100; ++turn, h = mesh.out[x]) {
+        h = mesh.rotate_ccw(h);
+        mesh.out[x] = h;
+        if (mesh.target(h) == v || mesh.target(h) == x + 8) continue;
+        mesh.out[x] = mesh.rotate_ccw(h);
+        flip(mesh, edge_of(h));
+        --degree;
+    }
+    ASSERT_EQ(check(mesh), nullptr);
+    const uint32_t first = mesh.out[x], second = mesh.rotate_ccw(first);
+    ASSERT_EQ(mesh.rotate_ccw(second), first);
+    ASSERT_TRUE((mesh.target(first) == v && mesh.target(second) == x + 8) || (mesh.target(first) == x + 8 && mesh.target(second) == v));
+    combed.height[x] = combed.height[v];
+    expect_taken_along(combed, v, x);
 }

@@ -123,7 +123,7 @@ private:
             for (uint32_t k = 0; k < 2; ++k) {
                 const uint32_t from = ends[k], to = ends[1 - k];
                 if (!is_part(to) || way(to) != OPEN || (way(from) != SAME && (way(from) != OTHER || way(t) == OTHER))) continue;
-                set_row(to, way(t) == SAME ? way(from) : OTHER);
+                set_row(to, way(t) == SAME ? way(from) : uint8_t{OTHER});
                 changed = true;
             }
         return changed;
