@@ -381,14 +381,15 @@ bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<flo
 }
 
 bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory) {
+    constexpr uint32_t block = MultigridLevel::block;
     const uint32_t n = matrix.n;
     size_t total = 0;
     for (uint32_t i = 0; i < n; ++i) {
         uint32_t below = 0;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) below += matrix.column[k] < i;
-        total += (below + 3) / 4 * 4;
+        total += (below + block - (below > 0)) / block * block;
     }
-    total += 4; // written to, but not used
+    total += block; // written to, but not used
     if (total > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
     if (level.n != n || level.start.empty()) {
         level.n = n;
@@ -413,12 +414,12 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
             entry[at] = std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
             at += j < i;
         }
-        const uint32_t end = (at + 3) / 4 * 4;
-        for (uint32_t t = 0; t < 4; ++t) {
+        for (uint32_t t = 0; t < block; ++t) {
             column[at + t] = i;
             entry[at + t] = 0;
         }
-        at = end;
+        const uint32_t used = at - level.start[i];
+        at = level.start[i] + (used + block - (used > 0)) / block * block;
     }
     level.start[n] = at;
     return true;

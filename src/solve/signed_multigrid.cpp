@@ -26,23 +26,41 @@ constexpr double dense_shift = 1e-3;
 // sweeps would decay into subnormal numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
-// Sum of entry * x over row i below the diagonal.
-inline float row_product(const MultigridLevel& level, size_t i, const float* x) {
-    const uint32_t* column = level.column.data();
-    const float* entry = level.entry.data();
-    float sum = 0;
-    for (uint32_t k = level.start[i]; k < level.start[i + 1]; k += 4)
-        sum += (entry[k] * x[column[k]] + entry[k + 1] * x[column[k + 1]])
-             + (entry[k + 2] * x[column[k + 2]] + entry[k + 3] * x[column[k + 3]]);
-    return sum;
-}
+constexpr uint32_t block = MultigridLevel::block;
 
-// y -= value times column i above the diagonal.
-inline void subtract_column(const MultigridLevel& level, size_t i, float value, float* y) {
-    const uint32_t* column = level.column.data();
-    const float* entry = level.entry.data();
-    for (uint32_t k = level.start[i]; k < level.start[i + 1]; ++k) y[column[k]] -= entry[k] * value;
-}
+// The part of a level's matrix below the diagonal.
+struct LowerRows {
+    const uint32_t* start;
+    const uint32_t* column;
+    const float* entry;
+
+    explicit LowerRows(const MultigridLevel& level) : start(level.start.data()), column(level.column.data()), entry(level.entry.data()) {}
+    // Sum of entry * x over row i.
+    float product(size_t i, const float* x) const {
+        static_assert(block == 5, "written out here");
+        float sum = 0;
+        size_t k = start[i];
+        const size_t end = start[i + 1];
+        do {
+            const uint32_t* c = column + k;
+            const float* e = entry + k;
+            sum += ((e[0] * x[c[0]] + e[1] * x[c[1]]) + (e[2] * x[c[2]] + e[3] * x[c[3]])) + e[4] * x[c[4]];
+            k += block;
+        } while (k < end);
+        return sum;
+    }
+    // y -= value times row i, that is column i above the diagonal.
+    void subtract(size_t i, float value, float* y) const {
+        size_t k = start[i];
+        const size_t end = start[i + 1];
+        do {
+            const uint32_t* c = column + k;
+            const float* e = entry + k;
+            for (size_t t = 0; t < block; ++t) y[c[t]] -= e[t] * value;
+            k += block;
+        } while (k < end);
+    }
+};
 
 } // namespace
 
@@ -171,12 +189,13 @@ void SignedMultigrid::descend(uint32_t l) {
     const float* b = level.b.data();
     float* x = level.x.data();
     float* r = level.r.data();
+    const LowerRows rows(level);
     // After a sweep from zero the residual is that of the part above the diagonal.
     for (size_t i = 0; i < level.n; ++i) {
-        const float value = b[i] - row_product(level, i, x);
+        const float value = b[i] - rows.product(i, x);
         x[i] = value;
         r[i] = 0;
-        subtract_column(level, i, value, r);
+        rows.subtract(i, value, r);
     }
     if (level.prolongation_start.empty()) return;
     const bool last = l + 1 == level_count_;
@@ -207,11 +226,12 @@ void SignedMultigrid::ascend(uint32_t l) {
             for (uint32_t t = start[c]; t < start[c + 1]; ++t) x[row[t]] += entry[t] * coarse[c];
     }
     float* r = level.r.data();
+    const LowerRows rows(level);
     std::memcpy(r, level.b.data(), level.n * sizeof(float));
     for (size_t i = level.n; i-- > 0;) {
-        const float value = r[i] - row_product(level, i, x);
+        const float value = r[i] - rows.product(i, x);
         x[i] = value;
-        subtract_column(level, i, value, r);
+        rows.subtract(i, value, r);
     }
 }
 
@@ -225,10 +245,20 @@ namespace {
 
 // y = A x.
 void multiply(const MultigridLevel& level, const float* x, float* y) {
+    const LowerRows rows(level);
     for (size_t i = 0; i < level.n; ++i) {
-        y[i] = x[i] + row_product(level, i, x);
-        subtract_column(level, i, -x[i], y);
+        y[i] = x[i] + rows.product(i, x);
+        rows.subtract(i, -x[i], y);
     }
+}
+
+// x A x.
+double energy(const MultigridLevel& level, const float* x) {
+    const LowerRows rows(level);
+    double sum = 0;
+    for (size_t i = 0; i < level.n; ++i)
+        sum += static_cast<double>(x[i]) * (static_cast<double>(x[i]) + 2 * static_cast<double>(rows.product(i, x)));
+    return sum;
 }
 
 double dot(const float* x, const float* y, size_t n) {
@@ -258,8 +288,7 @@ void SignedMultigrid::k_cycle() {
     v_cycle(1);
     const double xb = dot(x, b, n), xv = dot(x, v, n);
     // What is left of the second direction once it is conjugate to the first.
-    multiply(level, x, level.r.data());
-    const double xx = dot(x, level.r.data(), n);
+    const double xx = energy(level, x);
     const double rest = xx - xv * xv / cv;
     const double second = rest > 1e-6 * xx ? xb / rest : 0;
     const float along_x = static_cast<float>(second), along_c = static_cast<float>(cb / cv - xv / cv * second);
@@ -310,7 +339,7 @@ public:
         const double g = static_cast<double>(scale_[i]) * r;
         sum_ += g * g;
         if (!row_scale_) return;
-        const double row = static_cast<double>(row_scale_[i]) * (r < 0 ? -r : r);
+        const double row = static_cast<double>(row_scale_[i]) * std::fabs(r);
         if (row > largest_row_) largest_row_ = row;
     }
     double norm() const { return std::sqrt(sum_); }

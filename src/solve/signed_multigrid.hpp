@@ -54,7 +54,9 @@ struct MultigridLevel {
     Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; only kept on level 0
     // Row i: the entries in columns below i, from start[i] to start[i+1]; what
     // is above the diagonal is their transpose.  Filled up with zero entries to
-    // multiples of four: loops of hardly varying length are worth the room.
+    // one block or more: most rows of a mesh have one, and where a loop ends
+    // that varies in length, nobody can predict.
+    static constexpr uint32_t block = 5;
     Array<uint32_t> start;         // n + 1
     Array<uint32_t> column;
     Array<float> entry;
