@@ -34,7 +34,7 @@ public:
         if (n == 0) return top;
         size_t i = 0;
         for (size_t child = 1; child < n; child = 2 * i + 1) {
-            if (child + 1 < n && before(heap_[child + 1], heap_[child])) ++child;
+            if (child + 1 < n) child += before(heap_[child + 1], heap_[child]);
             if (!before(heap_[child], last)) break;
             heap_[i] = heap_[child];
             i = child;
@@ -44,7 +44,8 @@ public:
     }
 
 private:
-    static bool before(const Entry& a, const Entry& b) { return a.distance < b.distance || (a.distance == b.distance && a.item < b.item); }
+    // Without branches: which child comes first cannot be foreseen.
+    static bool before(const Entry& a, const Entry& b) { return (a.distance < b.distance) | ((a.distance == b.distance) & (a.item < b.item)); }
 
     Array<Entry> heap_;
 };

@@ -33,8 +33,8 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const uint64_t* label, Call& call)
-        : mesh_(mesh), edge_label_(label), call_(call), memory_(call.memory), search_(cut_, length_, label, call) {}
+    CutSystem(const Mesh& mesh, const Restriction* restriction, Call& call)
+        : mesh_(mesh), restriction_(restriction), call_(call), memory_(call.memory), search_(cut_, length_, restriction ? restriction->label : nullptr, call) {}
 
     hmf_status run(const double* position, Loops& out) {
         const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
@@ -44,28 +44,30 @@ public:
         loop_.start(memory_);
         try_.start(memory_);
         if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) ||
-            !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0) || (edge_label_ && !test_.allocate(mesh_, memory_)))
+            !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0) || (restriction_ && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
         const double wanted = faces * (400 + 6.0 * genus), budget = wanted < most ? wanted : most;
-        for (uint32_t k = 0; k < genus; ++k) {
+        uint32_t k = 0;
+        for (; k < genus && is_permitted(k); ++k)
+            if (!add(restriction_->free->crossings.data() + restriction_->free->offsets[k], restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
+                return call_.out_of_memory();
+        for (; k < genus; ++k) {
             if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
             if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !signatures_.build(cut_, call_) || !prepare())
                 return stopped();
             const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
             if (status) return status;
             // Labels of a surface that meets itself may leave no loop without crossings.
-            if (!found_ && edge_label_)
+            if (!found_ && restriction_)
                 return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
                                   "There are no such loops: the surface meets itself. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
             if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
-            const size_t begin = out.crossings.size();
-            for (uint32_t half_segment : loop_)
-                if (!out.crossings.push(cut_.half_edge(half_segment))) return call_.out_of_memory();
-            if (!out.offsets.push(out.crossings.size()) || !curves_.add(out.crossings.data() + begin, out.crossings.size() - begin)) return call_.out_of_memory();
+            for (uint32_t& half_segment : loop_) half_segment = cut_.half_edge(half_segment);
+            if (!add(loop_.data(), loop_.size())) return call_.out_of_memory();
             if (curves_.total >= MULTICURVE_LIMIT)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k, "The loops cross more than 2^29 edges. Use a coarser level.");
             keep_bounds();
@@ -76,6 +78,25 @@ public:
 private:
     hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
     hmf_status stopped() { return call_.cancelled() ? cancelled() : call_.out_of_memory(); }
+
+    bool add(const uint32_t* loop, size_t n) {
+        for (size_t i = 0; i < n; ++i)
+            if (!out_->crossings.push(loop[i])) return false;
+        return out_->offsets.push(out_->crossings.size()) && curves_.add(loop, n);
+    }
+
+    // Does the loop that was found without the restriction keep it?  If so do all
+    // before it, it is the shortest with the restriction as well.
+    bool is_permitted(uint32_t k) const {
+        if (!restriction_) return false;
+        const Loops& free = *restriction_->free;
+        uint64_t sum = 0;
+        for (uint64_t i = free.offsets[k]; i < free.offsets[k + 1]; ++i) {
+            const uint64_t label = restriction_->label[edge_of(free.crossings[i])];
+            sum += free.crossings[i] & 1u ? uint64_t{0} - label : label;
+        }
+        return sum == 0;
+    }
 
     // Searches in the new cut surface, with the bounds of the earlier ones.
     bool prepare() {
@@ -97,8 +118,27 @@ private:
         }
     }
 
-    // A region beside each segment with a signature.
+    // A region beside each segment with a signature, or those where a loop can
+    // cross a gate, if they are fewer.
     bool choose_roots() {
+        if (!choose_signed_roots()) return false;
+        if (!restriction_) return true;
+        const Loops& gates = *restriction_->gates;
+        gate_.start(memory_);
+        ++visit_;
+        for (const uint32_t h : gates.crossings) {
+            const uint32_t f = mesh_.face[h], end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
+            for (uint32_t r = cut_.region_first[f]; r < end; ++r) {
+                if (visited_[r] == visit_) continue;
+                visited_[r] = visit_;
+                if (!gate_.push({0, r})) return false;
+            }
+        }
+        if (!gate_.empty() && gate_.size() < roots_.size()) roots_.swap(gate_);
+        return true;
+    }
+
+    bool choose_signed_roots() {
         roots_.start(memory_);
         ++visit_;
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
@@ -133,12 +173,13 @@ private:
             if (!prepare()) return call_.out_of_memory();
         }
         // Loops that meet themselves may have hidden others.
-        if (!found_ && edge_label_ && (!all_roots() || !search_roots(allowed, complete))) return stopped();
+        if (!found_ && restriction_ && (!all_roots() || !search_roots(allowed, complete))) return stopped();
         // Again from roots round the loop itself, until none of them gains.
         size_t eighth = 1;
         for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {
             const double before = best_;
-            if (!look_from(cut_.region[loop_[loop_.size() * eighth / 8]])) return stopped();
+            const uint32_t root = cut_.region[loop_[loop_.size() * eighth / 8]];
+            if (search_.bound(root) < best_ && !look_from(root)) return stopped();
             eighth = best_ < before ? 1 : eighth + 1;
         }
         return HMF_OK;
@@ -166,7 +207,7 @@ private:
         double total = 0;
         for (const uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
         if (!(total < best_)) return true;
-        if (edge_label_ && !is_simple()) return !memory_.failure();
+        if (restriction_ && !is_simple()) return !memory_.failure();
         found_ = true;
         best_ = total;
         loop_.swap(try_);
@@ -198,10 +239,10 @@ private:
     }
 
     const Mesh& mesh_;
-    const uint64_t* edge_label_; // or NULL
+    const Restriction* restriction_; // or NULL
     Call& call_;
     Memory& memory_;
-    const Loops* out_ = nullptr; // the loops so far
+    Loops* out_ = nullptr; // the loops so far
     Multicurve curves_, test_;
     CutSurface cut_;
     Signatures signatures_;
@@ -209,7 +250,7 @@ private:
     LoopSearch search_;
     size_t states_per_region_ = 4;
     Array<double> face_bound_;   // of the loops through a face
-    Array<Root> roots_;
+    Array<Root> roots_, gate_;
     Array<uint32_t> visited_;    // per region
     uint32_t visit_ = 0;
     Array<uint32_t> loop_, try_; // half-segments
@@ -219,8 +260,8 @@ private:
 
 } // namespace
 
-hmf_status cut_system(const Mesh& mesh, const double* position, const uint64_t* label, Call& call, Loops& out) {
-    CutSystem system(mesh, label, call);
+hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call, Loops& out) {
+    CutSystem system(mesh, restriction, call);
     return system.run(position, out);
 }
 

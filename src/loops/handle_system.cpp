@@ -11,7 +11,8 @@
 //     y J^-1 V = 0 is one condition on a sum of labels of edges once its
 //     columns are combined with random factors, in numbers modulo 2^64.
 //  4. The cut system with these labels (cut_system.cpp); each loop that it
-//     finds is checked without the random factors.
+//     finds is checked without the random factors.  It is searched from half of
+//     the basis, which all loops of the kind cross.
 #include "handle_system.hpp"
 
 #include "carry_loops.hpp"
@@ -69,6 +70,49 @@ double signed_volume(const Mesh& mesh, const double* position) {
     return sum;
 }
 
+// Independent rows of integers, modulo a prime.
+class Echelon {
+public:
+    bool allocate(size_t columns, Memory& memory) {
+        columns_ = columns;
+        return rows_.allocate(memory, (columns + 1) * columns) && pivot_.allocate(memory, columns);
+    }
+    size_t rank() const { return rank_; }
+
+    // entry(j): in two's complement.  False: it depends on the rows before, and is left out.
+    template <class Entry>
+    bool add(const Entry& entry) {
+        uint64_t* const row = rows_.data() + columns_ * rank_;
+        for (size_t j = 0; j < columns_; ++j) {
+            const int64_t x = static_cast<int64_t>(entry(j)) % static_cast<int64_t>(PRIME);
+            row[j] = static_cast<uint64_t>(x < 0 ? x + static_cast<int64_t>(PRIME) : x);
+        }
+        for (size_t k = 0; k < rank_; ++k) {
+            const uint64_t* const other = rows_.data() + columns_ * k;
+            const uint64_t factor = PRIME - row[pivot_[k]];
+            if (factor == PRIME) continue;
+            for (size_t j = pivot_[k]; j < columns_; ++j) row[j] = (row[j] + factor * other[j]) % PRIME;
+        }
+        size_t pivot = 0;
+        while (pivot < columns_ && row[pivot] == 0) ++pivot;
+        if (pivot == columns_) return false;
+        uint64_t inverse = 1, base = row[pivot]; // base^(PRIME - 2)
+        for (uint64_t e = PRIME - 2; e; e >>= 1) {
+            if (e & 1u) inverse = inverse * base % PRIME;
+            base = base * base % PRIME;
+        }
+        for (size_t j = pivot; j < columns_; ++j) row[j] = row[j] * inverse % PRIME;
+        pivot_[rank_++] = pivot;
+        return true;
+    }
+
+private:
+    static constexpr uint64_t PRIME = 0x7fffffff;
+    size_t columns_ = 0, rank_ = 0;
+    Array<uint64_t> rows_; // one more than there can be; first a 1, at the pivot
+    Array<size_t> pivot_;
+};
+
 class HandleSystem {
 public:
     HandleSystem(const hmf_hierarchy& h, bool inside, Call& call)
@@ -81,7 +125,9 @@ public:
         if (!status) status = measure(a, b);
         if (!status) status = make_conditions();
         if (!status) status = make_labels(a, b);
-        if (!status) status = cut_system(mesh_, position_, label_.data(), call_, out);
+        if (!status) status = choose_gates(a, b);
+        const Restriction restriction = {label_.data(), &a, &gates_};
+        if (!status) status = cut_system(mesh_, position_, &restriction, call_, out);
         if (!status) status = verify(a, b, out);
         return status;
     }
@@ -127,9 +173,11 @@ private:
                 const int64_t t = form_.intersection[n * i + g + j];
                 if (i == j ? t != 1 && t != -1 : t != 0) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Loops and partners do not fit. Please report this.");
             }
-        const size_t rank_found = rank(V);
-        if (rank_found == SIZE_MAX) return call_.out_of_memory();
-        if (rank_found != g) return not_embedded();
+        // g on both sides of a surface that does not meet itself.
+        Echelon rows;
+        if (!rows.allocate(n, call_.memory)) return call_.out_of_memory();
+        for (size_t i = 0; i < n; ++i) rows.add([&](size_t j) { return V(i, j); });
+        if (rows.rank() != g) return not_embedded();
         // (J^-1 V) = (-T^-T V_b ; T^-1 V_a), by substitution.
         if (!condition_.allocate(call_.memory, n * n)) return call_.out_of_memory();
         for (size_t j = 0; j < n; ++j) {
@@ -147,40 +195,24 @@ private:
         return HMF_OK;
     }
 
-    // Rank modulo a prime: g on both sides of a surface that does not meet itself.
-    template <class Matrix>
-    size_t rank(const Matrix& V) {
-        constexpr uint64_t prime = 0x7fffffff;
-        const size_t n = form_.size;
-        Array<uint64_t> m;
-        if (!m.allocate(call_.memory, n * n)) return SIZE_MAX;
-        for (size_t i = 0; i < n * n; ++i) {
-            const int64_t v = static_cast<int64_t>(V(i / n, i % n)) % static_cast<int64_t>(prime);
-            m[i] = static_cast<uint64_t>(v < 0 ? v + static_cast<int64_t>(prime) : v);
+    // The gates: loops of the basis that each loop of the kind crosses.  If it
+    // crosses none, y is 0 there; then y is 0, if the rows of the condition that
+    // belong to the others are independent.  Those of the partners, which are
+    // long, come first, so that the gates are short.
+    hmf_status choose_gates(const Loops& a, const Loops& b) {
+        const size_t n = form_.size, g = n / 2;
+        gates_.offsets.start(call_.memory);
+        gates_.crossings.start(call_.memory);
+        Echelon rows;
+        if (!gates_.offsets.push(0) || !rows.allocate(n, call_.memory)) return call_.out_of_memory();
+        for (size_t k = n; k-- > 0;) {
+            if (rows.rank() < g && rows.add([&](size_t j) { return condition_[n * k + j]; })) continue;
+            const Loops& loops = k < g ? a : b;
+            for (uint64_t i = loops.offsets[k % g]; i < loops.offsets[k % g + 1]; ++i)
+                if (!gates_.crossings.push(loops.crossings[i])) return call_.out_of_memory();
+            if (!gates_.offsets.push(gates_.crossings.size())) return call_.out_of_memory();
         }
-        size_t found = 0;
-        for (size_t column = 0; column < n && found < n; ++column) {
-            size_t pivot = found;
-            while (pivot < n && m[n * pivot + column] == 0) ++pivot;
-            if (pivot == n) continue;
-            for (size_t j = 0; j < n; ++j) {
-                const uint64_t x = m[n * pivot + j];
-                m[n * pivot + j] = m[n * found + j];
-                m[n * found + j] = x;
-            }
-            uint64_t inverse = 1, base = m[n * found + column]; // base^(prime - 2)
-            for (uint64_t e = prime - 2; e; e >>= 1) {
-                if (e & 1u) inverse = inverse * base % prime;
-                base = base * base % prime;
-            }
-            for (size_t i = found + 1; i < n; ++i) {
-                const uint64_t factor = m[n * i + column] * inverse % prime;
-                if (factor == 0) continue;
-                for (size_t j = column; j < n; ++j) m[n * i + j] = (m[n * i + j] + (prime - factor) * m[n * found + j]) % prime;
-            }
-            ++found;
-        }
-        return found;
+        return HMF_OK;
     }
 
     // Step 3.
@@ -229,6 +261,7 @@ private:
     SeifertForm form_;
     Array<uint64_t> condition_; // J^-1 V, modulo 2^64
     Array<uint64_t> label_;     // per edge
+    Loops gates_;
 };
 
 } // namespace

@@ -9,9 +9,13 @@ bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     order_.start(memory);
     epoch_ = 0;
     starved_ = false;
+    size_t places = edge_label_ ? 2 : 0;
+    for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
     if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states) ||
-        !sum_.allocate(memory, edge_label_ ? states : 0) || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
+        !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE) || !order_.reserve(states) ||
+        !heap_.reserve(3 * states + 1))
         return false;
+    state_count_ = 0;
     for (size_t i = 0; i < 3 * n; ++i) {
         const uint32_t link = cut_.link[i], segment = link >> 1;
         arc_[i] = link == NONE ? Arc{0, 0, NONE, NONE} : Arc{edge_length_[cut_.segment_edge[segment]], signatures.of[segment], cut_.region[link ^ 1u], link};
@@ -20,40 +24,37 @@ bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     return true;
 }
 
-// The state of a region with a sum of labels, NONE if there is no room.  A
-// region is its own first state; others follow in a list.
-uint32_t LoopSearch::find_state(uint32_t region, uint64_t label) {
-    uint32_t s = region;
-    if (!edge_label_) return s;
-    if (!reached(s)) {
-        sum_[s] = {label, NONE};
-        return s;
+// The state of a region with a sum of labels.  NONE: there is none yet, or no
+// room to make it.  Without labels states are regions.
+uint32_t LoopSearch::find_state(uint32_t region, uint64_t label, bool make) {
+    if (!edge_label_) return region;
+    const uint64_t hash = (label + region * uint64_t{0x9e3779b97f4a7c15}) * uint64_t{0xbf58476d1ce4e5b9};
+    size_t place = static_cast<size_t>(hash >> table_shift_);
+    for (; table_[place] != NONE; place = place + 1 < table_.size() ? place + 1 : 0) {
+        const uint32_t s = table_[place];
+        if (covered_[s].label == label && state_[s].region == region) return s;
     }
-    while (sum_[s].label != label) {
-        if (sum_[s].next == NONE) {
-            if (state_count_ == state_.size()) {
-                starved_ = starved_here_ = true;
-                return NONE;
-            }
-            const uint32_t made = state_count_++;
-            sum_[s].next = made;
-            sum_[made] = {label, NONE};
-            state_[made].region = region;
-            state_[made].stamp = 0;
-            return made;
-        }
-        s = sum_[s].next;
+    if (!make) return NONE;
+    if (state_count_ == state_.size()) {
+        starved_ = starved_here_ = true;
+        return NONE;
     }
-    return s;
+    const uint32_t made = state_count_++;
+    table_[place] = made;
+    covered_[made] = {label, static_cast<uint32_t>(place)};
+    state_[made].region = region;
+    state_[made].stamp = 0;
+    return made;
 }
 
 bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
     ++epoch_;
     heap_.clear();
     order_.clear();
-    state_count_ = cut_.region_count;
+    for (uint32_t s = 0; s < state_count_; ++s) table_[covered_[s].place] = NONE;
+    state_count_ = 0;
     starved_here_ = false;
-    const uint32_t start = find_state(root, 0);
+    const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
     heap_.push({0, start}); // within the reserve: at most one for each link
     double shortest = limit;
@@ -67,18 +68,19 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
         order_.push(s); // within the reserve
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
         const Arc* const arcs = &arc_[3 * size_t{state_[s].region}];
-        const uint64_t label = edge_label_ ? sum_[s].label : 0, signature_here = state_[s].signature;
+        const uint64_t label = edge_label_ ? covered_[s].label : 0, signature_here = state_[s].signature;
         for (uint32_t i = 0; i < 3; ++i) {
             const Arc& arc = arcs[i];
             if (arc.to == NONE) break;
             if (bound_[arc.to] >= shortest) continue;
-            const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment)) : arc.to;
+            const double d = entry.distance + arc.length;
+            const bool far = 2 * d >= shortest; // it would not be settled
+            const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment), !far) : arc.to;
             if (to == NONE) continue;
             State& state = state_[to];
-            const double d = entry.distance + arc.length;
             const uint64_t signature = signature_here ^ arc.signature;
             if (state.stamp <= 2 * epoch_) {
-                if (state.stamp == 2 * epoch_ && !(d < state.distance)) continue;
+                if (far || (state.stamp == 2 * epoch_ && !(d < state.distance))) continue;
                 state.stamp = 2 * epoch_;
                 state.distance = d;
                 state.signature = signature;

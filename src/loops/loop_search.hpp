@@ -55,12 +55,12 @@ private:
         uint32_t region;
         uint32_t before, through; // the state before and the half-segment, seen from there
     };
-    struct Sum { // of labels on the way from the root
-        uint64_t label;
-        uint32_t next; // state of the same region
+    struct Covered { // with labels, of a state
+        uint64_t label;  // sum on the way from the root
+        uint32_t place;  // in table_
     };
 
-    uint32_t find_state(uint32_t region, uint64_t label);
+    uint32_t find_state(uint32_t region, uint64_t label, bool make);
     uint64_t label_after(uint64_t label, uint32_t half_segment) const {
         const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];
         return half_segment & 1u ? label - add : label + add;
@@ -75,11 +75,13 @@ private:
     const Array<double>& edge_length_;
     const uint64_t* edge_label_;
     Call& call_;
-    Array<Arc> arc_;        // three per region
-    Array<double> bound_;   // per region
+    Array<Arc> arc_;         // three per region
+    Array<double> bound_;    // per region
     Array<State> state_;
-    Array<Sum> sum_;        // per state, with labels
-    Array<uint32_t> order_; // states as they were settled
+    Array<Covered> covered_; // per state
+    Array<uint32_t> table_;  // states by region and label, NONE: free
+    uint32_t table_shift_ = 0;
+    Array<uint32_t> order_;  // states as they were settled
     uint32_t state_count_ = 0, epoch_ = 0;
     bool starved_ = false, starved_here_ = false;
     uint64_t work_ = 0;

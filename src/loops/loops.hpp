@@ -16,11 +16,16 @@ struct Loops {
     size_t count() const { return offsets.empty() ? 0 : offsets.size() - 1; }
 };
 
+// Loops for which labels add up to 0.
+struct Restriction {
+    const uint64_t* label; // per edge, read with a minus from half-edge 2e + 1
+    const Loops* free;     // the cut system without the restriction
+    const Loops* gates;    // each loop that keeps the restriction crosses one of these
+};
+
 // genus many disjoint simple loops, jointly non-separating, each the shortest
 // that is found one after another.  position: 3 per vertex of the mesh.
-// label, if not NULL: one number per edge, read with a minus from half-edge
-// 2e + 1.  The labels along a loop must then add up to 0.
-hmf_status cut_system(const Mesh& mesh, const double* position, const uint64_t* label, Call& call, Loops& out);
+hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call, Loops& out);
 
 // Loops that each cross one of the disjoint loops that they are given, and for
 // the others only earlier ones: disjoint as well, and with them a basis of the
