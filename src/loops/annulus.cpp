@@ -193,9 +193,8 @@ bool Annulus::grow(size_t capacity) {
 // searches from the others look at little more than the best loops.
 bool Annulus::search(double limit, Array<uint32_t>& out) {
     const size_t states = copies_.size() * TURNS;
-    if (!distance_.allocate(call_.memory, states) || !from_.allocate(call_.memory, states) || !stamp_.allocate_filled(call_.memory, states, 0u) ||
-        !landmark_.allocate_filled(call_.memory, states, HUGE_VAL))
-        return false;
+    if (state_.size() < states && !state_.allocate(call_.memory, states)) return false;
+    for (size_t i = 0; i < states; ++i) state_[i] = {0, HUGE_VAL, NONE, 0};
     double best = limit;
     uint32_t epoch = 0, work = 0;
     for (uint32_t root = 0; root < copies_.size(); ++root) {
@@ -206,24 +205,24 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
         const bool first = ++epoch == 1;
         heap_.clear();
         const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
-        const double goal_distance = landmark_[goal];
+        const double goal_distance = state_[goal].landmark;
         const auto left = [&](uint32_t state) { // at least, to the goal
-            const double bound = first || goal_distance == HUGE_VAL || landmark_[state] == HUGE_VAL ? 0 : goal_distance - landmark_[state];
+            const double bound = first || goal_distance == HUGE_VAL || state_[state].landmark == HUGE_VAL ? 0 : goal_distance - state_[state].landmark;
             return bound > 0 ? bound : 0;
         };
-        distance_[start] = 0;
-        from_[start] = NONE;
-        stamp_[start] = 2 * epoch;
+        state_[start].distance = 0;
+        state_[start].from = NONE;
+        state_[start].stamp = 2 * epoch;
         if (!heap_.push({left(start), start})) return false;
         bool arrived = false;
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             const uint32_t state = top.item;
-            if (stamp_[state] == 2 * epoch + 1) continue;
+            if (state_[state].stamp == 2 * epoch + 1) continue;
             // The landmark has to know the goals of the others as well.
             if (top.distance >= (first ? 1.25 * limit : best)) break;
-            stamp_[state] = 2 * epoch + 1;
-            if (first) landmark_[state] = distance_[state];
+            state_[state].stamp = 2 * epoch + 1;
+            if (first) state_[state].landmark = state_[state].distance;
             arrived = arrived || state == goal;
             if (arrived && !first) break;
             if (++work % 16384 == 0 && !call_.tick(0, true)) return false;
@@ -234,21 +233,21 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
                 const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
                 if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
                 const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
-                const double d = s == 3 ? distance_[state] : distance_[state] + copy.length[s];
-                if (stamp_[to] == 2 * epoch + 1 || (stamp_[to] == 2 * epoch && !(d < distance_[to]))) continue;
+                const double d = s == 3 ? state_[state].distance : state_[state].distance + copy.length[s];
+                if (state_[to].stamp == 2 * epoch + 1 || (state_[to].stamp == 2 * epoch && !(d < state_[to].distance))) continue;
                 const double whole = d + left(to);
                 if (!first && whole >= best) continue;
-                stamp_[to] = 2 * epoch;
-                distance_[to] = d;
-                from_[to] = 4 * (state / TURNS) + s;
+                state_[to].stamp = 2 * epoch;
+                state_[to].distance = d;
+                state_[to].from = 4 * (state / TURNS) + s;
                 if (!heap_.push({whole, to})) return false;
             }
         }
-        if (!arrived || distance_[goal] >= best) continue;
-        best = distance_[goal];
+        if (!arrived || state_[goal].distance >= best) continue;
+        best = state_[goal].distance;
         out.clear();
         for (uint32_t state = goal; state != start;) {
-            const uint32_t link = from_[state];
+            const uint32_t link = state_[state].from;
             const Copy& copy = copies_[link / 4];
             if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
             state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
@@ -265,10 +264,8 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
 
 bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit, Array<uint32_t>& out) {
     count_ = &count;
-    copies_.start(call_.memory);
-    border_.start(call_.memory);
-    heap_.start(call_.memory);
-    fan_.start(call_.memory);
+    copies_.clear();
+    border_.clear();
     out.start(call_.memory);
     return build_strip(loop) && grow(capacity) && search(limit, out);
 }

@@ -27,7 +27,12 @@ namespace hmf {
 
 class Annulus {
 public:
-    Annulus(const Mesh& mesh, const DualLength& length, Call& call) : mesh_(mesh), length_(length), call_(call) {}
+    Annulus(const Mesh& mesh, const DualLength& length, Call& call) : mesh_(mesh), length_(length), call_(call) {
+        copies_.start(call.memory);
+        border_.start(call.memory);
+        heap_.start(call.memory);
+        fan_.start(call.memory);
+    }
 
     // A place on an edge: between two of the curves, from the origin of the half-edge.
     struct Place { uint32_t half_edge, position; };
@@ -51,6 +56,10 @@ private:
     };
     struct Border { uint32_t link, before, after; }; // link: 4 * copy + side
     struct Wedge { uint32_t copy; int32_t turns; }; // of a fan, turns since its first
+    struct State {                                  // of the search, a copy with a turn
+        double distance, landmark;
+        uint32_t from, stamp; // from: 4 * copy + side
+    };
 
     uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
     Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
@@ -70,8 +79,7 @@ private:
     Array<Border> border_;
     NearestFirst heap_;
     Array<Wedge> fan_;
-    Array<double> distance_, landmark_;
-    Array<uint32_t> from_, stamp_;
+    Array<State> state_; // kept from loop to loop, as are those above
 };
 
 } // namespace hmf

@@ -25,10 +25,12 @@ namespace {
 class Pants {
 public:
     Pants(const Mesh& mesh, const double* position, Loops& loops, Call& call)
-        : mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory), length_(mesh, position) {}
+        : mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
-        if (!curves_.allocate(mesh_, memory_)) return call_.out_of_memory();
+        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)) return call_.out_of_memory();
+        const DualLength length(mesh_, position_);
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         const size_t genus = loops_.count();
         while (loops_.count() + 3 < 3 * genus) {
             if (!call_.tick(static_cast<double>(loops_.count()) / (3.0 * static_cast<double>(genus)), true))
@@ -54,7 +56,7 @@ private:
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
         for (size_t s = 0; s < cut_.segment_count; ++s) unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
         for (size_t k = 0; k < n; ++k)
-            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i) around_[k] += length_(edge_of(curves_.components.crossings[i]));
+            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i) around_[k] += length_[edge_of(curves_.components.crossings[i])];
         return true;
     }
 
@@ -92,14 +94,27 @@ private:
                 curves_.step(mesh_, h, p);
             }
         }
+        // No way that is left is shorter than the next distance: stop where that
+        // cannot make a loop shorter than the best one yet.
+        double least[2] = {HUGE_VAL, HUGE_VAL}, best = HUGE_VAL;
+        for (const double around : around_)
+            for (int side = 0; side < 2; ++side) {
+                if (around < least[0]) least[1] = least[0], least[0] = around;
+                else if (around < least[1]) least[1] = around;
+            }
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
+            if (least[0] + least[1] + 2 * top.distance > best) break;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{top.item} + i];
                 if (link == NONE) break;
                 const uint32_t to = cut_.region[link ^ 1u];
-                const double d = top.distance + length_(cut_.segment_edge[link >> 1]);
+                const double d = top.distance + length_[cut_.segment_edge[link >> 1]];
+                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side) {
+                    const double length = estimate(seed_[to], seed_[top.item], d + distance_[to]);
+                    if (length < best && holes_[find_root(piece_.data(), to)] > 3) best = length;
+                }
                 if (!(d < distance_[to])) continue;
                 distance_[to] = d;
                 seed_[to] = seed_[top.item];
@@ -127,7 +142,7 @@ private:
             const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
             if (seed_[r] == NONE || seed_[q] == NONE || seeds_[seed_[r]].side == seeds_[seed_[q]].side) continue;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double length = estimate(seed_[r], seed_[q], distance_[r] + length_(cut_.segment_edge[s]) + distance_[q]);
+            const double length = estimate(seed_[r], seed_[q], distance_[r] + length_[cut_.segment_edge[s]] + distance_[q]);
             if (!(length < best)) continue;
             best = length;
             chosen_ = {seed_[r], seed_[q]};
@@ -191,7 +206,7 @@ private:
     Loops& loops_;
     Call& call_;
     Memory& memory_;
-    DualLength length_;
+    Array<double> length_;          // per edge
     Multicurve curves_;
     CutSurface cut_;
     Array<uint32_t> piece_, holes_; // per region; number of holes at the root of a piece

@@ -12,7 +12,12 @@
 // Its index is positive, so it would be a pole of the initial foliation
 // ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The
 // finger is taken off; each time the crossings become fewer.
+//
+// A disk without a closed corner would have a loop round it that is not
+// essential, so the fingers are found at closed corners: opposite to an edge
+// that is crossed more than once.
 #include "../foliation/foliation.hpp"
+#include "heap_sort.hpp"
 #include "loops.hpp"
 
 namespace hmf {
@@ -25,24 +30,22 @@ public:
 
     hmf_status run() {
         if (!weight_.allocate_filled(memory_, loops_.count(), int64_t{2}) || !value_.allocate(memory_, mesh_.edge_count) ||
-            !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u) || !cluster_.allocate(memory_, mesh_.vertex_count) ||
-            !index_.allocate(memory_, mesh_.vertex_count))
+            !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u))
             return call_.out_of_memory();
         foliation_.mesh = mesh_;
         foliation_.value = value_.data();
         foliation_.stamp = stamp_.data();
         foliation_.members.start(memory_);
+        poles_.start(memory_);
         finger_.start(memory_);
         loop_.start(memory_);
         for (;;) {
             if (!call_.tick(0, true)) return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             initial_foliation(mesh_, loops_, weight_.data(), value_.data());
-            const SingularityCount count = count_singularities(foliation_, index_.data(), cluster_.data(), nullptr, nullptr);
-            if (foliation_.out_of_memory) return call_.out_of_memory();
-            if (count.poles == 0) return HMF_OK;
+            if (!find_poles()) return call_.out_of_memory();
+            if (poles_.empty()) return HMF_OK;
             bool removed = false;
-            for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-                if (cluster_[v] != v || index_[v] <= 0) continue;
+            for (const uint32_t v : poles_) {
                 bool found = false;
                 if (!trace_finger(v) || !remove_finger(found)) return call_.out_of_memory();
                 removed |= found;
@@ -52,6 +55,28 @@ public:
     }
 
 private:
+    // The lowest vertices of clusters with positive index.
+    bool find_poles() {
+        poles_.clear();
+        const uint32_t before = foliation_.epoch;
+        for (const uint32_t crossing : loops_.crossings) {
+            if (foliation_.at(crossing) < 4) continue; // 2 for each crossing
+            const uint32_t both[2] = {crossing, twin(crossing)};
+            for (const uint32_t h : both) {
+                const uint32_t g = mesh_.prev(h), v = mesh_.origin[g];
+                if (foliation_.at(g) == 0 || foliation_.at(mesh_.next[h]) == 0 || foliation_.corner2(g) != 0 || stamp_[v] > before) continue;
+                const Cluster cluster = explore_cluster(foliation_, v, NONE, NONE, NONE, 2, 0);
+                if (foliation_.out_of_memory) return false;
+                if (!cluster.complete || 2 * cluster.euler <= static_cast<int64_t>(cluster.closed_corners)) continue;
+                uint32_t lowest = v;
+                for (const uint32_t u : foliation_.members) lowest = u < lowest ? u : lowest;
+                if (!poles_.push(lowest)) return false;
+            }
+        }
+        heap_sort(poles_.data(), poles_.size(), [](uint32_t a, uint32_t b) { return a < b; });
+        return true;
+    }
+
     // The half-edges that leave the cluster of v, counter-clockwise from the
     // closed corner, turned round: as the innermost loop crosses them.
     bool trace_finger(uint32_t v) {
@@ -116,8 +141,7 @@ private:
     Memory& memory_;
     Foliation foliation_;
     Array<int64_t> weight_, value_;
-    Array<uint32_t> stamp_, cluster_, finger_, loop_;
-    Array<int32_t> index_;
+    Array<uint32_t> stamp_, poles_, finger_, loop_;
 };
 
 } // namespace
