@@ -46,7 +46,7 @@ public:
 
 private:
     // A side of a loop (2 * component, + 1 for the right one), after one of its crossings.
-    struct Seed { uint32_t side, crossing; };
+    struct Seed { uint32_t side, crossing, region; };
     struct Pair { uint32_t a, b; }; // of seeds
     bool cut() {
         if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes || !cut_.build(mesh_, curves_, true, memory_)) return false;
@@ -60,7 +60,7 @@ private:
         return true;
     }
 
-    // From all sides of all loops at once: the nearest side of each region.
+    // From all sides of loops at once: the nearest side of each region.
     bool spread() {
         const size_t n = cut_.region_count;
         seeds_.start(memory_);
@@ -80,13 +80,12 @@ private:
                     const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
                     const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
                     const uint32_t seed = static_cast<uint32_t>(seeds_.size());
-                    if (!seeds_.push({2 * k + right, static_cast<uint32_t>(i - first)})) return false;
+                    if (!seeds_.push({2 * k + right, static_cast<uint32_t>(i - first), r})) return false;
                     if (!counted[right]) ++holes_[find_root(piece_.data(), r)];
                     counted[right] = true;
                     if (seed_[r] == NONE) {
                         seed_[r] = seed;
                         distance_[r] = 0;
-                        if (!heap_.push({0, r})) return false;
                     } else if (seeds_[seed_[r]].side != seeds_[seed].side) {
                         if (!pairs_.push({seed_[r], seed})) return false;
                     }
@@ -94,18 +93,21 @@ private:
                 curves_.step(mesh_, h, p);
             }
         }
-        // No way that is left is shorter than the next distance: stop where that
-        // cannot make a loop shorter than the best one yet.
-        double least[2] = {HUGE_VAL, HUGE_VAL}, best = HUGE_VAL;
-        for (const double around : around_)
-            for (int side = 0; side < 2; ++side) {
-                if (around < least[0]) least[1] = least[0], least[0] = around;
-                else if (around < least[1]) least[1] = around;
-            }
+        // Only in pieces that are no pants yet.  No way that is left is shorter
+        // than the next distance: stop where that cannot make a loop shorter than
+        // the best one yet.
+        double least = HUGE_VAL, best = HUGE_VAL;
+        for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
+            const uint32_t r = seeds_[seed].region;
+            if (holes_[find_root(piece_.data(), r)] <= 3) continue;
+            const double around = around_[seeds_[seed].side / 2];
+            if (around < least) least = around;
+            if (seed_[r] == seed && !heap_.push({0, r})) return false;
+        }
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
-            if (least[0] + least[1] + 2 * top.distance > best) break;
+            if (2 * (least + top.distance) > best) break;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{top.item} + i];
                 if (link == NONE) break;
@@ -113,7 +115,7 @@ private:
                 const double d = top.distance + length_[cut_.segment_edge[link >> 1]];
                 if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side) {
                     const double length = estimate(seed_[to], seed_[top.item], d + distance_[to]);
-                    if (length < best && holes_[find_root(piece_.data(), to)] > 3) best = length;
+                    if (length < best) best = length;
                 }
                 if (!(d < distance_[to])) continue;
                 distance_[to] = d;
