@@ -2,13 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <set>
 
 #include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/cut_surface.hpp"
+#include "../src/loops/dual_length.hpp"
 #include "../src/loops/loops.hpp"
+#include "../src/loops/signatures.hpp"
 #include "support/make_mesh.hpp"
 
 namespace {
@@ -538,6 +541,93 @@ TEST(CutSystem, AfterRandomFlips) {
         test::MadeMesh made(seed % 3 == 0 ? test::torus(3 + seed % 4, 3) : test::plate(1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed % 2)));
         flip_at_random(made, static_cast<uint32_t>(40 * seed), seed);
         expect_cut_system(made, false);
+        if (HasFailure()) FAIL() << "seed " << seed;
+    }
+}
+
+// Does a set of segments (odd[s]) cut the points into two classes?
+bool separates(const CutSurface& cut, const std::vector<char>& odd) {
+    std::vector<char> side(cut.point_count, -1);
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (uint32_t s = 0; s < cut.segment_count; ++s) {
+            const uint32_t p = cut.point[2 * size_t{s}], q = cut.point[2 * size_t{s} + 1];
+            if (s == 0 && side[p] < 0) side[p] = 0;
+            if (side[p] < 0 && side[q] < 0) continue;
+            if (side[p] >= 0 && side[q] >= 0) {
+                if ((side[p] ^ side[q]) != odd[s]) return false;
+                continue;
+            }
+            (side[p] < 0 ? side[p] : side[q]) = static_cast<char>((side[p] < 0 ? side[q] : side[p]) ^ odd[s]);
+            changed = true;
+        }
+    }
+    return true;
+}
+
+// Every loop is the shortest that does not separate what the loops before it
+// leave: no segment closes a shorter one in the tree of shortest ways from any
+// region.  Signatures tell which separate; on small meshes they are checked.
+TEST(CutSystem, EachIsTheShortest) {
+    for (uint64_t seed = 1; seed <= 9; ++seed) {
+        const bool small = seed > 3;
+        test::MadeMesh made(seed % 3 == 0 ? test::torus(small ? 7 : 16, small ? 4 : 10) : test::plate(1 + static_cast<int>(seed % 3), 1, small ? 1 : 2));
+        if (seed % 2) flip_at_random(made, static_cast<uint32_t>(20 * seed), seed);
+        uint64_t random = seed;
+        for (double& x : made.positions) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            x += 0.3 * static_cast<double>(random >> 40) / 16777216.0;
+        }
+        const Mesh mesh = made.mesh();
+        Context c;
+        Loops loops;
+        Multicurve curves;
+        std::vector<double> length;
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) length.push_back(DualLength(mesh, made.positions.data())(e));
+        ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK);
+        ASSERT_TRUE(curves.allocate(mesh, c.memory));
+        for (size_t k = 0; k < loops.count(); ++k) {
+            const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];
+            const size_t n = loops.offsets[k + 1] - loops.offsets[k];
+            double found = 0;
+            for (size_t i = 0; i < n; ++i) found += length[edge_of(loop[i])];
+            CutSurface cut;
+            Signatures signatures;
+            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.memory) && signatures.build(cut, c.call));
+            for (uint32_t root = 0; root < cut.region_count; ++root) {
+                std::vector<double> distance(cut.region_count, HUGE_VAL);
+                std::vector<uint32_t> through(cut.region_count, NONE);
+                distance[root] = 0;
+                std::set<std::pair<double, uint32_t>> queue{{0, root}};
+                while (!queue.empty()) {
+                    const auto [d, r] = *queue.begin();
+                    queue.erase(queue.begin());
+                    for (uint32_t i = 0; i < 3 && cut.link[3 * size_t{r} + i] != NONE; ++i) {
+                        const uint32_t link = cut.link[3 * size_t{r} + i], to = cut.region[link ^ 1u];
+                        if (!(d + length[cut.segment_edge[link >> 1]] < distance[to])) continue;
+                        queue.erase({distance[to], to});
+                        distance[to] = d + length[cut.segment_edge[link >> 1]];
+                        through[to] = link;
+                        queue.insert({distance[to], to});
+                    }
+                }
+                for (uint32_t s = 0; s < cut.segment_count; ++s) {
+                    const uint32_t ends[2] = {cut.region[2 * size_t{s}], cut.region[2 * size_t{s} + 1]};
+                    if (distance[ends[0]] + length[cut.segment_edge[s]] + distance[ends[1]] > found * (1 - 1e-9)) continue;
+                    std::vector<char> odd(small ? cut.segment_count : 0, 0);
+                    uint64_t signature = signatures.of[s];
+                    if (small) odd[s] = 1;
+                    for (uint32_t r : ends)
+                        for (; r != root; r = cut.region[through[r]]) {
+                            signature ^= signatures.of[through[r] >> 1];
+                            if (small) odd[through[r] >> 1] ^= 1;
+                        }
+                    EXPECT_EQ(signature, 0u) << "seed " << seed << " loop " << k << " root " << root << " segment " << s;
+                    if (small) { EXPECT_TRUE(separates(cut, odd)); }
+                }
+            }
+            ASSERT_TRUE(curves.add(loop, n));
+        }
         if (HasFailure()) FAIL() << "seed " << seed;
     }
 }
