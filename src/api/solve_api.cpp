@@ -105,14 +105,18 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         report->method = options.method;
         report->converged = status == HMF_OK;
         const double unit = recorder.unit();
-        report->energy = energy(state.foliation, level.weight) * unit * unit;
-        Rings rings;
-        Star star;
-        if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree))
-            return call.out_of_memory();
-        const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
-        report->residual_max = residual.max;
-        report->residual_mean = residual.mean;
+        Certificate certificate = recorder.certificate;
+        if (!certificate.known) {
+            Rings rings;
+            Star star;
+            if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree))
+                return call.out_of_memory();
+            const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
+            certificate = {true, energy(state.foliation, level.weight), residual.max, residual.mean};
+        }
+        report->energy = certificate.energy * unit * unit;
+        report->residual_max = certificate.residual_max;
+        report->residual_mean = certificate.residual_mean;
     }
     if (state.level == 0 && !state.to_input(call))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.") : call.out_of_memory();

@@ -152,6 +152,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         if (state.level == 0 && !state.to_intrinsic(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
         if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
             finer->interpolate_seconds = call.seconds() - start;
+        recorder.certificate.known = false;
         recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight), -1);
     }
 }

@@ -21,6 +21,15 @@ namespace hmf {
 
 namespace {
 
+// How well to solve for a step.
+struct Effort {
+    double loose;         // relative tolerance of a solve after which zeros move
+    double tight;         // and of one where they hardly do
+    double residual;      // of [W] Eq. 4, with which any solve may stop; 0: none
+    bool go_on;           // to a tight solve, where the zeros stay
+    bool close;           // near the minimum: more effort for a whole step pays
+};
+
 class Newton {
 public:
     // smooth_only: a few digits of the short waves are enough for the linear solves.
@@ -52,14 +61,12 @@ public:
         }
     }
 
-    // HMF_OK, or memory, or HMF_CANCELLED.  tight: the tolerance where the
-    // model is exact, so that no other step follows.  close: near the minimum, where more
-    // effort for a whole step pays.  accepted: the share of the step that was
-    // taken, 0 if none would do.
-    hmf_status step(double tolerance, double tight, bool close, double& accepted) {
+    // HMF_OK, or memory, or HMF_CANCELLED.  accepted: the share of the step that
+    // was taken, 0 if none would do.  tight: it was solved for tightly.
+    hmf_status step(const Effort& effort, double& accepted, bool& tight) {
         accepted = 0;
         std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
-        const hmf_status status = try_step(tolerance, tight, close, accepted);
+        const hmf_status status = try_step(effort, accepted, tight);
         if (accepted == 0) restore();
         return status;
     }
@@ -101,23 +108,29 @@ private:
     hmf_status stopped() { return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
     // Leaves the values changed where it is not accepted.
-    hmf_status try_step(double tolerance, double tight, bool close, double& accepted) {
+    hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
         if (f_.out_of_memory || !go_on()) return stopped();
         const uint32_t n = model_.count;
-        const SignedMatrix matrix = model_.matrix();
-        if (tight < tolerance && model_.is_exact()) tolerance = tight;
         ++w_.statistics.linear_solves;
+        tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
-        for (double accuracy = tolerance;; accuracy *= 1e-4) {
-            if (!solve_linear(matrix, accuracy)) return stopped();
+        for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= 1e-4) {
+            if (!solve_linear(accuracy, effort.residual)) return stopped();
             restore();
             model_.project(f_, w_.rings, patch_, distance_);
             if (!go_on()) return stopped();
             set_values(1);
+            if (!tight && effort.go_on && zeros_stay()) {
+                tight = true;
+                restore();
+                if (!solve_between_bounds(effort)) return stopped();
+                set_values(1);
+            }
             if (!go_on()) return stopped();
-            if (find_suspects() <= 16 + n / 2000 || accuracy < 1e-13) break;
+            const uint64_t extrema = find_suspects();
+            if (tight || extrema <= 16 + n / 2000 || accuracy < 1e-13) break;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
         // Where the step went too far, the neighbourhood stays as it is.  If the
@@ -140,9 +153,10 @@ private:
                 return HMF_OK;
             }
             restore();
-            if (sound && (close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
+            if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
-                if (!solve_between_bounds(tight)) return stopped();
+                ++w_.statistics.linear_solves;
+                if (!solve_between_bounds(effort)) return stopped();
             } else if (too_far_ != NONE && attempt < 16) {
                 if (attempt % 4 == 3) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
@@ -153,35 +167,54 @@ private:
         return HMF_OK;
     }
 
+    LinearOptions stop_at(double residual) const {
+        LinearOptions options;
+        if (residual > 0) options.row_scale = model_.row_scale.data();
+        options.row_tolerance = residual;
+        return options;
+    }
+
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
-    bool solve_linear(const SignedMatrix& matrix, double accuracy) {
+    bool solve_linear(double accuracy, double residual) {
         constexpr uint32_t with_old_setup = 50, with_new_setup = 200, with_smoother = 10;
+        const SignedMatrix matrix = model_.matrix();
+        const LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
             if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
-            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call);
+            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
         }
         multigrid_ready_ = multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
         if (!multigrid_ready_) return false;
-        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, smooth_only_ ? with_smoother : with_new_setup, w_.call);
+        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, smooth_only_ ? with_smoother : with_new_setup, w_.call, options);
         return !w_.call.cancelled() && !w_.call.finishing();
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
-    bool solve_between_bounds(double accuracy) {
-        if (fixed_entry_.empty()
-            && (!fixed_entry_.allocate(w_.call.memory, size_t{2} * f_.mesh.edge_count)
-                || !fixed_right_.allocate(w_.call.memory, f_.mesh.vertex_count)))
-            return false;
-        model_.fix_active(fixed_entry_, fixed_right_);
-        const SignedMatrix fixed{model_.count, model_.offset, model_.column, fixed_entry_.data(), model_.diagonal.data()};
-        multigrid_.solve(fixed, fixed_right_.data(), model_.d.data(), accuracy, 100, w_.call);
-        ++w_.statistics.linear_solves;
-        if (w_.call.cancelled() || w_.call.finishing()) return false;
-        model_.project(f_, w_.rings, patch_, distance_);
+    bool solve_between_bounds(const Effort& effort) {
+        for (uint32_t pass = 0; pass < 3; ++pass) {
+            model_.fix_active();
+            LinearOptions options = stop_at(effort.residual);
+            options.fixed = model_.fixed.data();
+            options.fixed_count = model_.fixed.size();
+            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), effort.tight, 100, w_.call, options);
+            w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
+            if (w_.call.cancelled() || w_.call.finishing()) return false;
+            if (model_.project(f_, w_.rings, patch_, distance_) == 0) break;
+        }
         return true;
+    }
+
+    // After a step: do the vertices that came to a bound rest there?  Then the
+    // model lasts.  Else they go on past it in the next step.
+    bool zeros_stay() {
+        constexpr double share = 1e-4; // of the pull: well above the error of a loose solve near the minimum
+        model_.fix_active();
+        for (uint32_t v : model_.fixed)
+            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > share) return false;
+        return !f_.out_of_memory;
     }
 
     // Bounds are integers, so rounding does not leave them.
@@ -355,7 +388,6 @@ private:
     bool smooth_only_;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
-    Array<double> fixed_entry_, fixed_right_; // made when first needed
     Array<uint32_t> patch_, near_, distance_;
     Array<uint32_t> suspect_; // vertices that may be unsound after a step,
     bool check_all_ = false;  // unless all may be
@@ -386,25 +418,32 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED; // the residual may be unfinished
         const double before = round == 0 && !finest ? 1 : model.residual_max, D = model.energy;
         work.record(2, D, before);
-        if (before <= goal) return HMF_OK;
+        if (before <= goal) {
+            work.recorder.certificate = {true, D, before, model.residual_sum / model.count};
+            return HMF_OK;
+        }
         if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;
         else if (++without_progress > 12) break;
         if (before < best) best = before;
         if (D < lowest) lowest = D;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+        Effort effort{};
+        effort.close = before < 1e-2;
+        effort.loose = round == 0 ? 1e-2 : 1e-3;
+        effort.tight = finest ? 0.03 * goal / before : 1e-2;
+        if (effort.tight < 1e-11) effort.tight = 1e-11;
+        if (effort.tight > 1e-2) effort.tight = 1e-2;
+        effort.residual = finest ? 0.5 * goal : 0;
         // As long as zeros move, the next model is another one: a tight solve
         // of this one would be wasted.
-        double tight = 0.03 * goal / before;
-        if (tight < 1e-11) tight = 1e-11;
-        if (tight > 1e-2 || !finest) tight = 1e-2;
-        const double loose = round == 0 ? 1e-2 : before > 1e-2 ? 1e-3 : tight;
-        const double linear = tight > loose ? tight : loose;
+        effort.go_on = finest && round > 0;
         double accepted = 0;
-        if (const hmf_status status = newton.step(linear, tight, before < 1e-2, accepted)) return status;
+        bool tight = false;
+        if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         newton.relax_near_zeros(20);
         // Levels in between only provide a start.
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
-        newton.sweeps(accepted < 1 ? 10 : round > 1 ? 2 : 0);
+        newton.sweeps(accepted < 1 ? 10 : round > (tight ? 3 : 1) ? 2 : 0);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     return finest ? HMF_LIMIT_STALLED : HMF_OK;

@@ -14,6 +14,13 @@ struct SolveOptions {
     size_t stop_level = 0;
 };
 
+// What a method knows of the foliation as it leaves it.
+struct Certificate {
+    bool known;
+    double energy; // in units
+    double residual_max, residual_mean;
+};
+
 // Writes the caller's report; every member may be called without one.
 class Recorder {
 public:
@@ -24,6 +31,7 @@ public:
     hmf_report* report() const { return report_; }
     double unit() const { return unit_; }
     void set_unit(double unit) { unit_ = unit; }
+    Certificate certificate{}; // of the last level
 
 private:
     hmf_report* report_;

@@ -8,9 +8,10 @@ bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     resting.start(memory);
     bounded.start(memory);
     special_.start(memory);
-    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && index.allocate(memory, n)
+    fixed.start(memory);
+    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n) && index.allocate(memory, n)
         && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n) && entry.allocate(memory, 2 * m)
-        && diagonal.allocate(memory, n) && right.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
+        && diagonal.allocate(memory, n) && right.allocate(memory, n) && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
         && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
 }
 
@@ -103,9 +104,10 @@ void TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
     if (closed == 2) {
         const double excess = pull[0] - pull[1], scale = pull[0] + pull[1] > floor ? pull[0] + pull[1] : floor;
         const double r = (excess < 0 ? -excess : excess) / scale;
-        if (r > residual_max) residual_max = r;
+        add_residual(r);
         rests[v] = 0;
         right[v] = agreement < 0 ? -excess : excess;
+        row_scale[v] = static_cast<float>(1 / scale);
         if (agreement < 0)
             for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = static_cast<int8_t>(-sign[side[t].half_edge]);
     } else {
@@ -118,12 +120,12 @@ void TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
     rests[v] = 1;
     resting.push(v);
-    right[v] = 0;
+    right[v] = row_scale[v] = 0;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
 }
 
 // The cluster of v, which has zero edges.
-void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v) {
+void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
     const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
     const bool regular = cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
     const bool turned = regular && sign_regular_cluster(f, weight, sign.data()) < 0;
@@ -136,13 +138,16 @@ void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
             continue;
         }
         rests[u] = 0;
-        double b = 0;
+        double b = 0, pull = 0;
         for (uint32_t t = rings.offset[u]; t < rings.offset[u + 1]; ++t) {
             const uint32_t h = rings.side[t].half_edge;
             if (turned) sign[h] = static_cast<int8_t>(-sign[h]);
-            b += weight[edge_of(h)] * sign[h] * static_cast<double>(f.at(h));
+            const double p = weight[edge_of(h)] * static_cast<double>(f.at(h));
+            b += sign[h] * p;
+            pull += p;
         }
         right[u] = b;
+        row_scale[u] = static_cast<float>(1 / (pull > floor ? pull : floor));
     }
     index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
 }
@@ -151,7 +156,7 @@ void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     const uint32_t n = count = f.mesh.vertex_count;
     offset = rings.offset.data();
     column = rings.neighbour.data();
-    energy = residual_max = 0;
+    energy = residual_max = residual_sum = 0;
     double total = 0; // pull of all edges at one of their ends
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
         const double x = static_cast<double>(f.value[e]);
@@ -168,7 +173,7 @@ void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
         bool has_zero = rings.is(v, Monogons::HOST);
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) has_zero |= f.at(rings.side[t].half_edge) == 0;
         if (!has_zero) look_at_plain_vertex(f, rings, weight, v, floor);
-        else if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v);
+        else if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v, floor);
         if (f.out_of_memory) return;
     }
     // A monogon moves with the vertex on which it hangs.
@@ -176,8 +181,7 @@ void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
     for (uint32_t v : special_) {
-        const double r = residual_at(f, rings, weight, v, floor, star);
-        if (r > residual_max) residual_max = r;
+        add_residual(residual_at(f, rings, weight, v, floor, star));
     }
 }
 
@@ -290,18 +294,10 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
         }
 }
 
-void TwistedModel::fix_active(Array<double>& fixed_entry, Array<double>& fixed_right) const {
-    for (uint32_t k = 0; k < count; ++k) {
-        const bool fixed = at_bound(k);
-        double b = fixed ? diagonal[k] * d[k] : right[k];
-        for (uint32_t i = offset[k]; i < offset[k + 1]; ++i) {
-            const uint32_t other = column[i];
-            const bool drop = fixed || at_bound(other);
-            if (drop && !fixed) b -= entry[i] * d[other];
-            fixed_entry[i] = drop ? 0 : entry[i];
-        }
-        fixed_right[k] = b;
-    }
+void TwistedModel::fix_active() {
+    fixed.clear();
+    for (uint32_t k : bounded)
+        if (!rests[k] && at_bound(k)) fixed.push(k); // room is there
 }
 
 uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {

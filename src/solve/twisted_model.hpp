@@ -32,7 +32,8 @@ struct TwistedModel {
     Array<uint32_t> tripod;    // a half-edge of each, before the step
     Array<int32_t> index;      // per vertex, before the step; a cluster's at one of its vertices
     double energy = 0;         // before the step, in squared units
-    double residual_max = 0;   // before the step, over all vertices ([W] Eq. 4)
+    double residual_max = 0;   // before the step, over all vertices ([W] Eq. 4),
+    double residual_sum = 0;   // and their sum
     // The matrix has the sides of the rings as entries, 0 for edges from a
     // vertex to itself.
     const uint32_t* offset = nullptr; // count + 1
@@ -42,6 +43,8 @@ struct TwistedModel {
     Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
     Array<uint32_t> bounded;       // unknowns that have a bound, in any order
     Array<double> d;               // count, the solution
+    Array<float> row_scale;        // count, makes a row of the residual of the equations that of [W] Eq. 4
+    Array<uint32_t> fixed;         // unknowns that the equations leave out, by fix_active()
 
     bool allocate(const Mesh& mesh, Memory& memory);
     // Signs, right side, zeros, energy and residual of the current foliation.
@@ -57,8 +60,8 @@ struct TwistedModel {
     // Brings d into the bounds and improves it near the bounds that are
     // active by projected Gauss-Seidel; returns the number of active bounds.
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
-    // Matrix and right side in which the unknowns at a bound have their value.
-    void fix_active(Array<double>& fixed_entry, Array<double>& fixed_right) const;
+    // The unknowns at a bound keep their value while the others are solved for.
+    void fix_active();
     // Keeps the vertices within some rings of v where they are, and lets the
     // others take that over.
     void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch, Array<uint32_t>& distance);
@@ -67,7 +70,11 @@ struct TwistedModel {
 
 private:
     void look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
-    void look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v);
+    void look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
+    void add_residual(double r) {
+        residual_sum += r;
+        if (r > residual_max) residual_max = r;
+    }
     void find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
