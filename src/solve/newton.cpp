@@ -403,8 +403,8 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const bool finest = above == 0;
     const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
     // What the coarser level got wrong are short waves.  Long ones add up over
-    // the levels: on every second one they are solved for, too.
-    Newton newton(work, !finest && !coarsest && above % 2 == 1);
+    // the levels: on every third one they are solved for, too.
+    Newton newton(work, !finest && !coarsest && above % 3 != 0);
     if (!newton.allocate()) return work.call.out_of_memory();
     const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
     const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
