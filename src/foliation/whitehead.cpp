@@ -90,7 +90,6 @@ uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget,
 } // namespace
 
 void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
-    const uint32_t v = f.mesh.origin[side[0].half_edge];
     star.degree = degree;
     star.decided = true;
     star.has_zero = false;
@@ -121,10 +120,12 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         star.has_zero |= F[t] == 0;
     }
     uint32_t groups = 0;
+    uint32_t rows = 0; // of zero edges
     bool open_run = false;
     for (uint32_t t = 0; t < degree; ++t) {
         const uint32_t u = t + 1 < degree ? t + 1 : 0;
         corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
+        rows += F[t] != 0 && F[u] == 0;
         if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
         if (!open_run) star.group_pull[groups++] = 0;
         group[t] = groups - 1;
@@ -140,8 +141,10 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         for (uint32_t t = degree; t-- > 0 && group[t] == last;) group[t] = 0;
         --groups;
     }
-    if (star.has_zero && groups > 0) {
+    // One row and two runs are two directions: as one they would be a pole.
+    if (groups > 1 && rows > 0 && groups + rows > 3) {
         const Mesh& mesh = f.mesh;
+        const uint32_t v = mesh.origin[side[0].half_edge];
         // Runs on both sides of a row of zero edges, one direction?
         for (uint32_t t = 0; t < degree && groups > 1; ++t) {
             const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
@@ -177,12 +180,58 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         if (star.group_pull[k] > star.best_pull) { star.best_pull = star.group_pull[k]; star.best = k; }
 }
 
+namespace {
+
+enum class Outcome : uint8_t { undecided, rests, moves, lands };
+
+// One move at a vertex without zero edges and with two directions: the
+// general way below in one pass and without branches on the values.
+Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, double weight_sum, SweepResult& result) {
+    if (degree > 64) return Outcome::undecided;
+    double pull = 0, pull_of_second = 0;
+    int64_t room = INT64_MAX, room_of_second = INT64_MAX;
+    uint64_t second = 0; // sides in the second direction
+    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+        const int64_t corner = (here + ahead - opposite) / 2;
+        const int64_t along = corner != 0 && corner < here ? corner : here;
+        const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
+        pull += p;
+        pull_of_second += p * static_cast<double>(direction);
+        const int64_t first = direction ? INT64_MAX : along, other = direction ? along : INT64_MAX;
+        room = first < room ? first : room;
+        room_of_second = other < room_of_second ? other : room_of_second;
+        second |= uint64_t{direction} << t;
+    });
+    if (closed != 2) return Outcome::undecided;
+    const bool to_second = 2 * pull_of_second > pull;
+    const double excess = to_second ? 2 * pull_of_second - pull : pull - 2 * pull_of_second;
+    const double distance = excess / weight_sum;
+    if (!(distance >= 1)) return Outcome::rests;
+    if (to_second) room = room_of_second;
+    else second = ~second;
+    const bool lands = distance >= static_cast<double>(room);
+    const int64_t mu = lands ? room : static_cast<int64_t>(distance);
+    for (uint32_t t = 0; t < degree; ++t) f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(second >> t & 1);
+    const double step = static_cast<double>(mu);
+    result.energy_change += step * (step * weight_sum - 2 * excess);
+    ++result.moves;
+    return lands ? Outcome::lands : Outcome::moves;
+}
+
+} // namespace
+
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     bool moved = false;
     // Each round lands on a branch or a neighbour and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
+        if (!rings.is(v, Monogons::SELF_EDGE)) {
+            const Outcome outcome = relax_plain_vertex(f, side, degree, weight, rings.weight_sum[v], result);
+            moved |= outcome >= Outcome::moves;
+            if (outcome == Outcome::lands) continue;
+            if (outcome != Outcome::undecided) return moved;
+        }
         read_star(f, side, degree, weight, star);
         const double excess = 2 * star.best_pull - star.pull;
         if (!(excess > 0)) return moved;
@@ -228,6 +277,7 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
     const uint32_t n = f.mesh.vertex_count;
     for (uint32_t i = 0; i < n; ++i) {
         if (i % 8192 == 0 && !call.tick(fraction, true)) return;
+        if (n - i > Rings::ahead) rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
         relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);
     }
 }

@@ -1,6 +1,7 @@
 // Whitehead moves: exact coordinate descent of the Dirichlet energy.
 #pragma once
 
+#include "../base/prefetch.hpp"
 #include "../mesh/monogon.hpp"
 #include "foliation.hpp"
 
@@ -19,6 +20,15 @@ struct Rings {
     Monogons monogons;
     uint32_t max_degree = 0;
     bool build(const Mesh& mesh, const double* weight, Memory& memory);
+    // Asks for what a walk round v will read.  A pass over the vertices does so
+    // for one that is `ahead`.
+    static constexpr uint32_t ahead = 8;
+    HMF_INLINE void prefetch_star(const int64_t* value, const double* weight, uint32_t v) const {
+        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+            prefetch(value + side[t].opposite);
+            prefetch(weight + edge_of(side[t].half_edge));
+        }
+    }
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
 };
 

@@ -153,7 +153,12 @@ private:
                 return HMF_OK;
             }
             restore();
-            if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
+            if (!tight && effort.close) {
+                // The error of the solve may be what went wrong.
+                tight = true;
+                if (!solve_linear(effort.tight, effort.residual)) return stopped();
+                model_.project(f_, w_.rings, patch_, distance_);
+            } else if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
                 ++w_.statistics.linear_solves;
                 if (!solve_between_bounds(effort)) return stopped();
@@ -194,7 +199,7 @@ private:
 
     // The unknowns at a bound keep their value, the others are solved for.
     bool solve_between_bounds(const Effort& effort) {
-        for (uint32_t pass = 0; pass < 3; ++pass) {
+        for (uint32_t pass = 0; pass < 4; ++pass) {
             model_.fix_active();
             LinearOptions options = stop_at(effort.residual);
             options.fixed = model_.fixed.data();
@@ -202,7 +207,8 @@ private:
             const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), effort.tight, 100, w_.call, options);
             w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
             if (w_.call.cancelled() || w_.call.finishing()) return false;
-            if (model_.project(f_, w_.rings, patch_, distance_) == 0) break;
+            const bool released = model_.release();
+            if (model_.project(f_, w_.rings, patch_, distance_) == 0 && !released) break;
         }
         return true;
     }
@@ -429,10 +435,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         Effort effort{};
         effort.close = before < 1e-2;
-        effort.loose = round == 0 ? 1e-2 : 1e-3;
         effort.tight = finest ? 0.03 * goal / before : 1e-2;
         if (effort.tight < 1e-11) effort.tight = 1e-11;
         if (effort.tight > 1e-2) effort.tight = 1e-2;
+        effort.loose = round == 0 ? 1e-2 : round < 3 || !effort.close ? 1e-3 : effort.tight;
+        if (effort.loose < effort.tight) effort.loose = effort.tight;
         effort.residual = finest ? 0.5 * goal : 0;
         // As long as zeros move, the next model is another one: a tight solve
         // of this one would be wasted.

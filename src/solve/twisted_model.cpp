@@ -85,36 +85,40 @@ void TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
     }
 }
 
-// A vertex without zero edges.  floor: the least pull that residuals are measured against.
-void TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
+// A vertex without zero edges; false: it has one, and nothing was done.
+// floor: the least pull that residuals are measured against.
+bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    double pull[2] = {0, 0}, agreement = 0;
-    bool has_tripod = false;
+    double pull = 0, pull_of_second = 0, agreement = 0;
+    uint32_t tripods = 0;
+    uint64_t second = 0;
     const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
         const uint32_t h = side[t].half_edge;
-        const int8_t s = direction ? -1 : 1;
-        const double p = weight[edge_of(h)] * static_cast<double>(here);
-        pull[direction] += p;
-        agreement += sign[h] * s * p;
-        sign[h] = s;
-        has_tripod |= (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
+        const double p = weight[edge_of(h)] * static_cast<double>(here), q = p * static_cast<double>(direction);
+        pull += p;
+        pull_of_second += q;
+        agreement += sign[h] * (p - 2 * q);
+        second |= uint64_t{direction} << t;
+        tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
     });
+    if (closed == NONE) return false;
     index[v] = 2 - static_cast<int32_t>(closed);
     if (closed == 2) {
-        const double excess = pull[0] - pull[1], scale = pull[0] + pull[1] > floor ? pull[0] + pull[1] : floor;
-        const double r = (excess < 0 ? -excess : excess) / scale;
-        add_residual(r);
+        const bool turned = agreement < 0;
+        const double excess = pull - 2 * pull_of_second, scale = pull > floor ? pull : floor;
+        add_residual((excess < 0 ? -excess : excess) / scale);
         rests[v] = 0;
-        right[v] = agreement < 0 ? -excess : excess;
+        right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
-        if (agreement < 0)
-            for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = static_cast<int8_t>(-sign[side[t].half_edge]);
+        const int8_t of_direction[2] = {static_cast<int8_t>(turned ? -1 : 1), static_cast<int8_t>(turned ? 1 : -1)};
+        for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = of_direction[second >> t & 1];
     } else {
         set_at_rest(rings, v);
         special_.push(v);
     }
-    if (has_tripod) find_tripods(f, rings, v);
+    if (tripods) find_tripods(f, rings, v);
+    return true;
 }
 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
@@ -170,10 +174,9 @@ void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     const uint32_t before = f.epoch;
     for (uint32_t v = 0; v < n; ++v) {
         if (v % stride == 0 && !call.tick(0, true)) return;
-        bool has_zero = rings.is(v, Monogons::HOST);
-        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) has_zero |= f.at(rings.side[t].half_edge) == 0;
-        if (!has_zero) look_at_plain_vertex(f, rings, weight, v, floor);
-        else if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v, floor);
+        if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
+        if (!rings.is(v, Monogons::HOST) && look_at_plain_vertex(f, rings, weight, v, floor)) continue;
+        if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v, floor);
         if (f.out_of_memory) return;
     }
     // A monogon moves with the vertex on which it hangs.
@@ -298,6 +301,16 @@ void TwistedModel::fix_active() {
     fixed.clear();
     for (uint32_t k : bounded)
         if (!rests[k] && at_bound(k)) fixed.push(k); // room is there
+}
+
+bool TwistedModel::release() {
+    bool any = false;
+    for (uint32_t k : fixed) {
+        const double x = relaxed(k);
+        any |= x != d[k];
+        d[k] = x;
+    }
+    return any;
 }
 
 uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {

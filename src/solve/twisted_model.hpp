@@ -62,6 +62,8 @@ struct TwistedModel {
     uint64_t project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance);
     // The unknowns at a bound keep their value while the others are solved for.
     void fix_active();
+    // Of those, the ones that want to leave their bound do so; true: there were any.
+    bool release();
     // Keeps the vertices within some rings of v where they are, and lets the
     // others take that over.
     void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch, Array<uint32_t>& distance);
@@ -69,7 +71,7 @@ struct TwistedModel {
     double relaxed(uint32_t unknown_index) const;
 
 private:
-    void look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
+    bool look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     void look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     void add_residual(double r) {
         residual_sum += r;
