@@ -40,39 +40,16 @@ void cross(const double* u, const double* v, double* n) {
 
 double dot(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
-// The neighbours of a vertex of moderate degree, clockwise.
-struct Star {
-    uint32_t neighbour[MAX_DEGREE + 4];
-    uint32_t count;
-
-    // From the target of h.  Counted, so that a second walk need not wait for the
-    // end of this one.
-    Star(const WorkMesh& work, uint32_t h) : count(work.degree[work.mesh.origin[h]]) {
-        assert(count <= MAX_DEGREE + 4);
-        for (uint32_t n = 0; n < count; ++n) {
-            neighbour[n] = work.mesh.target(h);
-            h = work.mesh.rotate_cw(h);
-        }
-    }
-};
-
-// can_collapse on the stars of the two ends.
-bool can_collapse(const Star& i, const Star& j, uint32_t k, uint32_t l, uint8_t* marks) {
-    if (k == l) return false;
-    uint32_t shared = 0;
-    for (uint32_t n = 0; n < i.count; ++n) marks[i.neighbour[n]] = 1;
-    for (uint32_t n = 0; n < j.count; ++n) shared += marks[j.neighbour[n]];
-    for (uint32_t n = 0; n < i.count; ++n) marks[i.neighbour[n]] = 0;
-    return shared == 2;
-}
-
 // Does a triangle of v with two consecutive neighbours turn by more than about
-// 80 degrees if v moves to p?
-bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p) {
+// 80 degrees if v moves to p?  others: a bit for each of the neighbours but the
+// first and the last, by the lowest bits of its number.
+bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p, uint64_t& others) {
     // Two of everything: before and after.
     const double* v = work.at(v_number);
     const double apex[3][2] = {{v[0], p[0]}, {v[1], p[1]}, {v[2], p[2]}};
     const double* a = work.at(neighbour[0]);
+    uint64_t latest = 0;
+    others = 0;
     for (uint32_t n = 1; n < count; ++n) {
         const double* b = work.at(neighbour[n]);
         const double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
@@ -87,6 +64,8 @@ bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbo
         const double d = normal[0][0] * normal[0][1] + normal[1][0] * normal[1][1] + normal[2][0] * normal[2][1];
         if (!(d > 0) || d * d < 0.03 * square[0] * square[1]) return true;
         a = b;
+        others |= latest;
+        latest = uint64_t{1} << neighbour[n] % 64;
     }
     return false;
 }
@@ -164,8 +143,11 @@ public:
         }
         if (near_ != NONE) {
             prefetch(&work.mesh.next[2 * near_]);
-            prefetch(work.at(work.mesh.origin[2 * near_]));
-            prefetch(work.at(work.mesh.origin[2 * near_ + 1]));
+            for (uint32_t side = 0; side < 2; ++side) {
+                const uint32_t v = work.mesh.origin[2 * near_ + side];
+                prefetch(work.at(v));
+                prefetch(&work.degree[v]);
+            }
             near_ = work.link[near_];
         }
     }
@@ -186,12 +168,22 @@ uint32_t directed(const WorkMesh& work, uint32_t edge) {
 // triangle that turns over.
 bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
     const Mesh& mesh = work.mesh;
-    const uint32_t i = mesh.origin[h], j = mesh.target(h);
-    if (work.degree[i] + work.degree[j] > MAX_DEGREE + 4 || i == j) return false;
-    const uint32_t k = mesh.target(mesh.next[h]), l = mesh.target(mesh.next[twin(h)]);
-    const Star star_i(work, h), star_j(work, twin(h)); // j, l .. k, and i, k .. l
-    return can_collapse(star_i, star_j, k, l, work.marks.data())
-        && !turns_over(work, i, star_i.neighbour + 1, star_i.count - 1, p) && !turns_over(work, j, star_j.neighbour + 1, star_j.count - 1, p);
+    const uint32_t i = mesh.origin[h], j = mesh.target(h), degree_i = work.degree[i], degree_j = work.degree[j];
+    if (degree_i + degree_j > MAX_DEGREE + 4) return false;
+    // Clockwise: j, l .. k round i, and i, k .. l round j.  One loop for both,
+    // since its end cannot be predicted; the smaller star comes round again.
+    uint32_t round_i[MAX_DEGREE + 4], round_j[MAX_DEGREE + 4];
+    const uint32_t longer = degree_i > degree_j ? degree_i : degree_j;
+    for (uint32_t n = 0, g = h, f = twin(h); n < longer; ++n) {
+        round_i[n] = mesh.target(g);
+        round_j[n] = mesh.target(f);
+        g = mesh.rotate_cw(g);
+        f = mesh.rotate_cw(f);
+    }
+    uint64_t others_i, others_j;
+    if (turns_over(work, i, round_i + 1, degree_i - 1, p, others_i) || turns_over(work, j, round_j + 1, degree_j - 1, p, others_j)) return false;
+    // Without a common bit, k and l are the only common neighbours.
+    return mesh.target(mesh.next[h]) != mesh.target(mesh.next[twin(h)]) && ((others_i & others_j) == 0 || can_collapse(mesh, h, work.marks.data()));
 }
 
 void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_quadrics, Collapse& record) {
