@@ -293,7 +293,7 @@ hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint3
     // with this one: ask for it some triangles ahead, and never guess.
     constexpr uint32_t ahead = 16;
     const auto half_edges = [&](uint32_t t) { return &ordered.words[size_t{4} * triangle_edges[size_t{3} * t]]; };
-    uint32_t count = 0;
+    uint32_t count = 0, latest = 0;
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         if (t % TICK == 0 && !call.tick(0.14 + 0.03 * t / mesh.face_count)) return HMF_CANCELLED;
         if (mesh.face_count - t > 2 * ahead) prefetch(half_edges(t + 2 * ahead));
@@ -305,11 +305,12 @@ hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint3
         for (size_t s = 0; s < 3; ++s) {
             const uint32_t e = edge_of(here[s]), known = number[e], first = known == NONE;
             // The last edge that was new is written again until the next one comes.
-            const uint32_t last = count - 1 + first, n = first ? count : known;
-            edge_internal[last] = first ? e : edge_internal[last];
+            const uint32_t n = first ? count : known;
             number[e] = n;
             triangle_edges[size_t{3} * t + s] = n;
             count += first;
+            latest = first ? e : latest;
+            edge_internal[count - 1] = latest;
         }
     }
     return HMF_OK;
