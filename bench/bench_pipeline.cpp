@@ -9,6 +9,7 @@
 //     --whitehead S     time limit of the method whitehead, 0 = leave out (60)
 //     --single-level S  time limit of the method single_level, 0 = leave out (0)
 //     --whitehead-tolerance T  of whitehead and single_level (1e-6)
+//     --whitehead-excess X     energy over the minimum, relative, for which whitehead is timed too, 0 = leave out (1e-6)
 //     --no-cholesky     leave CHOLMOD out
 //     --cpu             processor time of the thread instead of wall time (the
 //                       stages inside hmf_solve are always wall time)
@@ -188,6 +189,7 @@ struct Result {
     Cell cholesky, job_against_cholesky, solve_against_cholesky;
     Cell preview, preview_vertices;
     Cell whitehead, newton_gain, single, hierarchy_gain, energy_excess, single_excess;
+    Cell whitehead_reach, reach_gain; // until --whitehead-excess
     Cell build_bound, rest, solve_peak, bandwidth;
     std::vector<LevelCost> level;
     uint64_t poles = 0, zeros = 0;
@@ -198,7 +200,7 @@ struct Result {
 
 struct Options {
     int repetitions = 5, subdivisions = 0;
-    double tolerance = 1e-8, whitehead_tolerance = 1e-6, whitehead = 60, single = 0, preview = 10000;
+    double tolerance = 1e-8, whitehead_tolerance = 1e-6, whitehead_excess = 1e-6, whitehead = 60, single = 0, preview = 10000;
     bool cholesky = true;
 };
 
@@ -257,9 +259,17 @@ struct Solved {
     double seconds = -1, wall_seconds = -1;
     hmf_report report;
     std::vector<hmf_level_report> level;
+    std::vector<hmf_history_entry> history;
     bool out_of_time = false;
     // A foliation was written, even if it is not harmonic yet.
     bool usable() const { return status == HMF_OK || report.values_written; }
+    // Until the energy on level 0 was this low; negative: never.  The history
+    // is in wall time, which is scaled to the clock of the measurement.
+    double seconds_to(double energy) const {
+        for (const hmf_history_entry& entry : history)
+            if (entry.level == 0 && entry.energy <= energy) return entry.seconds * seconds / wall_seconds;
+        return -1;
+    }
 };
 
 // The limit must run on the clock of the measurement: the library's own limit
@@ -275,7 +285,7 @@ int32_t watch(void* user, double) {
 }
 
 Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t method, double tolerance, double limit, size_t stop_level,
-                 std::vector<double>& values, std::string& trouble) {
+                 std::vector<double>& values, std::string& trouble, size_t history = 0) {
     Solved s;
     hmf_level_info info;
     hmf_level_counts(h, stop_level, &info, nullptr);
@@ -296,6 +306,9 @@ Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t meth
     s.report.struct_size = sizeof s.report;
     s.report.levels = s.level.data();
     s.report.level_capacity = s.level.size();
+    s.history.resize(history);
+    s.report.history = s.history.data();
+    s.report.history_capacity = history;
     hmf_error error;
     error.message[0] = 0;
     const double begin = now(), wall_begin = wall();
@@ -304,6 +317,7 @@ Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t meth
     s.wall_seconds = wall() - wall_begin;
     s.out_of_time = deadline.passed;
     s.level.resize(static_cast<size_t>(std::min(s.report.level_count, s.report.level_capacity)));
+    s.history.resize(static_cast<size_t>(std::min(s.report.history_count, s.report.history_capacity)));
     if (!s.usable()) trouble = error.message;
     return s;
 }
@@ -435,6 +449,16 @@ void run(const Soup& soup, const Options& options, Result& out) {
         if (w.out_of_time) out.whitehead.bounded = out.newton_gain.bounded = true;
         out.energy_excess.sign = out.single_excess.sign = true;
         if (w.usable()) out.energy_excess.add(w.report.energy / energy - 1);
+        if (options.whitehead_excess > 0) {
+            const Solved to_end = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, 1e-15, options.whitehead, 0, again, out.trouble, 100000);
+            double seconds = to_end.seconds_to(energy * (1 + options.whitehead_excess));
+            if (seconds < 0 && to_end.out_of_time) {
+                seconds = to_end.seconds;
+                out.whitehead_reach.bounded = out.reach_gain.bounded = true;
+            }
+            out.whitehead_reach.add(seconds);
+            out.reach_gain.add(seconds < 0 ? -1 : seconds / first.seconds);
+        }
         if (options.single > 0) {
             const Solved s = run_solve(h, &loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single, 0, again, out.trouble);
             out.single.add(s.usable() ? s.seconds : -1);
@@ -462,14 +486,15 @@ void print(const std::vector<Soup>& soups, const std::vector<Result>& results, c
                     r.solve_peak.text("%.0f").c_str(), r.build.text("%.3f").c_str(), r.loops.text("%.4f").c_str(), r.solve.text("%.3f").c_str(),
                     r.second.text("%.3f").c_str(), r.job.text("%.3f").c_str(), r.residual, r.unconverged ? " NOT CONVERGED" : "");
     }
-    std::printf("\n| mesh | Cholesky s | job / Cholesky | newton / Cholesky | preview ms | preview vertices | whitehead s | whitehead / newton | whitehead energy excess | single_level s | single_level / whitehead | single_level energy excess |\n");
-    std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    std::printf("\n| mesh | Cholesky s | job / Cholesky | newton / Cholesky | preview ms | preview vertices | whitehead s | whitehead / newton | whitehead energy excess | whitehead to excess %.0e s | that / newton | single_level s | single_level / whitehead | single_level energy excess |\n", options.whitehead_excess);
+    std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < soups.size(); ++i) {
         const Result& r = results[i];
-        std::printf("| %s | %s | %s | %s | %s | %.0f | %s | %s | %s | %s | %s | %s |\n", soups[i].name.c_str(), r.cholesky.text("%.3f").c_str(),
+        std::printf("| %s | %s | %s | %s | %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s |\n", soups[i].name.c_str(), r.cholesky.text("%.3f").c_str(),
                     r.job_against_cholesky.text("%.2f").c_str(), r.solve_against_cholesky.text("%.2f").c_str(), r.preview.text("%.0f").c_str(),
                     r.preview_vertices.sample.empty() ? 0.0 : r.preview_vertices.sample[0], r.whitehead.text("%.2f").c_str(),
-                    r.newton_gain.text("%.1f").c_str(), r.energy_excess.text("%.1e").c_str(), r.single.text("%.2f").c_str(),
+                    r.newton_gain.text("%.1f").c_str(), r.energy_excess.text("%.1e").c_str(), r.whitehead_reach.text("%.2f").c_str(),
+                    r.reach_gain.text("%.0f").c_str(), r.single.text("%.2f").c_str(),
                     r.hierarchy_gain.text("%.1f").c_str(), r.single_excess.text("%.1e").c_str());
     }
     size_t small = 0;
@@ -528,6 +553,7 @@ int main(int argc, char** argv) {
         else if (is("--tolerance")) options.tolerance = std::atof(argv[++i]);
         else if (is("--preview")) options.preview = std::max(1.0, std::atof(argv[++i]));
         else if (is("--whitehead")) options.whitehead = std::atof(argv[++i]);
+        else if (is("--whitehead-excess")) options.whitehead_excess = std::atof(argv[++i]);
         else if (is("--whitehead-tolerance")) options.whitehead_tolerance = std::atof(argv[++i]);
         else if (!std::strcmp(argv[i], "--cpu")) processor_clock = true;
         else if (is("--single-level")) options.single = std::atof(argv[++i]);
