@@ -4,7 +4,9 @@
 // One round on a level:
 //   1. sweeps of Whitehead moves: singularities walk, clusters open
 //   2. the quadratic model of the signs as they are (twisted_model.hpp),
-//      solved by conjugate gradients with signed multigrid
+//      solved by conjugate gradients with signed multigrid: loosely as long as
+//      zeros move.  Once the vertices that come to a bound rest there, they
+//      are held, and the same solve goes on to the end
 //   3. the solution, brought into its bounds, is rounded and applied to all
 //      vertices at once; extrema that rounding or a loose solve left are
 //      settled; kept if every zero is where it was or at the branch point of
@@ -107,32 +109,36 @@ private:
 
     hmf_status stopped() { return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
-    // Leaves the values changed where it is not accepted.
-    hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
+    // Solves the model and sets the values of the whole step; false: see stopped().
+    bool propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
-        if (f_.out_of_memory || !go_on()) return stopped();
-        const uint32_t n = model_.count;
+        if (f_.out_of_memory || !go_on()) return false;
         ++w_.statistics.linear_solves;
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= 1e-4) {
-            if (!solve_linear(accuracy, effort.residual)) return stopped();
+            if (!solve_linear(accuracy, effort.residual)) return false;
             restore();
             model_.project(f_, w_.rings, patch_, distance_);
-            if (!go_on()) return stopped();
+            if (!go_on()) return false;
             set_values(1);
             if (!tight && effort.go_on && zeros_stay()) {
                 tight = true;
                 restore();
-                if (!solve_between_bounds(effort)) return stopped();
+                if (!solve_between_bounds(effort)) return false;
                 set_values(1);
             }
-            if (!go_on()) return stopped();
+            if (!go_on()) return false;
             const uint64_t extrema = find_suspects();
-            if (tight || extrema <= 16 + n / 2000 || accuracy < 1e-13) break;
+            if (tight || extrema <= 16 + model_.count / 2000 || accuracy < 1e-13) return true;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
+    }
+
+    // Leaves the values changed where it is not accepted.
+    hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
+        if (!propose(effort, tight)) return stopped();
         // Where the step went too far, the neighbourhood stays as it is.  If the
         // energy rises, the bounds hold back too much: the others are solved
         // for once more.  If nothing helps, all take a shorter step.
