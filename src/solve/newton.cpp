@@ -76,8 +76,8 @@ public:
     // Between two passes over the mesh; false: cancelled or asked to finish.
     bool go_on() { return w_.call.tick(0, true) && !w_.call.finishing(); }
 
-    // Moves at the vertices within a few rings of the zeros.
-    void relax_near_zeros(uint32_t rounds) {
+    // Moves at the vertices within some rings of the zeros.
+    void relax_near_zeros(uint32_t rings_around, uint32_t rounds) {
         const Mesh& mesh = f_.mesh;
         near_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
@@ -92,7 +92,6 @@ public:
             const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
             for (uint32_t g : corners) add(mesh.origin[g], 0);
         }
-        constexpr uint32_t rings_around = 3;
         for (size_t i = 0; i < near_.size(); ++i) {
             const uint32_t v = near_[i];
             if (distance_[v] == rings_around) continue;
@@ -453,7 +452,10 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         double accepted = 0;
         bool tight = false;
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
-        newton.relax_near_zeros(20);
+        // A zero that has not arrived after some steps has far to go, in nearly
+        // flat surroundings.
+        const bool far = finest && round > 2;
+        newton.relax_near_zeros(far ? 6 : 3, far ? 40 : 20);
         // Levels in between only provide a start.
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
         newton.sweeps(accepted < 1 ? 10 : round > (tight ? 3 : 1) ? 2 : 0);
