@@ -379,7 +379,7 @@ typedef struct hmf_level_report {
     uint64_t edges;
     uint64_t nld;                /* edges with a raised weight */
     uint64_t iterations;         /* sweeps of Whitehead moves */
-    uint64_t linear_solves;
+    uint64_t linear_solves;      /* a solve that goes on with some unknowns held is one */
     double optimize_seconds;
     double interpolate_seconds;  /* from the next coarser level to this one */
 } hmf_level_report;
@@ -404,8 +404,8 @@ typedef struct hmf_report {
                                     the values are carried to the caller's edges */
     double residual_max;         /* relative coclosedness residual, see hmf_residuals */
     double residual_mean;
-    uint64_t poles;              /* of the result, counted as in hmf_singularities */
-    uint64_t zeros;
+    uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
+    uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
     int64_t index_sum;           /* 4 - 4 * genus */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
     uint64_t bad_flips_left;     /* and did */
