@@ -68,7 +68,12 @@ void expect_combed(const std::vector<int64_t>& along) {
     model.look(f, rings, weight.data(), star, call);
     // Energy and residual come from the same pass.
     EXPECT_NEAR(model.energy, energy(f, weight.data()), 1e-12 * model.energy);
-    EXPECT_NEAR(model.residual_max, residuals(f, rings, weight.data(), star, nullptr, call).max, 1e-12);
+    const ResidualResult residual = residuals(f, rings, weight.data(), star, nullptr, call);
+    EXPECT_NEAR(model.residual_max, residual.max, 1e-12);
+    EXPECT_NEAR(model.residual_sum / model.count, residual.mean, 1e-12);
+    double largest_row = 0;
+    for (uint32_t k = 0; k < model.count; ++k) largest_row = std::max(largest_row, std::abs(model.right[k]) * static_cast<double>(model.row_scale[k]));
+    EXPECT_NEAR(largest_row, residual.max, 1e-6 * residual.max);
     EXPECT_TRUE(model.is_exact());
     model.assemble(f, rings, weight.data(), call);
     ASSERT_EQ(model.count, f.mesh.vertex_count);
@@ -115,6 +120,55 @@ void expect_combed(const std::vector<int64_t>& along) {
 TEST(TwistedModel, RegularVertices) { expect_combed({0, 7, 3, 11, 5, 13, 2, 9}); }
 TEST(TwistedModel, ClustersOfTwo) { expect_combed({0, 0, 7, 7, 13, 13, 5, 5}); }
 TEST(TwistedModel, LongClusters) { expect_combed({0, 0, 0, 0, 0, 13, 4, 4}); }
+
+// The minimum between bounds, from a start at which all bounds are active:
+// those that do not hold are left.  Against projected Gauss-Seidel.
+TEST(TwistedModel, MinimumBetweenBounds) {
+    std::vector<int64_t> along;
+    for (int64_t k = 0; k < 60; ++k) along.push_back(37 * k % 101 % 60);
+    Combed combed(along);
+    const std::vector<double> weight(combed.f.mesh.edge_count, 1);
+    Rings rings;
+    ASSERT_TRUE(rings.build(combed.f.mesh, weight.data(), combed.memory));
+    Star star;
+    ASSERT_TRUE(star.allocate(combed.memory, rings.max_degree));
+    Call call(combed.memory, nullptr, nullptr, nullptr);
+    TwistedModel model;
+    ASSERT_TRUE(model.allocate(combed.f.mesh, combed.memory));
+    model.look(combed.f, rings, weight.data(), star, call);
+    model.assemble(combed.f, rings, weight.data(), call);
+    for (uint32_t k = 0; k < model.count; k += 7) {
+        model.lower[k] = k % 2 ? -2 : -40;
+        model.upper[k] = k % 3 ? 1 : 50;
+        model.bounded.push(k);
+        model.d[k] = static_cast<double>(model.upper[k]);
+    }
+    Array<uint32_t> patch, distance;
+    patch.start(combed.memory);
+    ASSERT_TRUE(patch.reserve(model.count) && distance.allocate(combed.memory, model.count));
+    SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(model.matrix(), combed.memory));
+    bool any_released = false, settled = false;
+    for (uint32_t pass = 0; pass < 20 && !settled; ++pass) {
+        model.fix_active();
+        LinearOptions options;
+        options.fixed = model.fixed.data();
+        options.fixed_count = model.fixed.size();
+        ASSERT_TRUE(multigrid.solve(model.matrix(), model.right.data(), model.d.data(), 1e-10, 100, call, options).converged);
+        const bool released = model.release();
+        any_released |= released;
+        settled = model.project(combed.f, rings, patch, distance) == 0 && !released;
+    }
+    EXPECT_TRUE(settled);
+    EXPECT_TRUE(any_released);
+    EXPECT_GT(model.fixed.size(), 5u);
+    EXPECT_LT(model.fixed.size(), model.bounded.size() - 5);
+    const std::vector<double> found(model.d.begin(), model.d.end());
+    for (double& x : model.d) x = 0;
+    for (uint32_t sweep = 0; sweep < 20000; ++sweep)
+        for (uint32_t k = 0; k < model.count; ++k) model.d[k] = model.relaxed(k);
+    for (uint32_t k = 0; k < model.count; ++k) ASSERT_NEAR(found[k], model.d[k], 1e-5) << k;
+}
 
 // One vertex is above or below all its neighbours; it is pulled back to the nearest.
 TEST(SettleExtremum, ReturnsToTheNearestNeighbour) {
