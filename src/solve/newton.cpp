@@ -124,13 +124,14 @@ private:
             set_values(1);
             if (!tight && effort.go_on && zeros_stay()) {
                 tight = true;
+                accuracy = effort.tight;
                 restore();
                 if (!solve_between_bounds(effort)) return false;
                 set_values(1);
             }
             if (!go_on()) return false;
             const uint64_t extrema = find_suspects();
-            if (tight || extrema <= 16 + model_.count / 2000 || accuracy < 1e-13) return true;
+            if (extrema == 0 || accuracy < 1e-13) return true;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
     }
