@@ -99,7 +99,7 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
         pull += p;
         pull_of_second += q;
         agreement += sign[h] * (p - 2 * q);
-        second |= uint64_t{direction} << t;
+        second |= uint64_t{direction} << t % 64; // of the first 64 sides
         tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
     });
     if (closed == NONE) return false;
@@ -112,7 +112,13 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
         const int8_t of_direction[2] = {static_cast<int8_t>(turned ? -1 : 1), static_cast<int8_t>(turned ? 1 : -1)};
-        for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = of_direction[second >> t & 1];
+        if (degree <= 64) {
+            for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = of_direction[second >> t & 1];
+        } else {
+            walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t, int64_t, int64_t) {
+                sign[side[t].half_edge] = of_direction[direction];
+            });
+        }
     } else {
         set_at_rest(rings, v);
         special_.push(v);

@@ -1,0 +1,145 @@
+// Meshes and moments at the limits: vertices of high degree, needles that
+// rounding can be seen at, a stop at any call of the progress function.
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace test;
+
+namespace {
+
+struct Outcome {
+    hmf_status status = HMF_ERROR_INTERNAL;
+    hmf_report report{};
+    uint64_t linear_solves = 0; // on the finest level
+};
+
+Outcome run(const Hierarchy& hierarchy, hmf_progress_fn progress = nullptr, void* user = nullptr) {
+    hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-8);
+    options.progress = progress;
+    options.progress_user = user;
+    std::vector<hmf_level_report> levels(hierarchy.levels());
+    std::vector<double> values(hierarchy.edges(0));
+    Outcome result;
+    result.report.struct_size = sizeof result.report;
+    result.report.levels = levels.data();
+    result.report.level_capacity = levels.size();
+    result.status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &result.report, nullptr);
+    result.linear_solves = levels[0].linear_solves;
+    return result;
+}
+
+// A wheel with n spokes in triangle f: it stays when the triangulation becomes Delaunay.
+TriMesh with_hub(const TriMesh& mesh, size_t f, uint32_t n) {
+    TriMesh made = mesh;
+    const uint32_t corner[3] = {made.triangles[3 * f], made.triangles[3 * f + 1], made.triangles[3 * f + 2]};
+    const uint32_t hub = static_cast<uint32_t>(made.vertex_count());
+    double x[3], y[3]; // two sides, made orthonormal
+    double xx = 0, xy = 0, yy = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        x[i] = mesh.positions[3 * corner[1] + i] - mesh.positions[3 * corner[0] + i];
+        y[i] = mesh.positions[3 * corner[2] + i] - mesh.positions[3 * corner[0] + i];
+        xx += x[i] * x[i];
+        xy += x[i] * y[i];
+        made.positions.push_back((mesh.positions[3 * corner[0] + i] + mesh.positions[3 * corner[1] + i] + mesh.positions[3 * corner[2] + i]) / 3);
+    }
+    for (size_t i = 0; i < 3; ++i) { y[i] -= x[i] * xy / xx; yy += y[i] * y[i]; }
+    const double radius = 0.1 * std::sqrt(yy);
+    const auto place = [&](const double* p) { // its direction from the hub
+        double px = 0, py = 0;
+        for (size_t i = 0; i < 3; ++i) {
+            px += (p[i] - made.positions[3 * hub + i]) * x[i] / std::sqrt(xx);
+            py += (p[i] - made.positions[3 * hub + i]) * y[i] / std::sqrt(yy);
+        }
+        return std::atan2(py, px);
+    };
+    double at[3];
+    for (size_t c = 0; c < 3; ++c) at[c] = place(&made.positions[3 * corner[c]]);
+    std::vector<size_t> near(n);
+    for (uint32_t k = 0; k < n; ++k) {
+        const double angle = 2 * 3.14159265358979323846 * k / n;
+        double most = -2;
+        for (size_t c = 0; c < 3; ++c)
+            if (std::cos(angle - at[c]) > most) { most = std::cos(angle - at[c]); near[k] = c; }
+        for (size_t i = 0; i < 3; ++i)
+            made.positions.push_back(made.positions[3 * hub + i] + radius * (std::cos(angle) * x[i] / std::sqrt(xx) + std::sin(angle) * y[i] / std::sqrt(yy)));
+    }
+    made.triangles.erase(made.triangles.begin() + static_cast<long>(3 * f), made.triangles.begin() + static_cast<long>(3 * f + 3));
+    for (uint32_t k = 0; k < n; ++k) {
+        const uint32_t here = hub + 1 + k, ahead = hub + 1 + (k + 1) % n, c = corner[near[k]], d = corner[near[(k + 1) % n]];
+        made.triangles.insert(made.triangles.end(), {hub, here, ahead, here, c, ahead});
+        if (c != d) made.triangles.insert(made.triangles.end(), {ahead, c, d});
+    }
+    return made;
+}
+
+// A point close to an end of each of some edges.
+TriMesh with_needles(const TriMesh& mesh, double share) {
+    TriMesh made = mesh;
+    for (size_t f = 0; f < mesh.triangle_count(); f += 9) {
+        const uint32_t a = made.triangles[3 * f], b = made.triangles[3 * f + 1], c = made.triangles[3 * f + 2];
+        const uint32_t v = static_cast<uint32_t>(made.vertex_count());
+        for (size_t i = 0; i < 3; ++i)
+            made.positions.push_back((1 - 2 * share) * made.positions[3 * a + i] + share * made.positions[3 * b + i] + share * made.positions[3 * c + i]);
+        made.triangles[3 * f + 2] = v;
+        made.triangles.insert(made.triangles.end(), {b, c, v, c, a, v});
+    }
+    return made;
+}
+
+struct Countdown {
+    uint64_t calls = 0, at = UINT64_MAX;
+};
+
+int32_t cancel_at(void* user, double) {
+    Countdown& countdown = *static_cast<Countdown*>(user);
+    return ++countdown.calls >= countdown.at ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
+}
+
+TEST(Extremes, VertexOfHighDegree) {
+    for (uint32_t degree : {40u, 64u, 65u, 130u, 500u})
+        for (size_t f : {0u, 11u, 100u}) {
+            const TriMesh mesh = with_hub(torus(14, 8, 3, 1), f, degree);
+            ASSERT_EQ(mesh_defect(mesh), "");
+            const Hierarchy hierarchy(mesh);
+            ASSERT_TRUE(hierarchy);
+            const Outcome outcome = run(hierarchy);
+            EXPECT_EQ(outcome.status, HMF_OK) << degree << ", " << f;
+            EXPECT_LE(outcome.report.residual_max, 1e-8);
+            EXPECT_EQ(outcome.report.poles, 0u);
+            EXPECT_LE(outcome.linear_solves, 4u);
+        }
+}
+
+// The unit of the values becomes finer where steps do not help.
+TEST(Extremes, NeedlesNeedAFinerUnitAndNotMoreSteps) {
+    const Hierarchy hierarchy(with_needles(torus(14, 8, 3, 1), 1e-7));
+    ASSERT_TRUE(hierarchy);
+    const Outcome outcome = run(hierarchy);
+    EXPECT_EQ(outcome.status, HMF_OK);
+    EXPECT_LE(outcome.report.residual_max, 1e-8);
+    EXPECT_LE(outcome.linear_solves, 7u);
+}
+
+// Values are written after a late cancellation; what is said of them is true.
+TEST(Extremes, NoResidualAfterACancellation) {
+    const Hierarchy hierarchy(plate(1), 0.5, 10);
+    ASSERT_TRUE(hierarchy);
+    Countdown whole;
+    ASSERT_EQ(run(hierarchy, cancel_at, &whole).status, HMF_OK);
+    size_t written = 0;
+    for (uint64_t at = 1; at <= whole.calls; ++at) {
+        Countdown countdown;
+        countdown.at = at;
+        const Outcome outcome = run(hierarchy, cancel_at, &countdown);
+        if (outcome.status == HMF_OK || !outcome.report.values_written) continue;
+        ++written;
+        EXPECT_EQ(outcome.status, HMF_CANCELLED);
+        EXPECT_LT(outcome.report.residual_max, 0) << at;
+    }
+    EXPECT_GT(written, 0u);
+}
+
+} // namespace
