@@ -81,31 +81,34 @@ uint32_t bits_for_residual(const LevelWork& work, double residual) {
     return bits;
 }
 
-// Makes the unit finer, as far as a double has bits for the values, with a
-// factor of 4 for what is still to come.  Exact, as the factor is a power of two.
-bool refine_unit(State& state, Recorder& recorder, uint32_t bits) {
-    constexpr int64_t largest_value = int64_t{1} << 51;
+} // namespace
+
+Fineness LevelWork::refine_unit(double residual) {
+    constexpr int64_t largest_value = int64_t{1} << 51; // a double holds the sum of two
     Foliation& f = state.foliation;
+    const uint32_t wanted = bits_for_residual(*this, residual);
     int64_t largest = state.largest_input_value;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
         if (f.value[e] > largest) largest = f.value[e];
+    uint32_t bits = wanted;
     while (bits > 0 && largest > largest_value >> bits) --bits;
-    if (bits == 0) return false;
+    // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] *= factor;
+    for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;
+    state.largest_input_value *= factor;
     recorder.set_unit(recorder.unit() / static_cast<double>(factor));
-    return true;
+    return {bits > 0, bits == wanted};
 }
+
+namespace {
 
 hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, hmf_level_report& statistics) {
     const double start = call.seconds();
     LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
-    hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
-                                                             : whitehead_level(work, options.tolerance);
-    if (status == HMF_LIMIT_STALLED && refine_unit(state, recorder, bits_for_residual(work, options.tolerance)))
-        status = newton_level(work, options.tolerance);
+    const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
+                                                                   : whitehead_level(work, options.tolerance);
     statistics.iterations = work.statistics.iterations;
     statistics.linear_solves = work.statistics.linear_solves;
     statistics.optimize_seconds = call.seconds() - start;

@@ -422,7 +422,8 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
     newton.sweeps(coarsest ? 20 : 1);
     double best = 1e300, lowest = 1e300;
-    uint32_t without_progress = 0;
+    uint32_t without_progress = 0, patience = 12;
+    bool fineness_known = !finest;
     for (uint32_t round = 0; round < most_rounds; ++round) {
         // The first step of a level needs no reason but on the last level.
         const TwistedModel& model = newton.look();
@@ -435,10 +436,20 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             return HMF_OK;
         }
         if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;
-        else if (++without_progress > 12) break;
+        else if (++without_progress > patience) break;
         if (before < best) best = before;
         if (D < lowest) lowest = D;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+        // Is it the rounding that so many steps have not been enough?
+        if (!fineness_known && round >= 3 && before < 1e-2) {
+            fineness_known = true;
+            const Fineness fineness = work.refine_unit(goal);
+            if (!fineness.enough) patience = 4;
+            if (fineness.changed) {
+                best = lowest = 1e300;
+                continue;
+            }
+        }
         Effort effort{};
         effort.close = before < 1e-2;
         effort.tight = finest ? 0.03 * goal / before : 1e-2;

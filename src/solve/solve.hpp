@@ -39,6 +39,12 @@ private:
     double unit_;
 };
 
+// The unit of the values against a residual.
+struct Fineness {
+    bool changed; // the unit is another one now
+    bool enough;  // rounding is no longer in the way
+};
+
 // What a method needs on one level.
 struct LevelWork {
     State& state;
@@ -51,6 +57,9 @@ struct LevelWork {
     hmf_level_report statistics{};
     // Room for both; false: out of memory.
     bool prepare();
+    // Makes the unit as fine as this residual needs it, with a factor of 4 for what
+    // is still to come, or as fine as a double has bits for the values.
+    Fineness refine_unit(double residual);
     void record(uint32_t kind, double energy_units, double residual_max) {
         recorder.event(state.level, kind, energy_units, residual_max);
     }
