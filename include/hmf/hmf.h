@@ -402,7 +402,8 @@ typedef struct hmf_report {
     int32_t values_written;      /* 1 or 0: the foliation was written to values */
     double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic triangulation, before
                                     the values are carried to the caller's edges */
-    double residual_max;         /* relative coclosedness residual, see hmf_residuals */
+    double residual_max;         /* relative coclosedness residual, see hmf_residuals; negative: not evaluated, as the
+                                    callback said HMF_PROGRESS_CANCEL before */
     double residual_mean;
     uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
     uint64_t zeros;              /* likewise: a zero of index -2 counts twice */

@@ -113,6 +113,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
                 return call.out_of_memory();
             const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
             certificate = {true, energy(state.foliation, level.weight), residual.max, residual.mean};
+            if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
         }
         report->energy = certificate.energy * unit * unit;
         report->residual_max = certificate.residual_max;
