@@ -1,5 +1,5 @@
 // Meshes and moments at the limits: vertices of high degree, needles that
-// rounding can be seen at, a stop at any call of the progress function.
+// rounding can be seen at, surfaces that are much longer than wide, a stop at any call of the progress function.
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -121,6 +121,20 @@ TEST(Extremes, NeedlesNeedAFinerUnitAndNotMoreSteps) {
     EXPECT_EQ(outcome.status, HMF_OK);
     EXPECT_LE(outcome.report.residual_max, 1e-8);
     EXPECT_LE(outcome.linear_solves, 7u);
+}
+
+// Short ways round the thin direction are very many: the search is not to get
+// lost in their multiples.
+TEST(Extremes, TunnelLoopsOfAStretchedSurface) {
+    TriMesh mesh = pretzel(4, 2);
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) mesh.positions[3 * v + 1] *= 1000;
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0, HMF_LOOPS_TUNNEL);
+    EXPECT_EQ(loops.count(), 4u);
+    const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-8));
+    EXPECT_EQ(solution.status, HMF_OK);
+    EXPECT_EQ(solution.report.zeros, 12u);
 }
 
 // Values are written after a late cancellation; what is said of them is true.

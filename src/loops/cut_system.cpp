@@ -159,6 +159,14 @@ private:
         return true;
     }
 
+    // From now on the length of a loop is the number of edges that it crosses.
+    void count_edges() {
+        by_count_ = true;
+        states_per_region_ = 4;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = 1;
+        for (uint32_t f = 0; f < mesh_.face_count; ++f) face_bound_[f] = 0;
+    }
+
     // loop_, if there is one: found_.
     hmf_status find_loop(double allowed) {
         found_ = false;
@@ -167,9 +175,11 @@ private:
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
             if (!search_roots(allowed, complete)) return stopped();
-            if (found_ || !search_.starved() || states_per_region_ == LoopSearch::MOST_STATES) break;
-            // A loop that winds a lot needs more room in its covering.
-            states_per_region_ *= 4;
+            if (found_ || !search_.starved() || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES)) break;
+            // A loop that winds a lot needs more room in its covering.  Where short
+            // ways in other directions use that up, each edge counts the same.
+            if (states_per_region_ < LoopSearch::MOST_STATES) states_per_region_ *= 4;
+            else count_edges();
             if (!prepare()) return call_.out_of_memory();
         }
         // Loops that meet themselves may have hidden others.
@@ -192,7 +202,7 @@ private:
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= best_) continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
-            if (search_.starved() && !found_ && i >= 4 && states_per_region_ < LoopSearch::MOST_STATES) return true;
+            if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES)) return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             if (!look_from(roots_[i].region)) return false;
         }
@@ -249,6 +259,7 @@ private:
     Array<double> length_;       // per edge
     LoopSearch search_;
     size_t states_per_region_ = 4;
+    bool by_count_ = false;
     Array<double> face_bound_;   // of the loops through a face
     Array<Root> roots_, gate_;
     Array<uint32_t> visited_;    // per region
