@@ -252,6 +252,24 @@ TEST(SignedMultigrid, ExtremeWeights) {
     }
 }
 
+// Coarse unknowns that are left out, for such an island is near the kernel, but
+// have neighbours that are not.
+TEST(SignedMultigrid, HeavyIslandsThatHardlyTouchTheRest) {
+    Random random(17);
+    std::vector<Edge> edges = twisted_torus(100, 100, 8, random);
+    const auto island = [](uint32_t i) { return i % 100 % 10 < 2 && i / 100 % 10 < 2 ? i / 1000 * 10 + i % 100 / 10 : 100; };
+    for (Edge& e : edges) {
+        if (island(e.i) != island(e.j)) e.weight = 1e-9;
+        else if (island(e.i) < 100) e.weight = 1e6;
+    }
+    const System s(10000, edges);
+    const std::vector<double> b = s.times(noise(s.n(), random));
+    const Outcome run = solve(s, b, 1e-8);
+    EXPECT_TRUE(run.result.converged);
+    EXPECT_LE(run.result.iterations, 25u);
+    EXPECT_LE(s.residual(run.x, b), 1.001e-8);
+}
+
 TEST(SignedMultigrid, HubsChainsAndDominantRows) {
     Random random(7);
     std::vector<Edge> edges;

@@ -72,7 +72,7 @@ bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, fl
             sum += share;
             strong[k] = static_cast<uint8_t>((share >= own.least) * on_column + (size * own.kernel >= other.least) * on_row);
         }
-        of[i] = sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
+        of[i] = own.kernel > 0 && sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
     }
     return true;
 }
