@@ -52,8 +52,7 @@ struct Combed {
     SingularityCount count() { return count_singularities(f, nullptr, nullptr, nullptr, nullptr); }
 };
 
-void expect_combed(const std::vector<int64_t>& along) {
-    Combed combed(along);
+void expect_combed(Combed& combed) {
     Foliation& f = combed.f;
     Memory& memory = combed.memory;
     std::vector<double> weight(f.mesh.edge_count);
@@ -115,11 +114,51 @@ void expect_combed(const std::vector<int64_t>& along) {
     EXPECT_NE(global, 0);
 }
 
+void expect_combed(const std::vector<int64_t>& along) {
+    Combed combed(along);
+    expect_combed(combed);
+}
+
 } // namespace
 
 TEST(TwistedModel, RegularVertices) { expect_combed({0, 7, 3, 11, 5, 13, 2, 9}); }
 TEST(TwistedModel, ClustersOfTwo) { expect_combed({0, 0, 7, 7, 13, 13, 5, 5}); }
 TEST(TwistedModel, LongClusters) { expect_combed({0, 0, 0, 0, 0, 13, 4, 4}); }
+
+// More sides than a word has bits.
+TEST(TwistedModel, HubOfManySides) {
+    std::vector<int64_t> along;
+    for (int64_t k = 0; k < 60; ++k) along.push_back(37 * k % 101 % 60);
+    Combed combed(along);
+    Mesh& mesh = combed.f.mesh;
+    const uint32_t hub = 6 * 60 + 30;
+    const auto is_near = [](uint32_t v) { return v / 60 >= 4 && v / 60 <= 8; };
+    uint32_t degree = 6;
+    bool changed = true;
+    while (degree < 150 && changed) {
+        changed = false;
+        uint32_t h = mesh.out[hub];
+        for (uint32_t t = degree; t-- > 0; h = mesh.rotate_ccw(h)) {
+            const uint32_t across = mesh.next[h], other = mesh.target(mesh.next[twin(across)]);
+            if (other == hub || !is_near(other)) continue;
+            flip(mesh, edge_of(across));
+            combed.value = combed.values();
+            combed.f.value = combed.value.data();
+            const SingularityCount count = combed.count();
+            if (count.zeros + count.poles + count.broken_triangles == 0) {
+                ++degree;
+                changed = true;
+            } else {
+                unflip(mesh, edge_of(across));
+            }
+        }
+    }
+    combed.value = combed.values();
+    combed.f.value = combed.value.data();
+    ASSERT_EQ(check(mesh), nullptr);
+    ASSERT_GT(degree, 100u);
+    expect_combed(combed);
+}
 
 // The minimum between bounds, from a start at which all bounds are active:
 // those that do not hold are left.  Against projected Gauss-Seidel.
