@@ -55,7 +55,7 @@ public:
     }
 
     void sweeps(uint32_t n) {
-        for (uint32_t i = 0; i < n && w_.call.tick(0, true); ++i) {
+        for (uint32_t i = 0; i < n && go_on(); ++i) {
             SweepResult result;
             sweep(f_, w_.rings, weight_, backward_, w_.star, result, w_.call, 0);
             backward_ = !backward_;
@@ -98,7 +98,7 @@ public:
             for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) add(w_.rings.neighbour[t], distance_[v] + 1);
         }
         SweepResult result;
-        for (uint32_t r = 0; r < rounds; ++r)
+        for (uint32_t r = 0; r < rounds && go_on(); ++r)
             for (size_t i = 0; i < near_.size(); ++i)
                 relax_vertex(f_, w_.rings, weight_, near_[r % 2 ? near_.size() - 1 - i : i], w_.star, result);
     }
@@ -472,6 +472,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
         newton.sweeps(accepted < 1 ? 10 : round > (tight ? 3 : 1) ? 2 : 0);
     }
+    if (work.state.foliation.out_of_memory) return work.call.out_of_memory();
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     return finest ? HMF_LIMIT_STALLED : HMF_OK;
 }
