@@ -16,9 +16,6 @@ namespace hmf {
 
 namespace {
 
-uint32_t after(uint32_t t, uint32_t degree) { return t + 1 < degree ? t + 1 : 0; }
-uint32_t before(uint32_t t, uint32_t degree) { return t > 0 ? t - 1 : degree - 1; }
-
 // Counts the closed corners that the part of the cluster in f.stamp would have
 // without v, up to those where two of its own values meet.
 uint32_t corners_towards(const Foliation& f, const Rings::Side* side, const Star& star, uint32_t v) {
@@ -26,7 +23,7 @@ uint32_t corners_towards(const Foliation& f, const Rings::Side* side, const Star
     for (uint32_t t = 0; t < star.degree; ++t) {
         const uint32_t w = f.mesh.target(side[t].half_edge);
         if (star.F[t] != 0 || w == v || f.stamp[w] != f.epoch) continue;
-        const uint32_t ends[2] = {before(t, star.degree), after(t, star.degree)};
+        const uint32_t ends[2] = {side_before(t, star.degree), side_after(t, star.degree)};
         for (uint32_t k = 0; k < 2; ++k) {
             if (star.F[ends[k]] != 0) corners += star.group[ends[k]] != star.best;
             // An edge from v to itself that opens: v goes two ways; seen from one of them.
@@ -72,7 +69,7 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
     uint32_t rows = 0, closed = 0;
     bool to_itself = false;
     for (uint32_t t = 0; t < degree; ++t) {
-        const uint32_t u = after(t, degree);
+        const uint32_t u = side_after(t, degree);
         star.step[t] = star.F[t] != 0 && star.group[t] == star.best ? -1 : 1;
         rows += star.F[t] != 0 && star.F[u] == 0;
         closed += star.F[t] != 0 && star.F[u] != 0 && star.corner2[t] == 0;
@@ -85,13 +82,13 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
         if (to_itself) known = open_zero_self_edges(f, side, star);
         for (uint32_t t = 0; t < degree; ++t) {
             // A row of zero edges to one part, with S or an edge to itself at both ends.
-            const uint32_t first = after(t, degree), neighbour = mesh.target(side[first].half_edge);
+            const uint32_t first = side_after(t, degree), neighbour = mesh.target(side[first].half_edge);
             const auto passes = [&](uint32_t s) {
                 return star.F[s] != 0 ? star.group[s] == star.best : mesh.target(side[s].half_edge) == v;
             };
             if (star.F[first] != 0 || neighbour == v || star.step[first] == 0 || !passes(t)) continue;
             uint32_t end = first;
-            while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = after(end, degree);
+            while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = side_after(end, degree);
             if (!passes(end)) continue;
             const Cluster part = explore_cluster(f, neighbour, NONE, v, NONE, 2, star.budget);
             if (f.out_of_memory) return false;
@@ -123,7 +120,7 @@ int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& s
     });
     // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
     for (uint32_t t = 0; t < star.degree; ++t) {
-        const uint32_t u = after(t, star.degree);
+        const uint32_t u = side_after(t, star.degree);
         const bool inside = star.F[t] != 0 && star.F[u] != 0 && star.group[t] == star.best && star.group[u] == star.best;
         if (inside && star.corner2[t] > 0) at_most(star.corner2[t] / 2);
     }

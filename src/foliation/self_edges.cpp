@@ -30,9 +30,6 @@ namespace hmf {
 
 namespace {
 
-uint32_t after(uint32_t t, uint32_t degree) { return t + 1 < degree ? t + 1 : 0; }
-uint32_t before(uint32_t t, uint32_t degree) { return t > 0 ? t - 1 : degree - 1; }
-
 class ZeroSelfEdges {
 public:
     ZeroSelfEdges(Foliation& f, const Rings::Side* side, Star& star)
@@ -69,8 +66,8 @@ private:
 
     // Sets the row of zero edges to one part that side t belongs to.
     void set_row(uint32_t t, uint8_t value) {
-        for (uint32_t s = t; is_part(s); s = after(s, degree_)) way(s) = value;
-        for (uint32_t s = t; is_part(s); s = before(s, degree_)) way(s) = value;
+        for (uint32_t s = t; is_part(s); s = side_after(s, degree_)) way(s) = value;
+        for (uint32_t s = t; is_part(s); s = side_before(s, degree_)) way(s) = value;
     }
 
     // The part without v behind side t, in all places where it hangs on v.
@@ -81,7 +78,7 @@ private:
             if (is_part(s) && f_.stamp[target(s)] == f_.epoch) way(s) = OPEN;
         for (uint32_t s = 0; s < degree_ && part.complete; ++s) {
             if (!is_part(s) || f_.stamp[target(s)] != f_.epoch) continue;
-            const uint32_t ends[2] = {before(s, degree_), after(s, degree_)};
+            const uint32_t ends[2] = {side_before(s, degree_), side_after(s, degree_)};
             for (const uint32_t end : ends) {
                 if (star_.F[end] == 0) continue;
                 has_values = true;
@@ -108,8 +105,8 @@ private:
     // The edge that starts at side t; true if something has become known.
     bool decide(uint32_t t) {
         uint32_t u = 0;
-        while (side_[u].half_edge != twin(side_[t].half_edge)) u = after(u, degree_);
-        const uint32_t pair[2][2] = {{before(t, degree_), after(u, degree_)}, {after(t, degree_), before(u, degree_)}};
+        while (side_[u].half_edge != twin(side_[t].half_edge)) u = side_after(u, degree_);
+        const uint32_t pair[2][2] = {{side_before(t, degree_), side_after(u, degree_)}, {side_after(t, degree_), side_before(u, degree_)}};
         bool changed = false;
         if (way(t) == OPEN) {
             const uint8_t one = across(pair[0][0], pair[0][1]), two = across(pair[1][0], pair[1][1]);

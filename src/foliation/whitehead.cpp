@@ -123,7 +123,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
     uint32_t rows = 0; // of zero edges
     bool open_run = false;
     for (uint32_t t = 0; t < degree; ++t) {
-        const uint32_t u = t + 1 < degree ? t + 1 : 0;
+        const uint32_t u = side_after(t, degree);
         corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
         rows += F[t] != 0 && F[u] == 0;
         if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
@@ -147,13 +147,13 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         const uint32_t v = mesh.origin[side[0].half_edge];
         // Runs on both sides of a row of zero edges, one direction?
         for (uint32_t t = 0; t < degree && groups > 1; ++t) {
-            const uint32_t first_zero = t + 1 < degree ? t + 1 : 0;
+            const uint32_t first_zero = side_after(t, degree);
             if (F[t] == 0 || F[first_zero] != 0) continue;
             uint32_t u = first_zero;
             bool self_edge = false; // not of a monogon: different directions on its sides
             while (F[u] == 0) {
                 self_edge |= mesh.target(side[u].half_edge) == v;
-                u = u + 1 < degree ? u + 1 : 0;
+                u = side_after(u, degree);
             }
             if (group[u] == group[t] || self_edge) continue;
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
@@ -161,7 +161,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             if (!part.complete) { star.decided = false; continue; }
             if (part.euler != 1) continue; // goes round a handle: different directions
             bool elsewhere = false;        // the part hangs on v in a second place: round a handle as well
-            for (uint32_t s = u; s != first_zero; s = s + 1 < degree ? s + 1 : 0)
+            for (uint32_t s = u; s != first_zero; s = side_after(s, degree))
                 elsewhere |= F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
             if (elsewhere) continue;
             const uint32_t keep = group[t] < group[u] ? group[t] : group[u];
@@ -254,7 +254,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         for (uint32_t t = 0; t < star.degree; ++t) {
             if (star.group[t] != star.best || star.F[t] == 0) continue;
             if (star.F[t] < limit) limit = star.F[t];
-            const uint32_t u = t + 1 < star.degree ? t + 1 : 0;
+            const uint32_t u = side_after(t, star.degree);
             // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
             if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
                 limit = star.corner2[t] / 2;

@@ -32,6 +32,10 @@ struct Rings {
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
 };
 
+// The next side of a vertex, counter-clockwise and clockwise.
+inline uint32_t side_after(uint32_t t, uint32_t degree) { return t + 1 < degree ? t + 1 : 0; }
+inline uint32_t side_before(uint32_t t, uint32_t degree) { return t > 0 ? t - 1 : degree - 1; }
+
 // Walks once round a vertex.  Counts its closed corners; NONE if an edge is
 // zero.  visit(t, direction, here, ahead, opposite) sees side t, the values of
 // sides t and t+1 and of the edge between their ends; direction changes
