@@ -72,7 +72,7 @@ struct SingularityCount {
 SingularityCount count_singularities(Foliation& foliation, int32_t* vertex_index, uint32_t* vertex_cluster,
                                      uint32_t* cluster_size, int32_t* face_index);
 
-// ---- transport between levels (prolongation.cpp, flip.cpp) -----------------
+// ---- transport between levels (transport.cpp) -----------------
 
 struct TransportStatistics {
     uint64_t bad_flips = 0;      // flips that needed the end point to be moved first ("case 4")

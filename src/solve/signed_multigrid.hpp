@@ -19,8 +19,8 @@
 namespace hmf {
 
 // Compressed rows, owned by the caller.  Columns in any order; a column may
-// come twice, the values then add up.  No entries on the diagonal.  Rows
-// without entries and with diagonal 0 are left alone by the solver.
+// come twice, the values then add up.  Entries on the diagonal have to be 0.
+// Rows without entries and with diagonal 0 are left alone by the solver.
 struct SignedMatrix {
     uint32_t n;
     const uint32_t* offset;   // n + 1
@@ -36,13 +36,14 @@ struct LinearOptions {
     const float* row_scale = nullptr;
     double row_tolerance = 0;
     // Unknowns that keep the value they have in x; their rows are not asked for.
+    // Where b is 0 the solution counts as 0, and they have to be.
     const uint32_t* fixed = nullptr;
     size_t fixed_count = 0;
 };
 
 struct LinearResult {
     uint32_t iterations = 0;
-    double residual = 0;      // |b - A x| / |b|, each row divided by the root of its diagonal
+    double residual = 0;      // |b - A x| without fixed rows / |b|, each row divided by the root of its diagonal
     double row_residual = 0;  // largest |b - A x| of a row times its row_scale; 0 without
     bool converged = false;
 };
@@ -51,7 +52,7 @@ struct LinearResult {
 // from the next coarser level, and room for the cycle.
 struct MultigridLevel {
     uint32_t n = 0;
-    Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; only kept on level 0
+    Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
     // Row i: the entries in columns below i, from start[i] to start[i+1]; what
     // is above the diagonal is their transpose.  Filled up with zero entries to
     // one block or more: most rows of a mesh have one, and where a loop ends
@@ -90,7 +91,7 @@ public:
                        uint32_t iteration_limit, Call& call, const LinearOptions& options = {});
 
     uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
-    double operator_complexity() const; // entries of all sparse levels / entries of the finest
+    double operator_complexity() const; // stored entries of all sparse levels / of the finest
 
 private:
     bool factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
