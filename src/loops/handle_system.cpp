@@ -15,6 +15,7 @@
 //     the basis, which all loops of the kind cross.
 #include "handle_system.hpp"
 
+#include "../base/random_word.hpp"
 #include "carry_loops.hpp"
 #include "library_loops.hpp"
 #include "linking.hpp"
@@ -22,13 +23,6 @@
 namespace hmf {
 
 namespace {
-
-uint64_t random_word(uint64_t& seed) { // splitmix64
-    uint64_t x = seed += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
 
 // Adds factor times the path of edges on the left of a loop.  It runs from the
 // left end of each crossed edge to that of the next:

@@ -1,19 +1,9 @@
 #include "signatures.hpp"
 
 #include "../base/disjoint_sets.hpp"
+#include "../base/random_word.hpp"
 
 namespace hmf {
-
-namespace {
-
-uint64_t mix(uint64_t x) { // splitmix64
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
-} // namespace
 
 bool Signatures::build(const CutSurface& cut, Call& call) {
     Memory& memory = call.memory;
@@ -45,7 +35,7 @@ bool Signatures::build(const CutSurface& cut, Call& call) {
         }
     }
     for (uint32_t p = 0; p < points; ++p) parent[p] = p;
-    uint64_t word = 0;
+    uint64_t seed = 0;
     for (uint32_t s = 0; s < segments; ++s) {
         if (s % 65536 == 0 && !call.tick(0, true)) return false;
         if (in_tree[s]) continue;
@@ -56,7 +46,7 @@ bool Signatures::build(const CutSurface& cut, Call& call) {
             last[p] ^= s; // once the degree is one, this is the segment left
             last[q] ^= s;
         } else {
-            of[s] = mix(++word) | 1u;
+            of[s] = random_word(seed) | 1u;
             value[p] ^= of[s];
             value[q] ^= of[s];
         }
