@@ -45,7 +45,7 @@ public:
     }
 
 private:
-    // A side of a loop (2 * component, + 1 for the right one), after one of its crossings.
+    // A side of a loop (2 * component, + 1 for the right one), after one of its crossings: the region there.
     struct Seed { uint32_t side, crossing, region; };
     struct Pair { uint32_t a, b; }; // of seeds
     bool cut() {
@@ -134,7 +134,7 @@ private:
     bool choose() {
         double best = HUGE_VAL;
         for (const Pair& pair : pairs_) {
-            const uint32_t r = region_of_seed(pair.a);
+            const uint32_t r = seeds_[pair.a].region;
             if (holes_[find_root(piece_.data(), r)] <= 3 || !(estimate(pair.a, pair.b, 0) < best)) continue;
             best = estimate(pair.a, pair.b, 0);
             chosen_ = pair;
@@ -151,14 +151,6 @@ private:
             middle_ = 2 * s;
         }
         return best < HUGE_VAL;
-    }
-
-    uint32_t region_of_seed(uint32_t seed) const {
-        const uint32_t k = seeds_[seed].side / 2;
-        const uint32_t e = edge_of(curves_.components.crossings[curves_.components.offsets[k]]);
-        const uint32_t segment = cut_.segment_first[e] + curves_.begin[k] - curves_.first[e];
-        // begin leaves through half-edge 2e: on its left is the segment behind.
-        return cut_.region[2 * size_t{segment + (seeds_[seed].side & 1u ? 0 : 1)} + 1];
     }
 
     // Once along the loop of a seed, with the loop on the right.

@@ -67,7 +67,7 @@ private:
                 if (foliation_.at(g) == 0 || foliation_.at(mesh_.next[h]) == 0 || foliation_.corner2(g) != 0 || stamp_[v] > before) continue;
                 const Cluster cluster = explore_cluster(foliation_, v, NONE, NONE, NONE, 2, 0);
                 if (foliation_.out_of_memory) return false;
-                if (!cluster.complete || 2 * cluster.euler <= static_cast<int64_t>(cluster.closed_corners)) continue;
+                if (!cluster.is_pole()) continue;
                 uint32_t lowest = v;
                 for (const uint32_t u : foliation_.members) lowest = u < lowest ? u : lowest;
                 if (!poles_.push(lowest)) return false;
