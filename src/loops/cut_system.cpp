@@ -27,7 +27,7 @@ constexpr double UNREACHED = HUGE_VAL;
 constexpr double FURTHER = 1.25; // than the best loop: searches reach so far for their bounds
 
 struct Root {
-    double known; // length of a loop through it, whatever its labels
+    double known; // length of a loop through it, whatever its labels; 0 beside gates
     uint32_t region;
 };
 

@@ -22,7 +22,7 @@ namespace hmf {
 
 class LoopSearch {
 public:
-    // edge_length: per edge.  edge_label, if not NULL: see cut_system.
+    // edge_length: per edge.  edge_label: of a Restriction, or NULL.
     LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call)
         : cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
 

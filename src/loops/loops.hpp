@@ -25,6 +25,7 @@ struct Restriction {
 
 // genus many disjoint simple loops, jointly non-separating, each the shortest
 // that is found one after another.  position: 3 per vertex of the mesh.
+// restriction: NULL for none.
 hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call, Loops& out);
 
 // Loops that each cross one of the disjoint loops that they are given, and for
