@@ -122,11 +122,11 @@ private:
             model_.project(f_, w_.rings, patch_, distance_);
             if (!go_on()) return false;
             set_values(1);
-            if (!tight && effort.go_on && zeros_stay()) {
+            if (effort.go_on && !model_.is_exact() && (tight || zeros_stay())) {
+                if (!tight) accuracy = effort.tight;
                 tight = true;
-                accuracy = effort.tight;
                 restore();
-                if (!solve_between_bounds(effort)) return false;
+                if (!solve_between_bounds(accuracy, effort.residual)) return false;
                 set_values(1);
             }
             if (!go_on()) return false;
@@ -167,7 +167,7 @@ private:
             } else if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
                 ++w_.statistics.linear_solves;
-                if (!solve_between_bounds(effort)) return stopped();
+                if (!solve_between_bounds(effort.tight, effort.residual)) return stopped();
             } else if (too_far_ != NONE && attempt < 16) {
                 if (attempt % 4 == 3) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
@@ -204,13 +204,13 @@ private:
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
-    bool solve_between_bounds(const Effort& effort) {
+    bool solve_between_bounds(double accuracy, double residual) {
         for (uint32_t pass = 0; pass < 4; ++pass) {
             model_.fix_active();
-            LinearOptions options = stop_at(effort.residual);
+            LinearOptions options = stop_at(residual);
             options.fixed = model_.fixed.data();
             options.fixed_count = model_.fixed.size();
-            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), effort.tight, 100, w_.call, options);
+            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy, 100, w_.call, options);
             w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             const bool released = model_.release();
