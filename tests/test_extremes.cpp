@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "../src/api/values.hpp"
+
 using namespace test;
 
 namespace {
@@ -157,3 +159,24 @@ TEST(Extremes, NoResidualAfterACancellation) {
 }
 
 } // namespace
+
+// A double holds integers up to 2^53: beyond that equalities would be lost.
+TEST(Extremes, ValuesThatADoubleCannotHold) {
+    const Hierarchy hierarchy(pretzel(2, 1));
+    ASSERT_TRUE(hierarchy);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    hmf::State state;
+    ASSERT_TRUE(state.allocate(*hierarchy.get(), 0, memory));
+    state.load(0, hmf::Side::input);
+    for (size_t e = 0; e < hierarchy.edges(0); ++e) state.foliation.value[e] = int64_t{1} << 53;
+    std::vector<double> values(hierarchy.edges(0), -1);
+    ASSERT_EQ(hmf::export_values(state, 0.5, values.data(), call), HMF_OK);
+    for (const double x : values) ASSERT_EQ(x, std::ldexp(1.0, 52));
+    state.foliation.value[3] += 2;
+    values.assign(values.size(), -1);
+    EXPECT_EQ(hmf::export_values(state, 0.5, values.data(), call), HMF_ERROR_UNSUPPORTED);
+    EXPECT_EQ(error.element, HMF_ELEMENT_EDGE);
+    for (const double x : values) EXPECT_EQ(x, -1);
+}

@@ -444,15 +444,17 @@ HMF_API void hmf_solve_options_init(hmf_solve_options *options);
  * intrinsic triangulation.  On the caller's edges a vertex whose neighbours
  * then lie all in one direction would be a pole and is moved to the next branch
  * (counted in bad_flips).  If there was none, hmf_energy and hmf_residuals of the
- * values give the numbers of the report, to the bit; else they tell what the
- * moves cost.  The class and its minimum are the same in any case: hmf_relax
+ * values give the numbers of the report, the residuals up to rounding; else they
+ * tell what the moves cost.  The class and its minimum are the same in any case: hmf_relax
  * finds it again.
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
  * and without poles; HMF_CANCELLED, with values in the same way if the callback
  * said HMF_PROGRESS_FINISH, or if the asked level had been reached and the
  * values were at hand (then report->values_written is 1), else with nothing
- * written; or an error of classes 100, 200, 400.
+ * written; or an error of classes 100, 200, 400.  HMF_ERROR_UNSUPPORTED: an edge
+ * is crossed so often (by more than 32 of the largest weights) that a double
+ * cannot hold its value exactly.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, double *values, size_t capacity,

@@ -35,8 +35,7 @@ hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, co
     double unit = 1;
     if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit, call)) return call.status();
     if (!state.go_to(to_level, call)) return call.out_of_memory();
-    export_values(state, unit, out_values);
-    return HMF_OK;
+    return export_values(state, unit, out_values, call);
 }
 
 hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out, hmf_error* error) {

@@ -131,7 +131,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         report->bad_flips_left = state.statistics.bad_flips_left;
         report->peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     }
-    export_values(state, recorder.unit(), values);
+    if (export_values(state, recorder.unit(), values, call)) return call.status();
     if (report) {
         report->values_written = 1;
         report->solve_seconds = call.seconds();

@@ -133,10 +133,17 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
     return HMF_OK;
 }
 
-void export_values(const State& state, double unit, double* values) {
+hmf_status export_values(const State& state, double unit, double* values, Call& call) {
+    constexpr int64_t largest_exact = int64_t{1} << 53;
     const Foliation& f = state.foliation;
     for (size_t e = 0; e < f.mesh.edge_count; ++e)
+        if (f.value[internal_edge(state, e)] > largest_exact)
+            return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_EDGE, e,
+                             "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too often. Refine the mesh there, or leave loops out.",
+                             static_cast<unsigned long long>(e));
+    for (size_t e = 0; e < f.mesh.edge_count; ++e)
         values[e] = static_cast<double>(f.value[internal_edge(state, e)]) * unit;
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -33,7 +33,8 @@ double unit_of_weights(double largest);
 hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed, Call& call);
 
 // state.foliation.value -> the caller's values (level 0: from the input side).
-void export_values(const State& state, double unit, double* values);
+// Fails, with nothing written, if a value has more bits than a double.
+hmf_status export_values(const State& state, double unit, double* values, Call& call);
 
 // Internal half-edge of side 0 of a triangle of the caller: the side of its
 // first edge that is followed by its second one; and its face.
