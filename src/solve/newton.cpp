@@ -452,12 +452,13 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         }
         Effort effort{};
         effort.close = before < 1e-2;
-        effort.tight = finest ? 0.03 * goal / before : 1e-2;
+        effort.tight = finest ? 0.003 * goal / before : 1e-2; // mostly effort.residual comes first
         if (effort.tight < 1e-11) effort.tight = 1e-11;
         if (effort.tight > 1e-2) effort.tight = 1e-2;
         effort.loose = round == 0 ? 1e-2 : round < 3 || !effort.close ? 1e-3 : effort.tight;
         if (effort.loose < effort.tight) effort.loose = effort.tight;
-        effort.residual = finest ? 0.5 * goal : 0;
+        // A large step changes the pulls against which the residual is measured.
+        effort.residual = !finest ? 0 : before > 0.1 ? 0.2 * goal : 0.5 * goal;
         // As long as zeros move, the next model is another one: a tight solve
         // of this one would be wasted.
         effort.go_on = finest && round > 0;
