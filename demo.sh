@@ -18,7 +18,6 @@ need cmake command -v cmake
 need libcli11-dev test -e /usr/include/CLI/CLI.hpp
 need nlohmann-json3-dev test -e /usr/include/nlohmann/json.hpp
 need libpng-dev test -e /usr/include/png.h
-need libcgal-dev sh -c 'test -e /usr/include/CGAL/version.h && test -e /usr/include/boost/version.hpp'
 if [ ${#missing[@]} -gt 0 ]; then
     if ! command -v apt-get > /dev/null; then
         echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."

@@ -11,7 +11,7 @@
 set -u
 cd "$(dirname "$0")"
 
-default_variants="header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
+default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
 variants="$default_variants corpus-large"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
@@ -19,6 +19,7 @@ passed=0 failed=0 skipped=0
 
 describe() {
     cat <<'END'
+format        layout of the C and C++ sources
 header        hmf.h in C89, C99, C11, C17 and C++17, included twice
 symbols       exported symbols, dependencies, no global state
 plain         compiles without a build system; same bits with each compiler and optimisation
@@ -48,6 +49,7 @@ ensure_packages() {
     need build-essential sh -c 'command -v c++ && command -v make'
     need cmake command -v cmake
     need clang command -v clang++
+    need clang-format command -v clang-format
     need valgrind command -v valgrind
     need pkg-config command -v pkg-config
     need python3 command -v python3
@@ -57,7 +59,6 @@ ensure_packages() {
     need libcli11-dev test -e $include/CLI/CLI.hpp
     need nlohmann-json3-dev test -e $include/nlohmann/json.hpp
     need libpng-dev test -e $include/png.h
-    need libcgal-dev sh -c "test -e $include/CGAL/version.h && test -e $include/boost/version.hpp"
     [ ${#missing[@]} -eq 0 ] && return 0
 
     local sudo=
@@ -156,6 +157,7 @@ run_ctest() { # preset, options of ctest ...
     add "$p" "$f" "$s"
 }
 
+variant_format() { run_check format tests/check_format.sh; }
 variant_header() { run_check header tests/check_header.sh; }
 variant_plain() { run_check plain tests/check_plain.sh build/plain; }
 variant_install() { run_check install tests/check_install.sh build/install; }

@@ -45,7 +45,7 @@ struct Random {
 
 struct Soup {
     std::string name;
-    std::vector<double> position; // 3 each
+    std::vector<double> position;   // 3 each
     std::vector<uint32_t> triangle; // 3 each
     size_t vertices() const { return position.size() / 3; }
     size_t triangles() const { return triangle.size() / 3; }
@@ -105,7 +105,10 @@ void renumber(Soup& soup) {
         order.push_back(seed);
         for (size_t k = order.size() - 1; k < order.size(); ++k)
             for (uint32_t c = first[order[k]]; c < first[order[k] + 1]; ++c) {
-                if (!seen[at[c]]) { seen[at[c]] = 1; faces.push_back(at[c]); }
+                if (!seen[at[c]]) {
+                    seen[at[c]] = 1;
+                    faces.push_back(at[c]);
+                }
                 for (int s = 0; s < 3; ++s) {
                     const uint32_t w = soup.triangle[3 * size_t{at[c]} + static_cast<size_t>(s)];
                     if (rank[w] != 0xffffffffu) continue;
@@ -124,7 +127,11 @@ void renumber(Soup& soup) {
     soup.triangle = triangle;
 }
 
-struct Edge { uint32_t v[2], f[2]; double weight; int sign; };
+struct Edge {
+    uint32_t v[2], f[2];
+    double weight;
+    int sign;
+};
 
 std::vector<Edge> edges_of(const Soup& soup) {
     std::vector<Edge> edges;
@@ -132,12 +139,16 @@ std::vector<Edge> edges_of(const Soup& soup) {
     index.reserve(soup.triangle.size());
     for (uint32_t f = 0; f < soup.triangles(); ++f)
         for (uint32_t s = 0; s < 3; ++s) {
-            const uint32_t i = soup.triangle[3 * size_t{f} + s], j = soup.triangle[3 * size_t{f} + (s + 1) % 3], k = soup.triangle[3 * size_t{f} + (s + 2) % 3];
+            const uint32_t i = soup.triangle[3 * size_t{f} + s], j = soup.triangle[3 * size_t{f} + (s + 1) % 3],
+                           k = soup.triangle[3 * size_t{f} + (s + 2) % 3];
             const double* a = &soup.position[3 * size_t{i}];
             const double* b = &soup.position[3 * size_t{j}];
             const double* c = &soup.position[3 * size_t{k}];
             double p[3], q[3];
-            for (int t = 0; t < 3; ++t) { p[t] = a[t] - c[t]; q[t] = b[t] - c[t]; }
+            for (int t = 0; t < 3; ++t) {
+                p[t] = a[t] - c[t];
+                q[t] = b[t] - c[t];
+            }
             const double x = p[1] * q[2] - p[2] * q[1], y = p[2] * q[0] - p[0] * q[2], z = p[0] * q[1] - p[1] * q[0];
             const double area = std::sqrt(x * x + y * y + z * z);
             const double half = 0.5 * (p[0] * q[0] + p[1] * q[1] + p[2] * q[2]) / (area > 1e-300 ? area : 1e-300);
@@ -316,11 +327,12 @@ void run(const Soup& soup, const std::vector<Edge>& edges, const std::string& ki
         }
 #endif
     }
-    std::printf("%-34s %-7s %8u  it %3u %s %.1e  setup %.3f solve %.3f s  levels %u oc %.2f  %3.0f B", soup.name.c_str(), kind.c_str(), matrix.n,
-                result.iterations, result.converged ? "ok  " : "FAIL", result.residual, median(setup), median(solve), levels, complexity, bytes);
+    std::printf("%-34s %-7s %8u  it %3u %s %.1e  setup %.3f solve %.3f s  levels %u oc %.2f  %3.0f B",
+                soup.name.c_str(), kind.c_str(), matrix.n, result.iterations, result.converged ? "ok  " : "FAIL",
+                result.residual, median(setup), median(solve), levels, complexity, bytes);
     if (!ratio.empty())
-        std::printf("  cholmod %.3f s  ratio %.3f [%.3f %.3f]", median(other), median(ratio), *std::min_element(ratio.begin(), ratio.end()),
-                    *std::max_element(ratio.begin(), ratio.end()));
+        std::printf("  cholmod %.3f s  ratio %.3f [%.3f %.3f]", median(other), median(ratio),
+                    *std::min_element(ratio.begin(), ratio.end()), *std::max_element(ratio.begin(), ratio.end()));
     std::printf("\n");
     std::fflush(stdout);
 }

@@ -9,7 +9,7 @@
 //     --whitehead S     time limit of the method whitehead, 0 = leave out (60)
 //     --single-level S  time limit of the method single_level, 0 = leave out (0)
 //     --whitehead-tolerance T  of whitehead and single_level (1e-6)
-//     --whitehead-excess X     energy over the minimum, relative, for which whitehead is timed too, 0 = leave out (1e-6)
+//     --whitehead-excess X     relative energy over the minimum, for which whitehead is timed too, 0 = leave out (1e-6)
 //     --no-cholesky     leave CHOLMOD out
 //     --cpu             processor time of the thread instead of wall time (the
 //                       stages inside hmf_solve are always wall time)
@@ -116,10 +116,13 @@ void subdivide(Soup& soup) {
         for (size_t s = 0; s < 3; ++s) v[s] = soup.triangle[3 * f + s];
         for (size_t s = 0; s < 3; ++s) {
             const uint32_t i = std::min(v[s], v[(s + 1) % 3]), j = std::max(v[s], v[(s + 1) % 3]);
-            const auto found = midpoint.try_emplace(static_cast<uint64_t>(i) << 32 | j, static_cast<uint32_t>(soup.vertices()));
+            const auto found =
+                midpoint.try_emplace(static_cast<uint64_t>(i) << 32 | j, static_cast<uint32_t>(soup.vertices()));
             m[s] = found.first->second;
             if (found.second)
-                for (size_t k = 0; k < 3; ++k) soup.position.push_back(0.5 * (soup.position[3 * size_t{i} + k] + soup.position[3 * size_t{j} + k]));
+                for (size_t k = 0; k < 3; ++k)
+                    soup.position.push_back(0.5
+                                            * (soup.position[3 * size_t{i} + k] + soup.position[3 * size_t{j} + k]));
         }
         fine.insert(fine.end(), {v[0], m[0], m[2], v[1], m[1], m[0], v[2], m[2], m[1], m[0], m[1], m[2]});
     }
@@ -200,7 +203,8 @@ struct Result {
 
 struct Options {
     int repetitions = 5, subdivisions = 0;
-    double tolerance = 1e-8, whitehead_tolerance = 1e-6, whitehead_excess = 1e-6, whitehead = 60, single = 0, preview = 10000;
+    double tolerance = 1e-8, whitehead_tolerance = 1e-6, whitehead_excess = 1e-6, whitehead = 60, single = 0,
+           preview = 10000;
     bool cholesky = true;
 };
 
@@ -284,8 +288,8 @@ int32_t watch(void* user, double) {
     return d.passed ? HMF_PROGRESS_FINISH : HMF_PROGRESS_CONTINUE;
 }
 
-Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t method, double tolerance, double limit, size_t stop_level,
-                 std::vector<double>& values, std::string& trouble, size_t history = 0) {
+Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t method, double tolerance, double limit,
+                 size_t stop_level, std::vector<double>& values, std::string& trouble, size_t history = 0) {
     Solved s;
     hmf_level_info info;
     hmf_level_counts(h, stop_level, &info, nullptr);
@@ -337,7 +341,8 @@ void run(const Soup& soup, const Options& options, Result& out) {
     out.bandwidth.add(bandwidth * 1e-9);
 
     const double t0 = now();
-    if (hmf_build(soup.position.data(), soup.vertices(), 0, soup.triangle.data(), soup.triangles(), &bo, &h, &error) != HMF_OK) {
+    if (hmf_build(soup.position.data(), soup.vertices(), 0, soup.triangle.data(), soup.triangles(), &bo, &h, &error)
+        != HMF_OK) {
         out.trouble = error.message;
         return;
     }
@@ -352,7 +357,9 @@ void run(const Soup& soup, const Options& options, Result& out) {
     size_t loop_count = 0, element_count = 0;
     const size_t build_peak = counter.peak;
     const double t2 = now();
-    if (hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(), &loop_count, &element_count, &error) != HMF_OK) {
+    if (hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(),
+                  &loop_count, &element_count, &error)
+        != HMF_OK) {
         out.trouble = error.message;
         hmf_destroy(h);
         return;
@@ -390,14 +397,17 @@ void run(const Soup& soup, const Options& options, Result& out) {
     out.job.add(job);
     out.job_per_edge.add(job / edges * 1e9);
     // What the build has to read and write at least once.
-    out.build_bound.add((8.0 * static_cast<double>(soup.position.size()) + 4.0 * static_cast<double>(soup.triangle.size()) + held) / bandwidth);
+    out.build_bound.add(
+        (8.0 * static_cast<double>(soup.position.size()) + 4.0 * static_cast<double>(soup.triangle.size()) + held)
+        / bandwidth);
 
     out.level.resize(std::max(out.level.size(), first.level.size()));
     double accounted = 0;
     for (size_t l = 0; l < first.level.size(); ++l) {
         const hmf_level_report& from = first.level[l];
         LevelCost& to = out.level[l];
-        const double e = static_cast<double>(from.edges), c = l + 1 < first.level.size() ? static_cast<double>(first.level[l + 1].edges) : 0;
+        const double e = static_cast<double>(from.edges),
+                     c = l + 1 < first.level.size() ? static_cast<double>(first.level[l + 1].edges) : 0;
         to.vertices = static_cast<double>(from.vertices);
         to.edges = e;
         to.sweeps = from.iterations;
@@ -415,7 +425,8 @@ void run(const Soup& soup, const Options& options, Result& out) {
 
     const Solved second = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, again, out.trouble);
     out.second.add(second.usable() ? second.seconds : -1);
-    if (again.size() != values.size() || std::memcmp(again.data(), values.data(), values.size() * sizeof(double)) != 0) out.same_bits = 0;
+    if (again.size() != values.size() || std::memcmp(again.data(), values.data(), values.size() * sizeof(double)) != 0)
+        out.same_bits = 0;
 
     size_t level = 0;
     double distance = 1e300, size = 0;
@@ -423,7 +434,11 @@ void run(const Soup& soup, const Options& options, Result& out) {
         hmf_level_info info;
         hmf_level_counts(h, l, &info, nullptr);
         const double d = std::abs(std::log(static_cast<double>(info.vertex_count) / options.preview));
-        if (d < distance) { distance = d; level = l; size = static_cast<double>(info.vertex_count); }
+        if (d < distance) {
+            distance = d;
+            level = l;
+            size = static_cast<double>(info.vertex_count);
+        }
     }
     const Solved preview = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, level, again, out.trouble);
     out.preview.add(preview.usable() ? 1e3 * preview.seconds : -1);
@@ -433,7 +448,8 @@ void run(const Soup& soup, const Options& options, Result& out) {
     if (options.cholesky) {
         std::vector<uint32_t> ends(2 * static_cast<size_t>(fine.edge_count));
         std::vector<double> weight(static_cast<size_t>(fine.edge_count));
-        if (hmf_level_edge_vertices(h, 0, ends.data(), ends.size(), nullptr) == HMF_OK && hmf_level_weights(h, 0, weight.data(), weight.size(), nullptr) == HMF_OK) {
+        if (hmf_level_edge_vertices(h, 0, ends.data(), ends.size(), nullptr) == HMF_OK
+            && hmf_level_weights(h, 0, weight.data(), weight.size(), nullptr) == HMF_OK) {
             const double seconds = run_cholesky(ends, weight, soup.vertices());
             out.cholesky.add(seconds);
             out.job_against_cholesky.add(seconds > 0 ? job / seconds : -1);
@@ -443,14 +459,16 @@ void run(const Soup& soup, const Options& options, Result& out) {
 #endif
     const double energy = first.report.energy;
     if (options.whitehead > 0) {
-        const Solved w = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, options.whitehead_tolerance, options.whitehead, 0, again, out.trouble);
+        const Solved w = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, options.whitehead_tolerance, options.whitehead, 0,
+                                   again, out.trouble);
         out.whitehead.add(w.usable() ? w.seconds : -1);
         out.newton_gain.add(w.usable() ? w.seconds / first.seconds : -1);
         if (w.out_of_time) out.whitehead.bounded = out.newton_gain.bounded = true;
         out.energy_excess.sign = out.single_excess.sign = true;
         if (w.usable()) out.energy_excess.add(w.report.energy / energy - 1);
         if (options.whitehead_excess > 0) {
-            const Solved to_end = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, 1e-15, options.whitehead, 0, again, out.trouble, 100000);
+            const Solved to_end =
+                run_solve(h, &loops, HMF_METHOD_WHITEHEAD, 1e-15, options.whitehead, 0, again, out.trouble, 100000);
             double seconds = to_end.seconds_to(energy * (1 + options.whitehead_excess));
             if (seconds < 0 && to_end.out_of_time) {
                 seconds = to_end.seconds;
@@ -460,7 +478,8 @@ void run(const Soup& soup, const Options& options, Result& out) {
             out.reach_gain.add(seconds < 0 ? -1 : seconds / first.seconds);
         }
         if (options.single > 0) {
-            const Solved s = run_solve(h, &loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single, 0, again, out.trouble);
+            const Solved s = run_solve(h, &loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single,
+                                       0, again, out.trouble);
             out.single.add(s.usable() ? s.seconds : -1);
             // Against an unfinished whitehead a quotient would bound nothing.
             if (w.status == HMF_OK) out.hierarchy_gain.add(s.usable() ? s.seconds / w.seconds : -1);
@@ -475,25 +494,32 @@ void run(const Soup& soup, const Options& options, Result& out) {
 // --- Report ------------------------------------------------------------------
 
 void print(const std::vector<Soup>& soups, const std::vector<Result>& results, const Options& options) {
-    std::printf("hmf %u, %d repetitions, one thread, %s time: median [smallest, largest]\n\n", hmf_version(), options.repetitions,
-                processor_clock ? "processor" : "wall");
-    std::printf("| mesh | edges | build M edges/s | bytes/edge held | peak of build B/edge | peak of solve B/edge | build s | loops s | newton s | second solve s | job s | residual |\n");
+    std::printf("hmf %u, %d repetitions, one thread, %s time: median [smallest, largest]\n\n", hmf_version(),
+                options.repetitions, processor_clock ? "processor" : "wall");
+    std::printf("| mesh | edges | build M edges/s | bytes/edge held | peak of build B/edge | peak of solve B/edge | "
+                "build s | loops s | newton s | second solve s | job s | residual |\n");
     std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < soups.size(); ++i) {
         const Result& r = results[i];
-        std::printf("| %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s | %s | %.1e%s |\n", soups[i].name.c_str(), soups[i].edges(),
-                    r.edges_per_second.text("%.2f").c_str(), r.bytes_per_edge.text("%.0f").c_str(), r.build_peak.text("%.0f").c_str(),
-                    r.solve_peak.text("%.0f").c_str(), r.build.text("%.3f").c_str(), r.loops.text("%.4f").c_str(), r.solve.text("%.3f").c_str(),
-                    r.second.text("%.3f").c_str(), r.job.text("%.3f").c_str(), r.residual, r.unconverged ? " NOT CONVERGED" : "");
+        std::printf("| %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s | %s | %.1e%s |\n", soups[i].name.c_str(),
+                    soups[i].edges(), r.edges_per_second.text("%.2f").c_str(), r.bytes_per_edge.text("%.0f").c_str(),
+                    r.build_peak.text("%.0f").c_str(), r.solve_peak.text("%.0f").c_str(), r.build.text("%.3f").c_str(),
+                    r.loops.text("%.4f").c_str(), r.solve.text("%.3f").c_str(), r.second.text("%.3f").c_str(),
+                    r.job.text("%.3f").c_str(), r.residual, r.unconverged ? " NOT CONVERGED" : "");
     }
-    std::printf("\n| mesh | Cholesky s | job / Cholesky | newton / Cholesky | preview ms | preview vertices | whitehead s | whitehead / newton | whitehead energy excess | whitehead to excess %.0e s | that / newton | single_level s | single_level / whitehead | single_level energy excess |\n", options.whitehead_excess);
+    std::printf("\n| mesh | Cholesky s | job / Cholesky | newton / Cholesky | preview ms | preview vertices | "
+                "whitehead s | whitehead / newton | whitehead energy excess | whitehead to excess %.0e s | that / "
+                "newton | single_level s | single_level / whitehead | single_level energy excess |\n",
+                options.whitehead_excess);
     std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < soups.size(); ++i) {
         const Result& r = results[i];
-        std::printf("| %s | %s | %s | %s | %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s |\n", soups[i].name.c_str(), r.cholesky.text("%.3f").c_str(),
-                    r.job_against_cholesky.text("%.2f").c_str(), r.solve_against_cholesky.text("%.2f").c_str(), r.preview.text("%.0f").c_str(),
-                    r.preview_vertices.sample.empty() ? 0.0 : r.preview_vertices.sample[0], r.whitehead.text("%.2f").c_str(),
-                    r.newton_gain.text("%.1f").c_str(), r.energy_excess.text("%.1e").c_str(), r.whitehead_reach.text("%.2f").c_str(),
+        std::printf("| %s | %s | %s | %s | %s | %.0f | %s | %s | %s | %s | %s | %s | %s | %s |\n",
+                    soups[i].name.c_str(), r.cholesky.text("%.3f").c_str(), r.job_against_cholesky.text("%.2f").c_str(),
+                    r.solve_against_cholesky.text("%.2f").c_str(), r.preview.text("%.0f").c_str(),
+                    r.preview_vertices.sample.empty() ? 0.0 : r.preview_vertices.sample[0],
+                    r.whitehead.text("%.2f").c_str(), r.newton_gain.text("%.1f").c_str(),
+                    r.energy_excess.text("%.1e").c_str(), r.whitehead_reach.text("%.2f").c_str(),
                     r.reach_gain.text("%.0f").c_str(), r.single.text("%.2f").c_str(),
                     r.hierarchy_gain.text("%.1f").c_str(), r.single_excess.text("%.1e").c_str());
     }
@@ -506,32 +532,40 @@ void print(const std::vector<Soup>& soups, const std::vector<Result>& results, c
         const std::vector<double>&a = results[i].job_per_edge.sample, &b = results[small].job_per_edge.sample;
         if (a.size() == b.size())
             for (size_t k = 0; k < a.size(); ++k) growth.add(a[k] / b[k]);
-        std::printf("| %s | %.0f | %s | %s |\n", soups[i].name.c_str(), soups[i].edges(), results[i].job_per_edge.text("%.0f").c_str(), growth.text("%.2f").c_str());
+        std::printf("| %s | %.0f | %s | %s |\n", soups[i].name.c_str(), soups[i].edges(),
+                    results[i].job_per_edge.text("%.0f").c_str(), growth.text("%.2f").c_str());
     }
     for (size_t i = 0; i < soups.size(); ++i) {
         const Result& r = results[i];
-        std::printf("\n%s: where the time goes (copy %s GB/s)\n\n", soups[i].name.c_str(), r.bandwidth.text("%.1f").c_str());
-        std::printf("| stage | vertices | seconds%s | bound by memory s | linear solves | sweeps |\n|---|---|---|---|---|---|\n",
+        std::printf("\n%s: where the time goes (copy %s GB/s)\n\n", soups[i].name.c_str(),
+                    r.bandwidth.text("%.1f").c_str());
+        std::printf("| stage | vertices | seconds%s | bound by memory s | linear solves | sweeps "
+                    "|\n|---|---|---|---|---|---|\n",
                     processor_clock ? " (of the solve: wall)" : "");
-        std::printf("| build | %zu | %s | %s | | |\n", soups[i].vertices(), r.build.text("%.4f").c_str(), r.build_bound.text("%.4f").c_str());
+        std::printf("| build | %zu | %s | %s | | |\n", soups[i].vertices(), r.build.text("%.4f").c_str(),
+                    r.build_bound.text("%.4f").c_str());
         std::printf("| loops, coarsest | | %s | | | |\n", r.loops.text("%.4f").c_str());
         for (size_t l = r.level.size(); l-- > 0;) {
             const LevelCost& c = r.level[l];
             if (l + 1 < r.level.size())
-                std::printf("| interpolate to %zu | %.0f | %s | %s | | |\n", l, c.vertices, c.interpolate.text("%.4f").c_str(), c.interpolate_bound.text("%.4f").c_str());
-            std::printf("| optimise %zu%s | %.0f | %s | %s | %llu | %llu |\n", l, l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices,
-                        c.optimise.text("%.4f").c_str(), c.optimise_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
+                std::printf("| interpolate to %zu | %.0f | %s | %s | | |\n", l, c.vertices,
+                            c.interpolate.text("%.4f").c_str(), c.interpolate_bound.text("%.4f").c_str());
+            std::printf("| optimise %zu%s | %.0f | %s | %s | %llu | %llu |\n", l,
+                        l + 1 == r.level.size() ? " (coarsest)" : "", c.vertices, c.optimise.text("%.4f").c_str(),
+                        c.optimise_bound.text("%.4f").c_str(), static_cast<unsigned long long>(c.linear_solves),
                         static_cast<unsigned long long>(c.sweeps));
         }
         std::printf("| rest of solve | | %s | | | |\n", r.rest.text("%.4f").c_str());
-        std::printf("\nzeros %llu, poles %llu; second solve %s\n", static_cast<unsigned long long>(r.zeros), static_cast<unsigned long long>(r.poles),
-                    r.same_bits ? "has the same bits" : "DIFFERS");
-        if (r.unconverged) std::printf("newton did not reach the tolerance in %d of %d repetitions\n", r.unconverged, r.repetitions);
+        std::printf("\nzeros %llu, poles %llu; second solve %s\n", static_cast<unsigned long long>(r.zeros),
+                    static_cast<unsigned long long>(r.poles), r.same_bits ? "has the same bits" : "DIFFERS");
+        if (r.unconverged)
+            std::printf("newton did not reach the tolerance in %d of %d repetitions\n", r.unconverged, r.repetitions);
         if (!r.trouble.empty()) std::printf("TROUBLE: %s\n", r.trouble.c_str());
     }
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
-    std::printf("\npeak memory of the whole program, with meshes and CHOLMOD: %.2f GiB\n", static_cast<double>(usage.ru_maxrss) / 1048576);
+    std::printf("\npeak memory of the whole program, with meshes and CHOLMOD: %.2f GiB\n",
+                static_cast<double>(usage.ru_maxrss) / 1048576);
 }
 
 } // namespace

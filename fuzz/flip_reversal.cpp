@@ -12,7 +12,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::vector<uint32_t> connectivity = random.connectivity();
     const std::vector<int64_t> values = random.values();
     TransportStatistics statistics;
-    struct Done { uint32_t edge; bool reverse; };
+    struct Done {
+        uint32_t edge;
+        bool reverse;
+    };
     std::vector<Done> log;
     bool moved = false;
     for (uint32_t i = 0; i < 60 && !bytes.empty(); ++i) {

@@ -20,12 +20,12 @@
 
 namespace {
 
-#define FUZZ_ASSERT(condition)                                                              \
-    do {                                                                                    \
-        if (!(condition)) {                                                                 \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);            \
-            std::abort();                                                                   \
-        }                                                                                   \
+#define FUZZ_ASSERT(condition)                                                                                         \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
+            std::abort();                                                                                              \
+        }                                                                                                              \
     } while (0)
 
 class Bytes {
@@ -128,16 +128,19 @@ Surface chain_of_tori(Bytes& bytes) {
         }
         for (uint32_t x = 0; x < n; ++x)
             for (uint32_t y = 0; y < m; ++y) {
-                const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
+                const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m],
+                               d = id[x * m + (y + 1) % m];
                 if (t == 0 || x + y > 0) s.triangles.insert(s.triangles.end(), {a, b, c});
                 s.triangles.insert(s.triangles.end(), {a, c, d});
             }
     }
     // Stretches and dents; then, rarely, damage.
     const uint32_t vertices = static_cast<uint32_t>(s.positions.size() / 3);
-    for (uint32_t i = bytes.below(24); i > 0; --i) s.positions[(bytes.byte() * 7u + bytes.byte()) % (3 * vertices)] += (bytes.byte() - 128) / 256.0;
+    for (uint32_t i = bytes.below(24); i > 0; --i)
+        s.positions[(bytes.byte() * 7u + bytes.byte()) % (3 * vertices)] += (bytes.byte() - 128) / 256.0;
     if (bytes.rarely())
-        for (uint32_t i = 1 + bytes.below(4); i > 0; --i) s.triangles[(bytes.byte() * 7u + bytes.byte()) % s.triangles.size()] = bytes.below(vertices + 2);
+        for (uint32_t i = 1 + bytes.below(4); i > 0; --i)
+            s.triangles[(bytes.byte() * 7u + bytes.byte()) % s.triangles.size()] = bytes.below(vertices + 2);
     if (bytes.rarely()) s.triangles.resize(s.triangles.size() - 3);
     if (bytes.rarely()) s.positions[bytes.byte() % s.positions.size()] = coordinate(bytes);
     return s;
@@ -176,7 +179,8 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
         loops.elements.assign(total, 0);
         if (count > 0) {
             error = hmf_error{};
-            status = hmf_loops(h, loops.set.level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error);
+            status = hmf_loops(h, loops.set.level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total,
+                               &count, &total, &error);
             expect_status(status, error, {2});
             if (status != HMF_OK) std::fill(loops.offsets.begin(), loops.offsets.end(), 0);
         }
@@ -189,12 +193,14 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
         for (uint64_t i = 0; i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
     }
     if (bytes.byte() % 2)
-        for (size_t c = 0; c < count; ++c) loops.weights.push_back(bytes.rarely() ? coordinate(bytes) : 0.25 * (1 + bytes.below(40)));
+        for (size_t c = 0; c < count; ++c)
+            loops.weights.push_back(bytes.rarely() ? coordinate(bytes) : 0.25 * (1 + bytes.below(40)));
     loops.view(count);
 }
 
 // Refused with a reason, or cone angles that add up.
-void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_level_info& info, const std::vector<double>& values, bool memory_is_short) {
+void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_level_info& info,
+                             const std::vector<double>& values, bool memory_is_short) {
     std::vector<double> uv(6 * info.triangle_count, 0);
     std::vector<int32_t> cone(info.vertex_count);
     hmf_parameterization out{};
@@ -204,7 +210,8 @@ void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_lev
     out.corner_uv = uv.data();
     out.cone = cone.data();
     const hmf_status status = hmf_parameterize(h, level, values.data(), values.size(), nullptr, &out, nullptr);
-    FUZZ_ASSERT(status == HMF_OK || status == HMF_ERROR_VALUE_NOT_HARMONIC || status == HMF_ERROR_UNSUPPORTED || (memory_is_short && status / 100 == 2));
+    FUZZ_ASSERT(status == HMF_OK || status == HMF_ERROR_VALUE_NOT_HARMONIC || status == HMF_ERROR_UNSUPPORTED
+                || (memory_is_short && status / 100 == 2));
     if (status != HMF_OK) return;
     for (const double x : uv) FUZZ_ASSERT(x == x && x - x == 0);
     int64_t sum = 0;
@@ -215,35 +222,50 @@ void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_lev
 // Leaves close or join zeros, a quad mesh is closed and has the right genus.
 void expect_leaves(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
     const auto expected = [&](hmf_status status, std::initializer_list<hmf_status> others) {
-        return status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end() || (memory_is_short && status / 100 == 2);
+        return status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end()
+            || (memory_is_short && status / 100 == 2);
     };
     hmf_trace_options options;
     hmf_trace_options_init(&options);
     options.critical = 1;
     options.spacing = *std::max_element(values.begin(), values.end());
     size_t count = 0, points = 0;
-    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr), {}));
+    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr,
+                                   nullptr, 0, &count, &points, nullptr),
+                         {}));
     std::vector<hmf_line> lines(count);
-    if (count > 0 && hmf_trace(h, level, values.data(), values.size(), &options, lines.data(), count, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr) == HMF_OK)
-        for (const hmf_line& line : lines) FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO : line.closed == 1);
+    if (count > 0
+        && hmf_trace(h, level, values.data(), values.size(), &options, lines.data(), count, nullptr, 0, nullptr,
+                     nullptr, 0, &count, &points, nullptr)
+               == HMF_OK)
+        for (const hmf_line& line : lines)
+            FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO
+                                                       : line.closed == 1);
     options.leaves = HMF_LEAVES_CONJUGATE;
-    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &count, &points, nullptr),
+    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr,
+                                   nullptr, 0, &count, &points, nullptr),
                          {HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
 
     std::vector<hmf_cylinder> cylinders(values.size());
-    FUZZ_ASSERT(expected(hmf_cylinders(h, level, values.data(), values.size(), nullptr, cylinders.data(), cylinders.size(), nullptr, 0, nullptr, 0, &count, &points, nullptr),
+    FUZZ_ASSERT(expected(hmf_cylinders(h, level, values.data(), values.size(), nullptr, cylinders.data(),
+                                       cylinders.size(), nullptr, 0, nullptr, 0, &count, &points, nullptr),
                          {HMF_ERROR_VALUE_NOT_HARMONIC}));
 
     hmf_quad_options quad_options;
     hmf_quad_options_init(&quad_options);
     size_t vertex_count = 0, quad_count = 0;
-    const hmf_status status = hmf_quads(h, level, values.data(), values.size(), &quad_options, nullptr, 0, nullptr, 0, &vertex_count, &quad_count, nullptr);
+    const hmf_status status = hmf_quads(h, level, values.data(), values.size(), &quad_options, nullptr, 0, nullptr, 0,
+                                        &vertex_count, &quad_count, nullptr);
     FUZZ_ASSERT(expected(status, {HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
     if (status != HMF_OK) return;
     std::vector<double> positions(3 * vertex_count);
     std::vector<uint32_t> quads(4 * quad_count);
-    if (hmf_quads(h, level, values.data(), values.size(), &quad_options, positions.data(), vertex_count, quads.data(), quad_count, &vertex_count, &quad_count, nullptr) != HMF_OK) return;
-    FUZZ_ASSERT(static_cast<int64_t>(vertex_count) - static_cast<int64_t>(quad_count) == 2 - 2 * static_cast<int64_t>(hmf_genus(h)));
+    if (hmf_quads(h, level, values.data(), values.size(), &quad_options, positions.data(), vertex_count, quads.data(),
+                  quad_count, &vertex_count, &quad_count, nullptr)
+        != HMF_OK)
+        return;
+    FUZZ_ASSERT(static_cast<int64_t>(vertex_count) - static_cast<int64_t>(quad_count)
+                == 2 - 2 * static_cast<int64_t>(hmf_genus(h)));
     std::vector<std::pair<uint32_t, uint32_t>> sides;
     for (size_t q = 0; q < quad_count; ++q)
         for (size_t s = 0; s < 4; ++s) sides.push_back({quads[4 * q + s], quads[4 * q + (s + 1) % 4]});
@@ -262,11 +284,14 @@ void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<do
     FUZZ_ASSERT(hmf_level_triangle_edges(h, level, side.data(), side.size(), nullptr) == HMF_OK);
     for (size_t t = 0; t < info.triangle_count; ++t)
         for (size_t s = 0; s < 3; ++s)
-            FUZZ_ASSERT(values[side[3 * t + s]] >= 0 && values[side[3 * t + s]] <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
+            FUZZ_ASSERT(values[side[3 * t + s]] >= 0
+                        && values[side[3 * t + s]]
+                               <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
     std::vector<hmf_singularity> list(info.vertex_count + info.triangle_count);
     size_t count = 0;
     hmf_error error{};
-    const hmf_status status = hmf_singularities(h, level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, list.data(), list.size(), &count, &error);
+    const hmf_status status = hmf_singularities(h, level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr,
+                                                0, list.data(), list.size(), &count, &error);
     FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
     if (status != HMF_OK) return;
     int64_t sum = 0;
@@ -293,7 +318,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (bytes.rarely()) {
         // Of an older header; not one that ends between the hooks and their user.
         uint32_t end = bytes.below(sizeof build + 1);
-        if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, progress)) end = offsetof(hmf_build_options, allocate);
+        if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, progress))
+            end = offsetof(hmf_build_options, allocate);
         build.struct_size = end;
     }
     if (bytes.rarely()) build.ratio = coordinate(bytes);
@@ -311,7 +337,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const size_t vertices = surface.positions.size() / 3, triangles = surface.triangles.size() / 3;
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
-    hmf_status status = hmf_build(surface.positions.data(), vertices, 0, surface.triangles.data(), triangles, &build, &h, &error);
+    hmf_status status =
+        hmf_build(surface.positions.data(), vertices, 0, surface.triangles.data(), triangles, &build, &h, &error);
     expect_status(status, error, {1, 2, 3});
     FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
     FUZZ_ASSERT(memory_is_short || status / 100 != 2);
@@ -353,7 +380,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         hmf_report report{};
         report.struct_size = sizeof report;
         error = hmf_error{};
-        status = hmf_solve(h, bytes.byte() % 4 ? nullptr : &loops.set, &solve, values.data(), values.size(), &report, &error);
+        status = hmf_solve(h, bytes.byte() % 4 ? nullptr : &loops.set, &solve, values.data(), values.size(), &report,
+                           &error);
         expect_status(status, error, {0, 1, 2, 4});
         FUZZ_ASSERT(memory_is_short || status / 100 != 2);
         FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);

@@ -11,10 +11,10 @@ using namespace fuzz;
 
 struct Done {
     bool is_split;
-    Collapse collapse;          // of a split
-    uint32_t edge = NONE;       // of a flip
+    Collapse collapse;    // of a split
+    uint32_t edge = NONE; // of a flip
     bool reverse = false;
-    bool simplicial = true;     // before it no vertices had two edges, and none an edge to itself
+    bool simplicial = true; // before it no vertices had two edges, and none an edge to itself
 };
 
 class Mixture {
@@ -75,11 +75,15 @@ private:
         if (!simplicial_ || splits_ == RandomFoliation::spare_vertices) return;
         const uint32_t il = bytes_.below(2 * mesh.edge_count);
         uint32_t degree = 0, ik = il;
-        do { ++degree; ik = mesh.rotate_ccw(ik); } while (ik != il);
+        do {
+            ++degree;
+            ik = mesh.rotate_ccw(ik);
+        } while (ik != il);
         for (uint32_t turn = 1 + bytes_.byte() % (degree - 1); turn > 0; --turn) ik = mesh.rotate_ccw(ik);
         Done done{};
         done.is_split = true;
-        done.collapse = {2 * mesh.edge_count, 2 * mesh.edge_count + 2, 2 * mesh.edge_count + 4, twin(ik), il, mesh.vertex_count, mesh.face_count, mesh.face_count + 1};
+        done.collapse = {2 * mesh.edge_count, 2 * mesh.edge_count + 2, 2 * mesh.edge_count + 4, twin(ik), il,
+                         mesh.vertex_count,   mesh.face_count,         mesh.face_count + 1};
         count(1);
         split_foliation(f_, done.collapse);
         log_.push_back(done);

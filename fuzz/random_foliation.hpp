@@ -21,12 +21,12 @@ namespace fuzz {
 
 using namespace hmf;
 
-#define FUZZ_ASSERT(condition)                                                              \
-    do {                                                                                    \
-        if (!(condition)) {                                                                 \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);           \
-            std::abort();                                                                   \
-        }                                                                                   \
+#define FUZZ_ASSERT(condition)                                                                                         \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
+            std::abort();                                                                                              \
+        }                                                                                                              \
     } while (0)
 
 // Bytes of the input as numbers; zeros when they run out.
@@ -78,7 +78,8 @@ public:
             across_.emplace_back();
             for (uint32_t x = 0; x < n; ++x)
                 for (uint32_t y = 0; y < m; ++y) {
-                    const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y], c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
+                    const uint32_t a = id[x * m + y], b = id[(x + 1) % n * m + y],
+                                   c = id[(x + 1) % n * m + (y + 1) % m], d = id[x * m + (y + 1) % m];
                     const bool glued = (!first && x == 2 && y == 0) || (!last && x == 2 && y == 1);
                     if (!glued) triangles.push_back({a, b, c});
                     triangles.push_back({a, c, d});
@@ -159,7 +160,9 @@ public:
     Foliation f;
 
 private:
-    static std::pair<uint32_t, uint32_t> key(uint32_t a, uint32_t b) { return a < b ? std::make_pair(a, b) : std::make_pair(b, a); }
+    static std::pair<uint32_t, uint32_t> key(uint32_t a, uint32_t b) {
+        return a < b ? std::make_pair(a, b) : std::make_pair(b, a);
+    }
 
     // Shortest way along edges that do not cross; the meshes are small.
     int64_t distance(uint32_t from, uint32_t to, const std::vector<int8_t>& crosses) const {
@@ -211,7 +214,8 @@ private:
             }
             for (uint32_t s = 0; s < 3; ++s) next_[side[s]] = side[(s + 1) % 3];
         }
-        f.mesh = {vertices, edges, static_cast<uint32_t>(triangles.size()), origin_.data(), next_.data(), face_.data(), out_.data()};
+        f.mesh = {vertices,     edges,      static_cast<uint32_t>(triangles.size()), origin_.data(), next_.data(),
+                  face_.data(), out_.data()};
         f.value = value_.data();
         f.stamp = stamp_.data();
         f.members.start(memory_);
@@ -223,7 +227,7 @@ private:
 
     Memory memory_;
     int64_t euler_ = 0;
-    std::vector<int64_t> weight_; // of the loop of each torus
+    std::vector<int64_t> weight_;                                    // of the loop of each torus
     std::vector<std::vector<std::pair<uint32_t, uint32_t>>> across_; // edges that it crosses, all the same way
     std::vector<uint32_t> origin_, next_, face_, out_, stamp_;
     std::vector<int64_t> value_;

@@ -23,10 +23,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         // Vertex i is split between its half-edges to k and to l.
         const uint32_t il = bytes.below(2 * mesh.edge_count);
         uint32_t degree = 0, ik = il;
-        do { ++degree; ik = mesh.rotate_ccw(ik); } while (ik != il);
+        do {
+            ++degree;
+            ik = mesh.rotate_ccw(ik);
+        } while (ik != il);
         for (uint32_t turn = 1 + bytes.byte() % (degree - 1); turn > 0; --turn) ik = mesh.rotate_ccw(ik);
         const Collapse c{2 * mesh.edge_count, 2 * mesh.edge_count + 2, 2 * mesh.edge_count + 4, twin(ik), il,
-                         mesh.vertex_count, mesh.face_count, mesh.face_count + 1};
+                         mesh.vertex_count,   mesh.face_count,         mesh.face_count + 1};
         mesh.vertex_count += 1;
         mesh.edge_count += 3;
         mesh.face_count += 2;
@@ -39,7 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         while (!log.empty()) {
             Mesh& mesh = f.mesh;
             const Collapse c = log.back(), again = collapse(mesh, c.h);
-            FUZZ_ASSERT(again.jk == c.jk && again.lj == c.lj && again.ki == c.ki && again.il == c.il && again.vertex == c.vertex);
+            FUZZ_ASSERT(again.jk == c.jk && again.lj == c.lj && again.ki == c.ki && again.il == c.il
+                        && again.vertex == c.vertex);
             mesh.vertex_count -= 1;
             mesh.edge_count -= 3;
             mesh.face_count -= 2;

@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import os
+import resource
 import signal
 import struct
 import subprocess
@@ -147,27 +148,84 @@ class Meshes(Case):
         binary_ply += b"".join(struct.pack("<3d", *p) for p in self.points) + b"".join(struct.pack("<B3i", 3, *t) for t in self.triangles)
         off = "OFF\n%d %d 0\n" % (n, len(self.triangles)) + "".join("%r %r %r\n" % p for p in self.points)
         off += "".join("3 %d %d %d\n" % t for t in self.triangles)
+        glb, gltf, numbers = self.gltf()
+        self.write("numbers.bin", numbers)
         vt = "vt 0 0\nvn 0 0 1\nmtllib a.mtl\no torus\ng a\ns 1\nusemtl b\nl 1 2\n# comment\n"
         negative = obj_text(self.points, []) + "".join("f " + " ".join(str(i - n) for i in t) + "\n" for t in self.triangles)
         for name, content in [
                 ("b.stl", stl), ("a.stl", ascii_stl), ("a.ply", ply), ("b.PLY", binary_ply), ("a.off", off), ("quads.obj", obj_text(self.points, self.quads)),
                 ("slashes.obj", vt + obj_text(self.points, self.triangles, "{}/1/1")), ("normals.obj", vt + obj_text(self.points, self.triangles, "{}//1")),
                 ("texture.obj", vt + obj_text(self.points, self.triangles, "{}/1")), ("crlf.obj", obj_text(self.points, self.triangles).replace("\n", "\r\n")),
-                ("negative.obj", negative)]:
+                ("negative.obj", negative), ("a.glb", glb), ("a.gltf", gltf)]:
             report = self.counts(self.write(name, content))
             self.assertEqual((report["vertices"], report["triangles"], report["genus"]), (n, 2 * n, 1), name)
+            # Without an extension the content says what it is.
+            guessed = self.counts(self.write("mesh", content))
+            self.assertEqual(dict(guessed, mesh=report["mesh"]), report, name)
+        # Formats with doubles give the same bits.
+        values = []
+        for name in ("torus.obj", "a.off", "d.ply"):
+            if name == "d.ply":
+                self.write(name, (ply_head % ("binary_big_endian", n, len(self.triangles))).encode()
+                           + b"".join(struct.pack(">3d", *p) for p in self.points)
+                           + b"".join(struct.pack(">B3i", 3, *t) for t in self.triangles))
+            self.run_tool("solve", self.path(name), "--values", self.path("v.csv"))
+            values.append(self.read("v.csv"))
+        self.assertEqual(values[0], values[1])
+        self.assertEqual(values[0], values[2])
+
+    def gltf(self):
+        """The torus as the bytes of a .glb, a .gltf, and numbers.bin beside it."""
+        corners = [i for t in self.triangles for i in t]
+        points = b"".join(struct.pack("<3f", *p) for p in self.points)
+        numbers = points + struct.pack("<%dH" % len(corners), *corners)
+        document = {
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [1, 2, 3]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "buffers": [{"byteLength": len(numbers)}],
+            "bufferViews": [{"buffer": 0, "byteLength": len(points)}, {"buffer": 0, "byteOffset": len(points), "byteLength": 2 * len(corners)}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(self.points), "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": len(corners), "type": "SCALAR"}]}
+        text = json.dumps(document).encode()
+        text += b" " * (-len(text) % 4)
+        padded = numbers + b"\0" * (-len(numbers) % 4)
+        glb = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(padded), len(text), b"JSON") + text
+        glb += struct.pack("<I4s", len(padded), b"BIN\0") + padded
+        document["buffers"][0]["uri"] = "numbers.bin"
+        return glb, json.dumps(document), numbers
 
     def test_unreadable(self):
         good = obj_text(self.points, self.triangles)
         self.refused(3, "info", self.write("empty.obj", ""), says=["empty.obj"])
-        self.refused(3, "info", self.write("text.obj", "hello\n"), says=["text.obj", "line 1"])
-        self.refused(3, "info", self.write("vertex.obj", "v 0 0 0\nv 0 x 0\n" + good), says=["line 2"])
+        self.refused(3, "info", self.write("text.obj", "hello\n"), says=["text.obj:1:", "hello"])
+        self.refused(3, "info", self.write("vertex.obj", "v 0 0 0\nv 0 x 0\n" + good), says=[":2:", '"x" is not a number'])
         self.refused(3, "info", self.write("short.obj", good + "f 1 2\n"), says=["face %d" % len(self.triangles), "three corners"])
         self.refused(3, "info", self.write("index.obj", good + "f 1 2 9999\n"), says=["face %d" % len(self.triangles), "does not exist"])
         self.refused(3, "info", self.write("zero.obj", good + "f -9999 2 3\n"), says=["does not exist"])
         self.refused(3, "info", self.write("cut.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n"), says=["cut.off"])
         self.refused(3, "info", self.write("cut.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), says=["cut.ply"])
+        done = self.refused(3, "info", self.write("long.obj", good + "f 1 2 4294967297\n"), says=["vertex 4294967297", "does not exist"])
+        self.assertIn(":%d:" % (good.count("\n") + 1), done.stderr)
+        self.refused(3, "info", self.write("not.ply", good), says=["not.ply:1:", "looks like OBJ"])
+        self.refused(3, "info", self.write("what", "0 0 0\n"), says=["neither its name nor its content"])
+        self.refused(5, "info", self.write("alone.gltf", self.gltf()[1]), says=["numbers.bin", "cannot be opened"])
         self.refused(3, "info", self.write("cut.stl", b"\0" * 80 + struct.pack("<I", 5) + b"\0" * 60), says=["cut.stl"])
+
+    def test_headers_are_not_believed(self):
+        """A small file never takes much memory, whatever its header declares."""
+        points = "0 0 0\n1 0 0\n0 1 0\n"
+        ply = "ply\nformat %s 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n" \
+              "element face 1\nproperty list int int vertex_indices\nend_header\n"
+        for name, content in [
+                ("face.off", "OFF\n3 1 0\n" + points + "1000000000 0 1 2\n"), ("vertices.off", "OFF\n1000000000 1 0\n" + points),
+                ("text.ply", ply % "ascii" + points), ("binary.ply", (ply % "binary_little_endian").encode() + b"\0" * 64),
+                ("count.stl", b"\0" * 80 + struct.pack("<I", 1000000000))]:
+            path = self.write(name, content)
+            tool = subprocess.Popen([TOOL, "info", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            text = tool.communicate(timeout=60)[1].decode()
+            self.assertEqual(tool.returncode, 3, text)
+            self.assertIn("1000000000", text)
+        # In KiB, of all that this program has run; a thousand million of anything takes more.
+        self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 700000)
 
     def test_refused_meshes(self):
         points, triangles = tetrahedron()
@@ -441,7 +499,7 @@ class Leaves(Case):
         # 8 zeros, counted with their orders; a zero of order m has m + 2 prongs.
         self.assertTrue(40 + 8 / 2 < lines <= 40 + 3 * 8 / 2)
 
-        # The reader of the tool is CGAL's; then every defect of a mesh is looked for.
+        # The reader of the tool, then every defect of a mesh is looked for.
         self.assertEqual(json.loads(self.run_tool("info", quads, "--json").stdout)["genus"], 3)
         valence, faces = {}, 0
         with open(quads) as f:

@@ -50,7 +50,8 @@ TEST_P(Corpus, IsSolved) {
     const size_t vertices = count_obj_vertices(path);
     if (GetParam() == "missing") GTEST_SKIP() << "skipped: set HMF_MESHES to a folder of OBJ meshes";
     ASSERT_GT(vertices, 0u) << "cannot read " << path;
-    if (vertices > max_vertices()) GTEST_SKIP() << "skipped: " << vertices << " vertices, HMF_CORPUS_MAX_VERTICES is " << max_vertices();
+    if (vertices > max_vertices())
+        GTEST_SKIP() << "skipped: " << vertices << " vertices, HMF_CORPUS_MAX_VERTICES is " << max_vertices();
     TriMesh mesh;
     ASSERT_TRUE(read_obj(path, mesh));
     const bool everything = all_ratios() || vertices < 20000;
@@ -68,8 +69,8 @@ TEST_P(Corpus, IsSolved) {
             // Newton's method has to arrive; the moves are slow and may be cut short.
             if (method == HMF_METHOD_WHITEHEAD) options.time_limit = 1;
             const Solution solution = solve(hierarchy, nullptr, options);
-            std::printf("%s ratio %.2f method %d status %d residual %.1e seconds %.1f\n", GetParam().c_str(), ratio, method, solution.status,
-                        solution.report.residual_max, solution.report.solve_seconds);
+            std::printf("%s ratio %.2f method %d status %d residual %.1e seconds %.1f\n", GetParam().c_str(), ratio,
+                        method, solution.status, solution.report.residual_max, solution.report.solve_seconds);
             std::fflush(stdout);
             if (method == HMF_METHOD_NEWTON) {
                 EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
@@ -89,11 +90,14 @@ TEST_P(Corpus, IsSolved) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, Corpus, testing::ValuesIn(mesh_names()), [](const testing::TestParamInfo<std::string>& info) {
-    std::string name = info.param;
-    std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return name;
-});
+INSTANTIATE_TEST_SUITE_P(Meshes, Corpus, testing::ValuesIn(mesh_names()),
+                         [](const testing::TestParamInfo<std::string>& info) {
+                             std::string name = info.param;
+                             std::replace_if(
+                                 name.begin(), name.end(),
+                                 [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                             return name;
+                         });
 
 // The strongest check, on some meshes that are small and rich.
 class CorpusUnique : public testing::TestWithParam<const char*> {};
@@ -113,9 +117,13 @@ TEST_P(CorpusUnique, AcrossHierarchies) {
     expect_unique(mesh, options);
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, CorpusUnique, testing::Values("fertility_9.0k", "five-torus_6.4k", "eight_11k", "sf129110_10k", "heptoroid_36k"),
+INSTANTIATE_TEST_SUITE_P(Meshes, CorpusUnique,
+                         testing::Values("fertility_9.0k", "five-torus_6.4k", "eight_11k", "sf129110_10k",
+                                         "heptoroid_36k"),
                          [](const testing::TestParamInfo<const char*>& info) {
                              std::string name = info.param;
-                             std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                             std::replace_if(
+                                 name.begin(), name.end(),
+                                 [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
                              return name;
                          });

@@ -16,7 +16,8 @@ namespace {
 
 // A failing call says so in its error, too.
 void expect_error(hmf_status status, hmf_status expected, const hmf_error& error) {
-    EXPECT_EQ(status, expected) << hmf_status_string(status) << " instead of " << hmf_status_string(expected) << "; " << error.message;
+    EXPECT_EQ(status, expected) << hmf_status_string(status) << " instead of " << hmf_status_string(expected) << "; "
+                                << error.message;
     EXPECT_EQ(error.status, status);
     EXPECT_NE(std::memchr(error.message, 0, sizeof error.message), nullptr);
     EXPECT_GT(std::strlen(error.message), 10u);
@@ -24,7 +25,8 @@ void expect_error(hmf_status status, hmf_status expected, const hmf_error& error
 
 hmf_status build(const TriMesh& mesh, hmf_error& error, const hmf_build_options* options = nullptr) {
     hmf_hierarchy* hierarchy = reinterpret_cast<hmf_hierarchy*>(&error); // must be overwritten
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), options, &hierarchy, &error);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                                        mesh.triangle_count(), options, &hierarchy, &error);
     EXPECT_EQ(hierarchy == nullptr, status != HMF_OK);
     hmf_destroy(hierarchy);
     return status;
@@ -106,7 +108,8 @@ struct Progress {
 hmf_status whole_story(const TriMesh& mesh, const hmf_build_options& options, int32_t method) {
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
-    hmf_status s = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), &options, &h, &error);
+    hmf_status s = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                             mesh.triangle_count(), &options, &h, &error);
     if (s != HMF_OK) {
         EXPECT_EQ(h, nullptr);
         EXPECT_EQ(error.status, s);
@@ -118,16 +121,20 @@ hmf_status whole_story(const TriMesh& mesh, const hmf_build_options& options, in
     EXPECT_EQ(hmf_level_counts(h, coarsest, &coarse, nullptr), HMF_OK);
     std::vector<uint64_t> offsets(hmf_genus(h) + 1);
     std::vector<uint32_t> elements(coarse.triangle_count * offsets.size());
-    std::vector<double> start(coarse.edge_count), values(fine.edge_count, -1), residual(fine.vertex_count, -1), carried(fine.edge_count, -1);
+    std::vector<double> start(coarse.edge_count), values(fine.edge_count, -1), residual(fine.vertex_count, -1),
+        carried(fine.edge_count, -1);
     std::vector<int32_t> index(fine.vertex_count, 77);
     size_t loops = 0, total = 0, list = 0;
     double energy = -1;
     hmf_solve_options solve = solve_options(method, 1e-3, 40);
     hmf_loop_set set{};
     const size_t n = fine.edge_count;
-    const auto untouched = [](const std::vector<double>& v) { return std::count(v.begin(), v.end(), -1.0) == static_cast<long>(v.size()); };
+    const auto untouched = [](const std::vector<double>& v) {
+        return std::count(v.begin(), v.end(), -1.0) == static_cast<long>(v.size());
+    };
 
-    s = hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(), &loops, &total, &error);
+    s = hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(), &loops,
+                  &total, &error);
     if (s == HMF_OK) {
         set.struct_size = sizeof set;
         set.element_kind = HMF_LOOP_TRIANGLES;
@@ -169,7 +176,8 @@ hmf_status whole_story(const TriMesh& mesh, const hmf_build_options& options, in
         EXPECT_TRUE(s == HMF_OK || untouched(residual));
     }
     if (s == HMF_OK) {
-        s = hmf_singularities(h, 0, values.data(), n, index.data(), index.size(), nullptr, 0, nullptr, 0, nullptr, 0, &list, &error);
+        s = hmf_singularities(h, 0, values.data(), n, index.data(), index.size(), nullptr, 0, nullptr, 0, nullptr, 0,
+                              &list, &error);
         EXPECT_TRUE(s == HMF_OK || std::count(index.begin(), index.end(), 77) == static_cast<long>(index.size()));
     }
     if (s != HMF_OK) {
@@ -200,7 +208,8 @@ protected:
         for (uint32_t i = 0; i < n; ++i) loop.insert(loop.end(), {2 * (i * m + j) + 1, 2 * (i * m + j)});
         return loop;
     }
-    void expect_loops(const std::vector<std::vector<uint32_t>>& given, hmf_status expected, uint64_t bad_loop, const std::vector<double>& weights = {}) {
+    void expect_loops(const std::vector<std::vector<uint32_t>>& given, hmf_status expected, uint64_t bad_loop,
+                      const std::vector<double>& weights = {}) {
         Loops loops;
         for (const auto& loop : given) loops.add(loop);
         loops.weights = weights;
@@ -236,20 +245,27 @@ protected:
         double energy = -1;
         size_t count = 12345;
         hmf_error error{};
-        expect_error(hmf_relax(hierarchy.get(), 0, nullptr, work.data(), work.size(), nullptr, &error), expected, error);
+        expect_error(hmf_relax(hierarchy.get(), 0, nullptr, work.data(), work.size(), nullptr, &error), expected,
+                     error);
         EXPECT_EQ(std::memcmp(work.data(), values.data(), work.size() * sizeof(double)), 0);
         error = hmf_error{};
-        expect_error(hmf_interpolate(hierarchy.get(), 0, values.data(), values.size(), 0, out.data(), out.size(), &error), expected, error);
+        expect_error(
+            hmf_interpolate(hierarchy.get(), 0, values.data(), values.size(), 0, out.data(), out.size(), &error),
+            expected, error);
         EXPECT_EQ(std::count(out.begin(), out.end(), -1.0), static_cast<long>(out.size()));
         if (expected == HMF_ERROR_VALUE_POLE) return;
         error = hmf_error{};
         expect_error(hmf_energy(hierarchy.get(), 0, values.data(), values.size(), &energy, &error), expected, error);
         EXPECT_EQ(energy, -1);
         error = hmf_error{};
-        expect_error(hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), &error), expected, error);
+        expect_error(
+            hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), &error),
+            expected, error);
         EXPECT_EQ(std::count(residual.begin(), residual.end(), -1.0), static_cast<long>(residual.size()));
         error = hmf_error{};
-        expect_error(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, &error), expected, error);
+        expect_error(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0,
+                                       nullptr, 0, nullptr, 0, &count, &error),
+                     expected, error);
         EXPECT_EQ(count, 12345u);
     }
 };
@@ -262,9 +278,13 @@ TEST_F(OnTorus, NullPointers) {
     const TriMesh t = small_torus();
     hmf_error error{};
     hmf_hierarchy* h = nullptr;
-    expect_error(hmf_build(nullptr, t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr, &h, &error), HMF_ERROR_NULL, error);
-    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, nullptr, t.triangle_count(), nullptr, &h, &error), HMF_ERROR_NULL, error);
-    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr, nullptr, &error), HMF_ERROR_NULL, error);
+    expect_error(hmf_build(nullptr, t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr, &h, &error),
+                 HMF_ERROR_NULL, error);
+    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, nullptr, t.triangle_count(), nullptr, &h, &error),
+                 HMF_ERROR_NULL, error);
+    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr,
+                           nullptr, &error),
+                 HMF_ERROR_NULL, error);
     EXPECT_EQ(h, nullptr);
     hmf_level_info info{};
     uint32_t index = 0;
@@ -279,13 +299,17 @@ TEST_F(OnTorus, NullPointers) {
         expect_error(hmf_level_triangle_vertices(x, 0, x ? nullptr : &index, 1, &error), HMF_ERROR_NULL, error);
         expect_error(hmf_level_weights(x, 0, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
         expect_error(hmf_level_positions(x, 0, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, x ? nullptr : &count, &count, &error), HMF_ERROR_NULL, error);
+        expect_error(hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, x ? nullptr : &count, &count, &error),
+                     HMF_ERROR_NULL, error);
         expect_error(hmf_solve(x, nullptr, nullptr, x ? nullptr : &value, 1, nullptr, &error), HMF_ERROR_NULL, error);
         expect_error(hmf_relax(x, 0, nullptr, x ? nullptr : &value, 1, nullptr, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_interpolate(x, 0, x ? nullptr : &value, mesh.edge_count, 0, &value, mesh.edge_count, &error), HMF_ERROR_NULL, error);
+        expect_error(hmf_interpolate(x, 0, x ? nullptr : &value, mesh.edge_count, 0, &value, mesh.edge_count, &error),
+                     HMF_ERROR_NULL, error);
         expect_error(hmf_energy(x, 0, x ? nullptr : &value, mesh.edge_count, &value, &error), HMF_ERROR_NULL, error);
         expect_error(hmf_residuals(x, 0, &value, 1, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_singularities(x, 0, &value, 1, nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, x ? nullptr : &count, &error), HMF_ERROR_NULL, error);
+        expect_error(hmf_singularities(x, 0, &value, 1, nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0,
+                                       x ? nullptr : &count, &error),
+                     HMF_ERROR_NULL, error);
     }
     // The error itself is optional.
     EXPECT_EQ(hmf_level_counts(nullptr, 0, &info, nullptr), HMF_ERROR_NULL);
@@ -318,8 +342,18 @@ TEST_F(OnTorus, BuildOptions) {
     expect_options([](hmf_build_options& o) { o.release = Meter::give; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_build_options& o) { o.struct_size = 0; }, HMF_ERROR_OPTIONS);
     // An older, shorter structure; all zero is all default.
-    expect_options([](hmf_build_options& o) { o.struct_size = offsetof(hmf_build_options, memory_limit); o.memory_limit = 1; }, HMF_OK);
-    expect_options([](hmf_build_options& o) { std::memset(&o, 0, sizeof o); o.struct_size = sizeof o; }, HMF_OK);
+    expect_options(
+        [](hmf_build_options& o) {
+            o.struct_size = offsetof(hmf_build_options, memory_limit);
+            o.memory_limit = 1;
+        },
+        HMF_OK);
+    expect_options(
+        [](hmf_build_options& o) {
+            std::memset(&o, 0, sizeof o);
+            o.struct_size = sizeof o;
+        },
+        HMF_OK);
     expect_options([](hmf_build_options& o) { o.coarsest = UINT64_MAX; }, HMF_OK);
 
     struct Longer {
@@ -337,7 +371,9 @@ TEST_F(OnTorus, BuildOptions) {
     hmf_hierarchy* h = nullptr;
     for (const size_t stride : {8, 16, 28, 25}) {
         error = hmf_error{};
-        expect_error(hmf_build(t.positions.data(), t.vertex_count(), stride, t.triangles.data(), t.triangle_count(), nullptr, &h, &error), HMF_ERROR_OPTIONS, error);
+        expect_error(hmf_build(t.positions.data(), t.vertex_count(), stride, t.triangles.data(), t.triangle_count(),
+                               nullptr, &h, &error),
+                     HMF_ERROR_OPTIONS, error);
     }
 }
 
@@ -347,15 +383,18 @@ TEST_F(OnTorus, SolveOptionsAndReports) {
         std::vector<double> values(mesh.edge_count, -1);
         const std::vector<double> before = values;
         hmf_error error{};
-        expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error), expected, error);
+        expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error),
+                     expected, error);
         EXPECT_EQ(values, before);
         values = start;
         error = hmf_error{};
-        expect_error(hmf_relax(hierarchy.get(), 0, &options, values.data(), values.size(), nullptr, &error), expected, error);
+        expect_error(hmf_relax(hierarchy.get(), 0, &options, values.data(), values.size(), nullptr, &error), expected,
+                     error);
         EXPECT_EQ(values, start);
     };
     for (const int32_t method : {-1, 4, 99}) expect_options(solve_options(method, 0), HMF_ERROR_OPTIONS);
-    for (const double tolerance : {-1e-6, static_cast<double>(NAN), static_cast<double>(INFINITY)}) expect_options(solve_options(HMF_METHOD_WHITEHEAD, tolerance), HMF_ERROR_OPTIONS);
+    for (const double tolerance : {-1e-6, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+        expect_options(solve_options(HMF_METHOD_WHITEHEAD, tolerance), HMF_ERROR_OPTIONS);
     hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0);
     options.time_limit = -1;
     expect_options(options, HMF_ERROR_OPTIONS);
@@ -369,12 +408,15 @@ TEST_F(OnTorus, SolveOptionsAndReports) {
     hmf_error error{};
     options = solve_options(HMF_METHOD_WHITEHEAD, 0);
     options.stop_level = 1;
-    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error), HMF_ERROR_LEVEL, error);
+    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error),
+                 HMF_ERROR_LEVEL, error);
     options.stop_level = 0;
     hmf_report report{};
-    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error), HMF_ERROR_OPTIONS, error);
+    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error),
+                 HMF_ERROR_OPTIONS, error);
     size_t count = 0;
-    expect_error(hmf_loops(hierarchy.get(), 0, 17, nullptr, 0, nullptr, 0, &count, &count, &error), HMF_ERROR_OPTIONS, error);
+    expect_error(hmf_loops(hierarchy.get(), 0, 17, nullptr, 0, nullptr, 0, &count, &count, &error), HMF_ERROR_OPTIONS,
+                 error);
     Loops loops;
     loops.add(ring(1));
     hmf_loop_set set = loops.view();
@@ -402,22 +444,29 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
     hmf_error error{};
     for (const hmf_status expected : {HMF_ERROR_CAPACITY, HMF_ERROR_LEVEL}) {
         const size_t level = expected == HMF_ERROR_LEVEL ? 1 : 0, less = expected == HMF_ERROR_CAPACITY ? 1 : 0;
-        const auto check = [&](hmf_status status) { expect_error(status, expected, error); error = hmf_error{}; };
+        const auto check = [&](hmf_status status) {
+            expect_error(status, expected, error);
+            error = hmf_error{};
+        };
         check(hmf_level_edge_vertices(h, level, index.data(), 2 * edges - less, &error));
         check(hmf_level_triangle_edges(h, level, index.data(), 3 * triangles - less, &error));
         check(hmf_level_triangle_vertices(h, level, index.data(), 3 * triangles - less, &error));
         check(hmf_level_weights(h, level, reals.data(), edges - less, &error));
         check(hmf_level_positions(h, level, reals.data(), 3 * vertices - less, &error));
         check(hmf_loops(h, level, HMF_LOOPS_CUT, offsets.data(), 2 - less, nullptr, 0, &count, &total, &error));
-        check(hmf_loops(h, level, HMF_LOOPS_CUT, nullptr, 0, index.data(), less ? 1 : 3 * edges, &count, &total, &error));
+        check(
+            hmf_loops(h, level, HMF_LOOPS_CUT, nullptr, 0, index.data(), less ? 1 : 3 * edges, &count, &total, &error));
         check(hmf_relax(h, level, nullptr, reals.data(), edges - less, nullptr, &error));
         check(hmf_interpolate(h, level, values.data(), edges, 0, reals.data(), edges - less, &error));
         check(hmf_interpolate(h, 0, values.data(), edges - less, level, reals.data(), edges, &error));
         check(hmf_residuals(h, level, values.data(), edges, reals.data(), vertices - less, &error));
         check(hmf_energy(h, level, values.data(), edges - less, reals.data(), &error));
-        check(hmf_singularities(h, level, values.data(), edges, integers.data(), vertices - less, nullptr, 0, nullptr, 0, nullptr, 0, &count, &error));
-        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, integers.data(), triangles - less, nullptr, 0, nullptr, 0, &count, &error));
-        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, nullptr, 0, index.data(), vertices - less, nullptr, 0, &count, &error));
+        check(hmf_singularities(h, level, values.data(), edges, integers.data(), vertices - less, nullptr, 0, nullptr,
+                                0, nullptr, 0, &count, &error));
+        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, integers.data(), triangles - less, nullptr,
+                                0, nullptr, 0, &count, &error));
+        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, nullptr, 0, index.data(), vertices - less,
+                                nullptr, 0, &count, &error));
     }
     expect_error(hmf_solve(h, nullptr, nullptr, reals.data(), edges - 1, nullptr, &error), HMF_ERROR_CAPACITY, error);
     Loops loops;
@@ -438,11 +487,14 @@ TEST(Call, ListOfSingularitiesHasACapacity) {
     const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-6));
     size_t count = 0;
     hmf_error error{};
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, nullptr), HMF_OK);
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0, nullptr,
+                                0, nullptr, 0, nullptr, 0, &count, nullptr),
+              HMF_OK);
     ASSERT_GT(count, 0u);
     std::vector<hmf_singularity> list(count);
     size_t again = 12345;
-    expect_error(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, list.data(), count - 1, &again, &error),
+    expect_error(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0,
+                                   nullptr, 0, nullptr, 0, list.data(), count - 1, &again, &error),
                  HMF_ERROR_CAPACITY, error);
     EXPECT_EQ(again, 12345u);
 }
@@ -458,7 +510,8 @@ TEST(Call, LoopsNeedALevelThatExists) {
     const hmf_loop_set set = loops.view();
     expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LEVEL, error);
     error = hmf_error{};
-    expect_error(hmf_solve(hierarchy.get(), &set, nullptr, values.data(), values.size(), nullptr, &error), HMF_ERROR_LEVEL, error);
+    expect_error(hmf_solve(hierarchy.get(), &set, nullptr, values.data(), values.size(), nullptr, &error),
+                 HMF_ERROR_LEVEL, error);
     EXPECT_EQ(values, before);
 }
 
@@ -471,7 +524,8 @@ TEST(BadMesh, Counts) {
     const double* x = good.positions.data();
     const uint32_t* t = good.triangles.data();
     const size_t v = good.vertex_count(), f = good.triangle_count(), huge = size_t{0x7fffffff} / 3 + 2;
-    const size_t counts[][2] = {{0, f}, {v, 0}, {0, 0}, {huge, f}, {v, huge}, {SIZE_MAX, f}, {v, SIZE_MAX}, {SIZE_MAX / 8, SIZE_MAX / 8}};
+    const size_t counts[][2] = {{0, f},    {v, 0},        {0, 0},        {huge, f},
+                                {v, huge}, {SIZE_MAX, f}, {v, SIZE_MAX}, {SIZE_MAX / 8, SIZE_MAX / 8}};
     for (const auto& c : counts) {
         error = hmf_error{};
         expect_error(hmf_build(x, c[0], 0, t, c[1], nullptr, &h, &error), HMF_ERROR_MESH_COUNTS, error);
@@ -507,13 +561,15 @@ TEST(BadMesh, Triangles) {
     EXPECT_EQ(error.index, 9u);
 
     mesh = small_torus(); // two corners at one place
-    for (size_t x = 0; x < 3; ++x) mesh.positions[3 * mesh.triangles[30] + x] = mesh.positions[3 * mesh.triangles[31] + x];
+    for (size_t x = 0; x < 3; ++x)
+        mesh.positions[3 * mesh.triangles[30] + x] = mesh.positions[3 * mesh.triangles[31] + x];
     expect_error(build(mesh, error), HMF_ERROR_MESH_DEGENERATE, error);
     EXPECT_EQ(error.element, HMF_ELEMENT_TRIANGLE);
 
     mesh = subdivide(plate(1)); // a corner in the middle of the opposite side
     const uint32_t a = mesh.triangles[0], b = mesh.triangles[1], c = mesh.triangles[2];
-    for (size_t x = 0; x < 3; ++x) mesh.positions[3 * c + x] = 0.5 * (mesh.positions[3 * a + x] + mesh.positions[3 * b + x]);
+    for (size_t x = 0; x < 3; ++x)
+        mesh.positions[3 * c + x] = 0.5 * (mesh.positions[3 * a + x] + mesh.positions[3 * b + x]);
     expect_build(mesh, HMF_ERROR_MESH_DEGENERATE);
 }
 
@@ -590,9 +646,12 @@ TEST_F(OnTorus, LoopDefects) {
     for (bool found = true; found;) {
         found = false;
         for (uint32_t t = 0; t < mesh.triangle_count && !found; ++t) {
-            if (std::count(star.begin(), star.end(), t) || !std::count(&mesh.triangle_vertices[3 * t], &mesh.triangle_vertices[3 * t] + 3, 27u)) continue;
+            if (std::count(star.begin(), star.end(), t)
+                || !std::count(&mesh.triangle_vertices[3 * t], &mesh.triangle_vertices[3 * t] + 3, 27u))
+                continue;
             size_t shared = 0;
-            for (size_t x = 0; x < 9; ++x) shared += mesh.triangle_edges[3 * t + x / 3] == mesh.triangle_edges[3 * star.back() + x % 3];
+            for (size_t x = 0; x < 9; ++x)
+                shared += mesh.triangle_edges[3 * t + x / 3] == mesh.triangle_edges[3 * star.back() + x % 3];
             if (shared != 1 || t == from) continue;
             star.push_back(t);
             found = true;
@@ -605,11 +664,13 @@ TEST_F(OnTorus, LoopDefects) {
     hmf_loop_set set = none.view();
     std::vector<double> values(mesh.edge_count);
     hmf_error error{};
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_COUNT, error);
+    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_COUNT,
+                 error);
 }
 
 TEST_F(OnTorus, LoopWeights) {
-    for (const double bad : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) expect_loops({ring(2)}, HMF_ERROR_LOOP_WEIGHT, 0, {bad});
+    for (const double bad : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+        expect_loops({ring(2)}, HMF_ERROR_LOOP_WEIGHT, 0, {bad});
 }
 
 TEST(BadLoops, WeightsSpanTooMuch) {
@@ -623,7 +684,8 @@ TEST(BadLoops, WeightsSpanTooMuch) {
     EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_OK) << error.message;
     loops.weights = {1, 1048577};
     set = loops.view();
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_WEIGHT, error);
+    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_WEIGHT,
+                 error);
 }
 
 // A loop that separates the surface is essential all the same.
@@ -632,7 +694,9 @@ TEST(BadLoops, SeparatingLoopIsGood) {
     ASSERT_TRUE(hierarchy);
     Loops loops;
     loops.level = hierarchy.coarsest();
-    loops.add(section(read_level(hierarchy, loops.level), [](const double* p) { return p[0] - 4.507; }, [](const double*) { return 1.0; }));
+    loops.add(section(
+        read_level(hierarchy, loops.level), [](const double* p) { return p[0] - 4.507; },
+        [](const double*) { return 1.0; }));
     const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, 1e-6));
     ASSERT_LT(solution.status, HMF_ERROR_NULL) << solution.error.message;
     expect_foliation(hierarchy, read_level(hierarchy, 0), solution.values);
@@ -658,7 +722,8 @@ TEST_F(OnTorus, ValueDefects) {
     expect_values(values, HMF_ERROR_VALUE_POLE);
     // Heights of a function on the vertices: closed, but with extrema.
     for (size_t e = 0; e < mesh.edge_count; ++e)
-        values[e] = std::abs(static_cast<double>(mesh.edge_vertices[2 * e]) - static_cast<double>(mesh.edge_vertices[2 * e + 1]));
+        values[e] = std::abs(static_cast<double>(mesh.edge_vertices[2 * e])
+                             - static_cast<double>(mesh.edge_vertices[2 * e + 1]));
     ASSERT_EQ(closedness_defect(mesh, values), "");
     const Indices own = count_indices(mesh, values);
     ASSERT_GT(own.poles, 0u);
@@ -666,7 +731,9 @@ TEST_F(OnTorus, ValueDefects) {
     // hmf_singularities counts what is there.
     size_t count = 0;
     std::vector<hmf_singularity> list(mesh.vertex_count + mesh.triangle_count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, list.data(), list.size(), &count, nullptr), HMF_OK);
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0,
+                                list.data(), list.size(), &count, nullptr),
+              HMF_OK);
     size_t poles = 0;
     long sum = 0;
     for (size_t i = 0; i < count; ++i) poles += list[i].index > 0, sum += list[i].index;
@@ -758,7 +825,8 @@ TEST(Resources, AllocationsMayFailInNewton) {
         hmf_error error{};
         hmf_report report{};
         report.struct_size = sizeof report;
-        const hmf_status status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
+        const hmf_status status =
+            hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
         expect_error(status, HMF_ERROR_MEMORY, error);
         EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
         ASSERT_EQ(meter.used, held) << "allocation " << n << " of " << calls;
@@ -829,9 +897,7 @@ TEST(Progress, CancelsOrFinishesTheSolution) {
         if (whole.status == HMF_ERROR_UNSUPPORTED) continue;
         ASSERT_LT(whole.status, HMF_CANCELLED) << whole.error.message;
         EXPECT_TRUE(all.rising);
-        if (whole.status == HMF_OK) {
-            EXPECT_EQ(all.last, 1);
-        }
+        if (whole.status == HMF_OK) { EXPECT_EQ(all.last, 1); }
         ASSERT_GE(all.calls, 3u);
         const uint64_t step = 1 + all.calls / 40;
         for (uint64_t stop = 1; stop < all.calls; stop += step)
@@ -845,7 +911,8 @@ TEST(Progress, CancelsOrFinishesTheSolution) {
                 hmf_report report{};
                 report.struct_size = sizeof report;
                 hmf_error error{};
-                const hmf_status status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
+                const hmf_status status =
+                    hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
                 EXPECT_TRUE(progress.rising);
                 if (answer == HMF_PROGRESS_FINISH && status == HMF_OK) {
                     EXPECT_EQ(values, whole.values); // asked too late: there was nothing left to improve

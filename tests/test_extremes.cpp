@@ -28,7 +28,8 @@ Outcome run(const Hierarchy& hierarchy, hmf_progress_fn progress = nullptr, void
     result.report.struct_size = sizeof result.report;
     result.report.levels = levels.data();
     result.report.level_capacity = levels.size();
-    result.status = hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &result.report, nullptr);
+    result.status =
+        hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &result.report, nullptr);
     result.linear_solves = levels[0].linear_solves;
     return result;
 }
@@ -45,9 +46,14 @@ TriMesh with_hub(const TriMesh& mesh, size_t f, uint32_t n) {
         y[i] = mesh.positions[3 * corner[2] + i] - mesh.positions[3 * corner[0] + i];
         xx += x[i] * x[i];
         xy += x[i] * y[i];
-        made.positions.push_back((mesh.positions[3 * corner[0] + i] + mesh.positions[3 * corner[1] + i] + mesh.positions[3 * corner[2] + i]) / 3);
+        made.positions.push_back(
+            (mesh.positions[3 * corner[0] + i] + mesh.positions[3 * corner[1] + i] + mesh.positions[3 * corner[2] + i])
+            / 3);
     }
-    for (size_t i = 0; i < 3; ++i) { y[i] -= x[i] * xy / xx; yy += y[i] * y[i]; }
+    for (size_t i = 0; i < 3; ++i) {
+        y[i] -= x[i] * xy / xx;
+        yy += y[i] * y[i];
+    }
     const double radius = 0.1 * std::sqrt(yy);
     const auto place = [&](const double* p) { // its direction from the hub
         double px = 0, py = 0;
@@ -64,13 +70,20 @@ TriMesh with_hub(const TriMesh& mesh, size_t f, uint32_t n) {
         const double angle = 2 * 3.14159265358979323846 * k / n;
         double most = -2;
         for (size_t c = 0; c < 3; ++c)
-            if (std::cos(angle - at[c]) > most) { most = std::cos(angle - at[c]); near[k] = c; }
+            if (std::cos(angle - at[c]) > most) {
+                most = std::cos(angle - at[c]);
+                near[k] = c;
+            }
         for (size_t i = 0; i < 3; ++i)
-            made.positions.push_back(made.positions[3 * hub + i] + radius * (std::cos(angle) * x[i] / std::sqrt(xx) + std::sin(angle) * y[i] / std::sqrt(yy)));
+            made.positions.push_back(
+                made.positions[3 * hub + i]
+                + radius * (std::cos(angle) * x[i] / std::sqrt(xx) + std::sin(angle) * y[i] / std::sqrt(yy)));
     }
-    made.triangles.erase(made.triangles.begin() + static_cast<long>(3 * f), made.triangles.begin() + static_cast<long>(3 * f + 3));
+    made.triangles.erase(made.triangles.begin() + static_cast<long>(3 * f),
+                         made.triangles.begin() + static_cast<long>(3 * f + 3));
     for (uint32_t k = 0; k < n; ++k) {
-        const uint32_t here = hub + 1 + k, ahead = hub + 1 + (k + 1) % n, c = corner[near[k]], d = corner[near[(k + 1) % n]];
+        const uint32_t here = hub + 1 + k, ahead = hub + 1 + (k + 1) % n, c = corner[near[k]],
+                       d = corner[near[(k + 1) % n]];
         made.triangles.insert(made.triangles.end(), {hub, here, ahead, here, c, ahead});
         if (c != d) made.triangles.insert(made.triangles.end(), {ahead, c, d});
     }
@@ -84,7 +97,8 @@ TriMesh with_needles(const TriMesh& mesh, double share) {
         const uint32_t a = made.triangles[3 * f], b = made.triangles[3 * f + 1], c = made.triangles[3 * f + 2];
         const uint32_t v = static_cast<uint32_t>(made.vertex_count());
         for (size_t i = 0; i < 3; ++i)
-            made.positions.push_back((1 - 2 * share) * made.positions[3 * a + i] + share * made.positions[3 * b + i] + share * made.positions[3 * c + i]);
+            made.positions.push_back((1 - 2 * share) * made.positions[3 * a + i] + share * made.positions[3 * b + i]
+                                     + share * made.positions[3 * c + i]);
         made.triangles[3 * f + 2] = v;
         made.triangles.insert(made.triangles.end(), {b, c, v, c, a, v});
     }

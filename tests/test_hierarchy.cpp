@@ -23,9 +23,11 @@ struct Built {
     hmf_hierarchy h{nullptr, nullptr, nullptr, 0};
     hmf_error error{};
     hmf_status status;
-    explicit Built(const TriMesh& mesh, const BuildOptions& options = {}, hmf_progress_fn progress = nullptr, void* user = nullptr) {
+    explicit Built(const TriMesh& mesh, const BuildOptions& options = {}, hmf_progress_fn progress = nullptr,
+                   void* user = nullptr) {
         Call call(h.memory, &error, progress, user);
-        status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), options, call);
+        status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                                 mesh.triangle_count(), options, call);
     }
 };
 
@@ -33,13 +35,15 @@ struct Built {
 struct Copy {
     Mesh mesh;
     std::vector<uint32_t> origin, next, face, out;
-    Copy(const Mesh& from, const Mesh& largest)
-        : origin(2 * largest.edge_count, 77), next(2 * largest.edge_count, 77), face(2 * largest.edge_count, 77), out(largest.vertex_count, 77) {
+    Copy(const Mesh& from, const Mesh& largest) :
+        origin(2 * largest.edge_count, 77), next(2 * largest.edge_count, 77), face(2 * largest.edge_count, 77),
+        out(largest.vertex_count, 77) {
         std::copy_n(from.origin, 2 * from.edge_count, origin.begin());
         std::copy_n(from.next, 2 * from.edge_count, next.begin());
         std::copy_n(from.face, 2 * from.edge_count, face.begin());
         std::copy_n(from.out, from.vertex_count, out.begin());
-        mesh = {from.vertex_count, from.edge_count, from.face_count, origin.data(), next.data(), face.data(), out.data()};
+        mesh = {from.vertex_count, from.edge_count, from.face_count, origin.data(),
+                next.data(),       face.data(),     out.data()};
     }
     void count_as(const Mesh& other) {
         mesh.vertex_count = other.vertex_count;
@@ -51,7 +55,8 @@ struct Copy {
 bool same(const Mesh& a, const Mesh& b) {
     const size_t bytes = 2 * size_t{b.edge_count} * sizeof(uint32_t);
     return a.vertex_count == b.vertex_count && a.edge_count == b.edge_count && a.face_count == b.face_count
-        && std::memcmp(a.origin, b.origin, bytes) == 0 && std::memcmp(a.next, b.next, bytes) == 0 && std::memcmp(a.face, b.face, bytes) == 0;
+        && std::memcmp(a.origin, b.origin, bytes) == 0 && std::memcmp(a.next, b.next, bytes) == 0
+        && std::memcmp(a.face, b.face, bytes) == 0;
 }
 
 const Mesh& simplicial(const hmf_hierarchy& h, size_t level) { return level == 0 ? h.input : h.levels[level].mesh; }
@@ -108,15 +113,18 @@ void expect_sound(const TriMesh& mesh, const BuildOptions& options) {
             const uint32_t e = h.triangle_edges[3 * t + s];
             ASSERT_LE(e, seen);
             seen = std::max(seen, e + 1);
-            const uint32_t a = h.vertex_internal[mesh.triangles[3 * t + s]], b = h.vertex_internal[mesh.triangles[3 * t + (s + 1) % 3]];
+            const uint32_t a = h.vertex_internal[mesh.triangles[3 * t + s]],
+                           b = h.vertex_internal[mesh.triangles[3 * t + (s + 1) % 3]];
             const uint32_t g = 2 * h.edge_internal[e], from = h.input.origin[g], to = h.input.origin[g + 1];
             EXPECT_TRUE((from == a && to == b) || (from == b && to == a));
-            for (size_t c = 0; c < 3; ++c) EXPECT_EQ(h.levels[0].position[3 * a + c], mesh.positions[3 * mesh.triangles[3 * t + s] + c]);
+            for (size_t c = 0; c < 3; ++c)
+                EXPECT_EQ(h.levels[0].position[3 * a + c], mesh.positions[3 * mesh.triangles[3 * t + s] + c]);
         }
     EXPECT_EQ(seen, h.input.edge_count);
     for (size_t k = 0; k <= last; ++k) {
         for (uint32_t e = 0; e < h.levels[k].mesh.edge_count; ++e) ASSERT_GT(h.levels[k].weight[e], 0);
-        for (uint32_t v = 0; v < 3 * h.levels[k].mesh.vertex_count; ++v) ASSERT_TRUE(std::isfinite(h.levels[k].position[v]));
+        for (uint32_t v = 0; v < 3 * h.levels[k].mesh.vertex_count; ++v)
+            ASSERT_TRUE(std::isfinite(h.levels[k].position[v]));
     }
     EXPECT_LE(h.memory.peak(), build_memory_bound(mesh.vertex_count(), mesh.triangle_count(), options));
 }
@@ -259,8 +267,11 @@ TEST(Hierarchy, StridedPositions) {
     Built packed(mesh);
     hmf_hierarchy h(nullptr, nullptr, nullptr, 0);
     Call call(h.memory, nullptr, nullptr, nullptr);
-    ASSERT_EQ(build_hierarchy(h, strided.data(), mesh.vertex_count(), 32, mesh.triangles.data(), mesh.triangle_count(), {}, call), HMF_OK);
-    EXPECT_EQ(std::memcmp(h.levels[0].position, packed.h.levels[0].position, mesh.positions.size() * sizeof(double)), 0);
+    ASSERT_EQ(build_hierarchy(h, strided.data(), mesh.vertex_count(), 32, mesh.triangles.data(), mesh.triangle_count(),
+                              {}, call),
+              HMF_OK);
+    EXPECT_EQ(std::memcmp(h.levels[0].position, packed.h.levels[0].position, mesh.positions.size() * sizeof(double)),
+              0);
 }
 
 TEST(Validation, Arguments) {
@@ -268,7 +279,8 @@ TEST(Validation, Arguments) {
     const double* x = mesh.positions.data();
     const uint32_t* t = mesh.triangles.data();
     const size_t V = mesh.vertex_count(), F = mesh.triangle_count();
-    const auto status = [](const double* positions, size_t vertices, size_t stride, const uint32_t* triangles, size_t count) {
+    const auto status = [](const double* positions, size_t vertices, size_t stride, const uint32_t* triangles,
+                           size_t count) {
         hmf_hierarchy h(nullptr, nullptr, nullptr, 0);
         Call call(h.memory, nullptr, nullptr, nullptr);
         return build_hierarchy(h, positions, vertices, stride, triangles, count, {}, call);
@@ -301,7 +313,8 @@ TEST(Validation, Corners) {
     expect_defect(mesh, HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, 0);
     mesh = plain_torus();
     for (size_t c = 0; c < 3; ++c) // collinear up to rounding
-        mesh.positions[3 * mesh.triangles[2] + c] = 0.3 * mesh.positions[3 * mesh.triangles[0] + c] + 0.7 * mesh.positions[3 * mesh.triangles[1] + c];
+        mesh.positions[3 * mesh.triangles[2] + c] =
+            0.3 * mesh.positions[3 * mesh.triangles[0] + c] + 0.7 * mesh.positions[3 * mesh.triangles[1] + c];
     Built built(mesh);
     EXPECT_TRUE(built.status == HMF_OK || built.status == HMF_ERROR_MESH_DEGENERATE);
 }
@@ -343,7 +356,8 @@ TEST(Validation, Vertices) {
 }
 
 TEST(Validation, Surface) {
-    expect_defect(both(plain_torus(), plain_torus()), HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, plain_torus().triangle_count());
+    expect_defect(both(plain_torus(), plain_torus()), HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE,
+                  plain_torus().triangle_count());
     expect_defect(tetrahedron(), HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0);
 }
 
@@ -358,13 +372,15 @@ TriMesh shuffled(const TriMesh& mesh, uint64_t seed, std::vector<uint32_t>& new_
     for (size_t v = 0; v < new_number.size(); ++v) new_number[v] = static_cast<uint32_t>(v);
     for (size_t v = new_number.size(); v-- > 1;) std::swap(new_number[v], new_number[below(v + 1)]);
     TriMesh out = mesh;
-    for (size_t v = 0; v < new_number.size(); ++v) std::copy_n(&mesh.positions[3 * v], 3, &out.positions[3 * new_number[v]]);
+    for (size_t v = 0; v < new_number.size(); ++v)
+        std::copy_n(&mesh.positions[3 * v], 3, &out.positions[3 * new_number[v]]);
     std::vector<size_t> order(mesh.triangle_count());
     for (size_t t = 0; t < order.size(); ++t) order[t] = t;
     for (size_t t = order.size(); t-- > 1;) std::swap(order[t], order[below(t + 1)]);
     for (size_t t = 0; t < order.size(); ++t) {
         const size_t turn = below(3);
-        for (size_t s = 0; s < 3; ++s) out.triangles[3 * t + s] = new_number[mesh.triangles[3 * order[t] + (s + turn) % 3]];
+        for (size_t s = 0; s < 3; ++s)
+            out.triangles[3 * t + s] = new_number[mesh.triangles[3 * order[t] + (s + turn) % 3]];
     }
     return out;
 }
@@ -418,7 +434,8 @@ TEST(SpatialOrder, FollowsTheCurve) {
             const uint32_t* words = &ordered.words[4 * size_t{f}];
             ASSERT_LT(ordered.number(f), F);
             EXPECT_EQ(seen[ordered.number(f)]++, 0);
-            for (size_t s = 0; s < 3; ++s) EXPECT_EQ(words[s], internal[mesh.triangles[3 * size_t{ordered.number(f)} + s]]);
+            for (size_t s = 0; s < 3; ++s)
+                EXPECT_EQ(words[s], internal[mesh.triangles[3 * size_t{ordered.number(f)} + s]]);
             const uint32_t lowest = std::min({words[0], words[1], words[2]});
             EXPECT_LE(before, lowest);
             before = lowest;
@@ -486,8 +503,9 @@ TEST(Memory, EveryAllocationMayFail) {
             hmf_hierarchy h(Failing::allocate, Failing::release, &failing, 0);
             hmf_error error{};
             Call call(h.memory, &error, nullptr, nullptr);
-            const hmf_status status = build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                                      mesh.triangle_count(), small(0.5, n % 2 ? HMF_COLLAPSE_QSLIM : HMF_COLLAPSE_MIDPOINT), call);
+            const hmf_status status = build_hierarchy(
+                h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
+                small(0.5, n % 2 ? HMF_COLLAPSE_QSLIM : HMF_COLLAPSE_MIDPOINT), call);
             succeeded = status == HMF_OK;
             if (!succeeded) {
                 EXPECT_EQ(status, HMF_ERROR_MEMORY);

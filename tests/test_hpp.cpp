@@ -49,7 +49,8 @@ static_assert(!std::is_convertible_v<std::vector<std::array<float, 6>>, hmf::Spa
 TEST(Hpp, SameValuesAsC) {
     const test::TriMesh m = mesh();
     hmf_hierarchy* raw = nullptr;
-    ASSERT_EQ(HMF_OK, hmf_build(m.positions.data(), m.vertex_count(), 0, m.triangles.data(), m.triangle_count(), nullptr, &raw, nullptr));
+    ASSERT_EQ(HMF_OK, hmf_build(m.positions.data(), m.vertex_count(), 0, m.triangles.data(), m.triangle_count(),
+                                nullptr, &raw, nullptr));
     std::vector<double> expected(m.triangle_count() * 3 / 2);
     ASSERT_EQ(HMF_OK, hmf_solve(raw, nullptr, nullptr, expected.data(), expected.size(), nullptr, nullptr));
     hmf_destroy(raw);
@@ -65,7 +66,8 @@ TEST(Hpp, SameValuesAsC) {
 TEST(Hpp, SpansOfManyContainers) {
     const test::TriMesh m = mesh();
     std::vector<std::array<double, 3>> points(m.vertex_count());
-    for (size_t i = 0; i < points.size(); ++i) points[i] = {m.positions[3 * i], m.positions[3 * i + 1], m.positions[3 * i + 2]};
+    for (size_t i = 0; i < points.size(); ++i)
+        points[i] = {m.positions[3 * i], m.positions[3 * i + 1], m.positions[3 * i + 2]};
     const hmf::Hierarchy hierarchy(points, hmf::Span<uint32_t>(m.triangles.data(), m.triangles.size()));
     EXPECT_EQ(m.positions, hierarchy.positions(0));
     EXPECT_EQ(m.triangles, hierarchy.triangle_vertices(0));
@@ -171,7 +173,8 @@ TEST(Hpp, LoopsUpAndDown) {
     // The energy is the sum that the header defines.
     const std::vector<double> weights = hierarchy.weights(1);
     double sum = 0;
-    for (size_t e = 0; e < weights.size(); ++e) sum += weights[e] * solved.foliation.values()[e] * solved.foliation.values()[e];
+    for (size_t e = 0; e < weights.size(); ++e)
+        sum += weights[e] * solved.foliation.values()[e] * solved.foliation.values()[e];
     EXPECT_NEAR(sum, solved.foliation.energy(), 1e-12 * sum);
 
     const hmf::Foliation fine = solved.foliation.to_level(0), back = fine.to_level(1);
@@ -208,13 +211,14 @@ TEST(Hpp, Errors) {
     hmf::Hierarchy hierarchy = make();
     EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hierarchy.foliation(0, {1, 2, 3}); }).status());
     EXPECT_EQ(HMF_ERROR_VALUE_NOT_CLOSED, error_of([&] {
-                  std::vector<double> values(hierarchy.level(0).edge_count);
-                  values[0] = 1;
-                  hierarchy.foliation(0, values).energy();
-              }).status());
+                                              std::vector<double> values(hierarchy.level(0).edge_count);
+                                              values[0] = 1;
+                                              hierarchy.foliation(0, values).energy();
+                                          }).status());
     const hmf::Hierarchy moved = std::move(hierarchy);
     EXPECT_EQ(2u, moved.genus());
-    EXPECT_EQ(HMF_ERROR_NULL, error_of([&] { hierarchy.solve(); }).status()); // NOLINT: what a moved-from object does is documented
+    EXPECT_EQ(HMF_ERROR_NULL,
+              error_of([&] { hierarchy.solve(); }).status()); // NOLINT: what a moved-from object does is documented
 }
 
 TEST(Hpp, FoliationOutlivesItsHierarchy) {
@@ -314,7 +318,8 @@ TEST(Hpp, Parameterization) {
             continue;
         }
         const double* t = &map.transition[3 * sides[h]];
-        const size_t f = static_cast<size_t>(first), next_h = h - h % 3 + (h % 3 + 1) % 3, next_f = f - f % 3 + (f % 3 + 1) % 3;
+        const size_t f = static_cast<size_t>(first), next_h = h - h % 3 + (h % 3 + 1) % 3,
+                     next_f = f - f % 3 + (f % 3 + 1) % 3;
         ASSERT_EQ(corners[h], corners[next_f]);
         for (size_t k = 0; k < 2; ++k) {
             EXPECT_EQ(map.corner_uv[2 * h + k], t[0] * map.corner_uv[2 * next_f + k] + t[1 + k]);
@@ -328,7 +333,8 @@ TEST(Hpp, Parameterization) {
     options.seam_edges.clear();
     options.progress = [](double) -> hmf::Progress { throw Unusual{1}; };
     EXPECT_THROW(foliation.parameterize(options), Unusual);
-    EXPECT_EQ(HMF_ERROR_VALUE_NOT_HARMONIC, error_of([&] { hierarchy.initialize(hierarchy.loops(0)).parameterize(); }).status());
+    EXPECT_EQ(HMF_ERROR_VALUE_NOT_HARMONIC,
+              error_of([&] { hierarchy.initialize(hierarchy.loops(0)).parameterize(); }).status());
 }
 
 TEST(Hpp, Leaves) {
@@ -356,7 +362,8 @@ TEST(Hpp, Leaves) {
         const uint64_t begin = leaves.offsets[k], end = leaves.offsets[k + 1];
         for (uint64_t i = begin; i < end; ++i) {
             const double *p = &leaves.points[3 * i], *q = &leaves.points[3 * (i + 1 < end ? i + 1 : begin)];
-            length += std::sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+            length += std::sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1])
+                                + (p[2] - q[2]) * (p[2] - q[2]));
         }
         EXPECT_NEAR(length, leaves.lines[k].length, 1e-9 * length);
     }

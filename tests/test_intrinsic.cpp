@@ -16,7 +16,9 @@ namespace {
 
 double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs(a), std::abs(b)); }
 
-TriMesh stretched(const TriMesh& mesh, double x, double y, double z) { return transformed(mesh, {x, 0, 0, 0, y, 0, 0, 0, z}); }
+TriMesh stretched(const TriMesh& mesh, double x, double y, double z) {
+    return transformed(mesh, {x, 0, 0, 0, y, 0, 0, 0, z});
+}
 
 // Vertices of `count` random triangles, moved to the height `height` (of the
 // edge's length) above a point of the edge opposite to them.
@@ -26,7 +28,8 @@ TriMesh with_vertices_at_edges(const TriMesh& mesh, size_t count, double height,
     std::vector<bool> used(mesh.vertex_count(), false);
     for (size_t i = 0; i < count; ++i) {
         const size_t t = random.below(mesh.triangle_count()), s = random.below(3);
-        const uint32_t v = mesh.triangles[3 * t + s], a = mesh.triangles[3 * t + (s + 1) % 3], b = mesh.triangles[3 * t + (s + 2) % 3];
+        const uint32_t v = mesh.triangles[3 * t + s], a = mesh.triangles[3 * t + (s + 1) % 3],
+                       b = mesh.triangles[3 * t + (s + 2) % 3];
         if (used[v] || used[a] || used[b]) continue;
         used[v] = used[a] = used[b] = true;
         const double at = 0.2 + 0.6 * random.unit();
@@ -124,14 +127,16 @@ TEST(Intrinsic, ZeroEdgesToItself) {
 TEST(Intrinsic, VerticesAtEdges) {
     for (const double height : {1e-3, 1e-6, 1e-9}) {
         SCOPED_TRACE(height);
-        for (const uint64_t seed : {1, 2, 3}) expect_solved(with_vertices_at_edges(pretzel(2, 2), 400, height, seed), "pretzel");
+        for (const uint64_t seed : {1, 2, 3})
+            expect_solved(with_vertices_at_edges(pretzel(2, 2), 400, height, seed), "pretzel");
     }
 }
 
 TEST(Intrinsic, BadTriangles) {
     for (const double degrees : {0.1, 0.001}) {
         SCOPED_TRACE(degrees);
-        for (const uint64_t seed : {1, 2}) expect_solved(with_bad_triangles(pretzel(2, 2), 300, degrees, seed), "pretzel");
+        for (const uint64_t seed : {1, 2})
+            expect_solved(with_bad_triangles(pretzel(2, 2), 300, degrees, seed), "pretzel");
     }
 }
 
@@ -154,9 +159,10 @@ TEST(Intrinsic, TreatmentsGiveSelfEdgesAndMonogons) {
 // Whitehead moves with edges from a vertex to itself keep the class: Newton's
 // method finds the same minimum from where they stop.
 TEST(Intrinsic, MovesKeepTheClass) {
-    const TriMesh meshes[] = {stretched(pretzel(2, 2), 1, 60, 1), stretched(torus(48, 12, 3, 1), 1000, 1, 1), with_spikes(pretzel(2, 2), 60, 10, 1),
-                              with_random_flips(pretzel(2, 2), 40000, -1, 4), stretched(pretzel(2, 1), 1e4, 1, 1),
-                              with_random_flips(stretched(plate(2), 7, 1, 4), 2000, -1, 1441)};
+    const TriMesh meshes[] = {
+        stretched(pretzel(2, 2), 1, 60, 1),    stretched(torus(48, 12, 3, 1), 1000, 1, 1),
+        with_spikes(pretzel(2, 2), 60, 10, 1), with_random_flips(pretzel(2, 2), 40000, -1, 4),
+        stretched(pretzel(2, 1), 1e4, 1, 1),   with_random_flips(stretched(plate(2), 7, 1, 4), 2000, -1, 1441)};
     for (const TriMesh& mesh : meshes) {
         const Hierarchy hierarchy(mesh);
         ASSERT_TRUE(hierarchy);
@@ -196,7 +202,8 @@ TEST(Intrinsic, EnergyDependsOnTheMetricOnly) {
             const Loops own = plate_loops(hierarchy, 0, holes);
             const Solution solution = solve(hierarchy, &own, solve_options(HMF_METHOD_NEWTON, 1e-9));
             EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
-            EXPECT_LT(relative(solution.report.energy, expected.report.energy), 1e-9) << "holes " << holes << " seed " << seed;
+            EXPECT_LT(relative(solution.report.energy, expected.report.energy), 1e-9)
+                << "holes " << holes << " seed " << seed;
         }
     }
 }
@@ -214,7 +221,8 @@ hmf_build_options mollified(double margin) {
 
 hmf_status build_status(const TriMesh& mesh, const hmf_build_options& options) {
     hmf_hierarchy* hierarchy = nullptr;
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), &options, &hierarchy, nullptr);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                                        mesh.triangle_count(), &options, &hierarchy, nullptr);
     hmf_destroy(hierarchy);
     return status;
 }
@@ -225,7 +233,8 @@ TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
     // A subdivided cube with holes, so that points on edges are exact.
     TriMesh mesh = subdivide(subdivide(plate(2)));
     const auto move = [&](uint32_t v, uint32_t to, uint32_t and_to) {
-        for (size_t c = 0; c < 3; ++c) mesh.positions[3 * v + c] = 0.5 * (mesh.positions[3 * to + c] + mesh.positions[3 * and_to + c]);
+        for (size_t c = 0; c < 3; ++c)
+            mesh.positions[3 * v + c] = 0.5 * (mesh.positions[3 * to + c] + mesh.positions[3 * and_to + c]);
     };
     std::vector<bool> used(mesh.vertex_count(), false);
     Random random(3);
@@ -264,7 +273,8 @@ TEST(Mollify, AddsWhatIsMissing) {
     double mean = 0, margin = HUGE_VAL;
     for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;
     for (uint32_t h = 0; h < 2 * input.edge_count; ++h)
-        margin = std::min(margin, thick.length[hmf::edge_of(input.next[h])] + thick.length[hmf::edge_of(input.prev(h))] - thick.length[hmf::edge_of(h)]);
+        margin = std::min(margin, thick.length[hmf::edge_of(input.next[h])] + thick.length[hmf::edge_of(input.prev(h))]
+                                      - thick.length[hmf::edge_of(h)]);
     EXPECT_NEAR(margin, 0.01 * mean, 1e-12 * mean);
     const double added = thick.length[0] - plain.length[0];
     EXPECT_GT(added, 0);
@@ -276,13 +286,15 @@ TEST(Mollify, LeavesGoodMeshesAlone) {
     const TriMesh mesh = torus(24, 12, 3, 1);
     const Hierarchy plain(mesh), mollify(mesh, mollified(1e-3));
     ASSERT_TRUE(plain && mollify);
-    const Solution a = solve(plain, nullptr, solve_options(HMF_METHOD_NEWTON, 0)), b = solve(mollify, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    const Solution a = solve(plain, nullptr, solve_options(HMF_METHOD_NEWTON, 0)),
+                   b = solve(mollify, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
     EXPECT_EQ(a.values, b.values);
 }
 
 TEST(Mollify, Range) {
     const TriMesh mesh = torus(12, 8, 3, 1);
-    for (const double bad : {-1e-9, 0.2, HUGE_VAL, std::nan("")}) EXPECT_EQ(build_status(mesh, mollified(bad)), HMF_ERROR_OPTIONS);
+    for (const double bad : {-1e-9, 0.2, HUGE_VAL, std::nan("")})
+        EXPECT_EQ(build_status(mesh, mollified(bad)), HMF_ERROR_OPTIONS);
     EXPECT_EQ(build_status(mesh, mollified(0.1)), HMF_OK);
     TriMesh point = mesh;
     std::fill(point.positions.begin(), point.positions.end(), 1.0);

@@ -30,18 +30,22 @@ hmf_trace_options trace_options() {
     return options;
 }
 
-Traced trace(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_trace_options& options) {
+Traced trace(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
+             const hmf_trace_options& options) {
     Traced t;
     hmf_error error{};
     size_t lines = 0, points = 0;
-    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &lines, &points, &error), HMF_OK)
+    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr,
+                        nullptr, 0, &lines, &points, &error),
+              HMF_OK)
         << error.message;
     t.lines.resize(lines);
     t.offsets.resize(lines + 1);
     t.points.resize(3 * points);
     t.edges.resize(points);
-    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, t.lines.data(), lines, t.offsets.data(), lines + 1, t.points.data(),
-                        t.edges.data(), points, &lines, &points, &error), HMF_OK)
+    EXPECT_EQ(hmf_trace(hierarchy.get(), level, values.data(), values.size(), &options, t.lines.data(), lines,
+                        t.offsets.data(), lines + 1, t.points.data(), t.edges.data(), points, &lines, &points, &error),
+              HMF_OK)
         << error.message;
     EXPECT_EQ(t.lines.size(), lines);
     return t;
@@ -66,7 +70,9 @@ void expect_leaves(const LevelMesh& mesh, const std::vector<double>& values, con
         return ap / ab;
     };
     const double largest = *std::max_element(values.begin(), values.end());
-    struct Segment { double from, to; }; // places on the rim of a triangle, 0 to 3
+    struct Segment {
+        double from, to;
+    }; // places on the rim of a triangle, 0 to 3
     std::map<uint32_t, std::vector<Segment>> in_triangle;
     size_t wrong = 0, apart = 0, crossing = 0;
     for (size_t k = 0; k < t.lines.size(); ++k) {
@@ -75,7 +81,8 @@ void expect_leaves(const LevelMesh& mesh, const std::vector<double>& values, con
         for (size_t i = 0; i + !t.lines[k].closed < n; ++i) {
             const size_t p = begin + i, q = begin + (i + 1) % n;
             double square = 0;
-            for (size_t a = 0; a < 3; ++a) square += (t.points[3 * p + a] - t.points[3 * q + a]) * (t.points[3 * p + a] - t.points[3 * q + a]);
+            for (size_t a = 0; a < 3; ++a)
+                square += (t.points[3 * p + a] - t.points[3 * q + a]) * (t.points[3 * p + a] - t.points[3 * q + a]);
             length += std::sqrt(square);
             const uint32_t e = t.edges[p], f = t.edges[q];
             if (e == HMF_NONE || f == HMF_NONE) continue; // in a zero
@@ -83,15 +90,20 @@ void expect_leaves(const LevelMesh& mesh, const std::vector<double>& values, con
             for (uint32_t x : triangles[e])
                 for (uint32_t y : triangles[f])
                     if (x == y) common = x;
-            if (common == HMF_NONE) { ++apart; continue; }
+            if (common == HMF_NONE) {
+                ++apart;
+                continue;
+            }
             if (e == f) continue; // along an edge of value 0
             // The corner between both edges.
             uint32_t corner = HMF_NONE;
             for (size_t a = 0; a < 2; ++a)
                 for (size_t b = 0; b < 2; ++b)
-                    if (mesh.edge_vertices[2 * e + a] == mesh.edge_vertices[2 * f + b]) corner = mesh.edge_vertices[2 * e + a];
+                    if (mesh.edge_vertices[2 * e + a] == mesh.edge_vertices[2 * f + b])
+                        corner = mesh.edge_vertices[2 * e + a];
             const double s = part(e, p), r = part(f, q);
-            const double at_e = (mesh.edge_vertices[2 * e] == corner ? s : 1 - s) * values[e], at_f = (mesh.edge_vertices[2 * f] == corner ? r : 1 - r) * values[f];
+            const double at_e = (mesh.edge_vertices[2 * e] == corner ? s : 1 - s) * values[e],
+                         at_f = (mesh.edge_vertices[2 * f] == corner ? r : 1 - r) * values[f];
             wrong += std::abs(at_e - at_f) > 1e-11 * largest;
             double place[2];
             for (size_t c = 0; c < 3; ++c) {
@@ -120,9 +132,13 @@ void expect_leaves(const LevelMesh& mesh, const std::vector<double>& values, con
 
 std::vector<hmf_singularity> zeros_of(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values) {
     size_t count = 0;
-    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, nullptr), HMF_OK);
+    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr,
+                                0, nullptr, 0, &count, nullptr),
+              HMF_OK);
     std::vector<hmf_singularity> zeros(count);
-    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, zeros.data(), count, &count, nullptr), HMF_OK);
+    EXPECT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr,
+                                0, zeros.data(), count, &count, nullptr),
+              HMF_OK);
     return zeros;
 }
 
@@ -224,7 +240,9 @@ TEST_P(Leaves, ThroughPoints) {
         if (F[0] < F[1] + F[2] && F[1] < F[0] + F[2] && F[2] < F[0] + F[1]) continue;
         for (size_t k = 0; k < 3; ++k) {
             point[k] = 0;
-            for (size_t c = 0; c < 3; ++c) point[k] += barycentrics[3 * i + c] * mesh.positions[3 * mesh.triangle_vertices[3 * triangles[i] + c] + k];
+            for (size_t c = 0; c < 3; ++c)
+                point[k] +=
+                    barycentrics[3 * i + c] * mesh.positions[3 * mesh.triangle_vertices[3 * triangles[i] + c] + k];
         }
         double nearest = 1e300;
         const size_t n = t.size(i);
@@ -237,7 +255,8 @@ TEST_P(Leaves, ThroughPoints) {
                 ap += (b[k] - a[k]) * (point[k] - a[k]);
             }
             const double x = ab > 0 ? std::min(1.0, std::max(0.0, ap / ab)) : 0;
-            for (size_t k = 0; k < 3; ++k) d += (a[k] + x * (b[k] - a[k]) - point[k]) * (a[k] + x * (b[k] - a[k]) - point[k]);
+            for (size_t k = 0; k < 3; ++k)
+                d += (a[k] + x * (b[k] - a[k]) - point[k]) * (a[k] + x * (b[k] - a[k]) - point[k]);
             nearest = std::min(nearest, std::sqrt(d));
         }
         EXPECT_LT(nearest, 1e-6) << i;
@@ -264,14 +283,18 @@ TEST_P(Leaves, Cylinders) {
     size_t count = 0, total = 0;
     hmf_error error{};
     const std::vector<double>& F = solution.values;
-    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, nullptr, 0, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, nullptr, 0, nullptr, 0, nullptr, 0, &count,
+                            &total, &error),
+              HMF_OK)
+        << error.message;
     ASSERT_EQ(count, sample.weights.size());
     std::vector<hmf_cylinder> list(count);
     Loops leaves;
     leaves.offsets.resize(count + 1);
     leaves.elements.resize(total);
-    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), count, leaves.offsets.data(), count + 1, leaves.elements.data(), total,
-                            &count, &total, &error), HMF_OK)
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), count, leaves.offsets.data(),
+                            count + 1, leaves.elements.data(), total, &count, &total, &error),
+              HMF_OK)
         << error.message;
     double flux = 0, area = 0;
     std::set<uint32_t> used;
@@ -279,7 +302,8 @@ TEST_P(Leaves, Cylinders) {
         ASSERT_LT(c.loop, count);
         used.insert(c.loop);
         // Weights are rounded to 48 bits of the largest one.
-        EXPECT_NEAR(c.height, sample.weights[c.loop], 1e-14 * *std::max_element(sample.weights.begin(), sample.weights.end()));
+        EXPECT_NEAR(c.height, sample.weights[c.loop],
+                    1e-14 * *std::max_element(sample.weights.begin(), sample.weights.end()));
         if (sample.weights[c.loop] == 1) { EXPECT_EQ(c.height, 1.0); }
         EXPECT_NEAR(c.area, c.height * c.circumference, 1e-9 * solution.report.energy);
         EXPECT_DOUBLE_EQ(c.modulus, c.height / c.circumference);
@@ -296,10 +320,12 @@ TEST_P(Leaves, Cylinders) {
     // One leaf alone has the class of its loop alone.
     for (size_t c = 0; count > 1 && c < count; ++c) {
         Loops one, other;
-        one.add({leaves.elements.begin() + static_cast<long>(leaves.offsets[c]), leaves.elements.begin() + static_cast<long>(leaves.offsets[c + 1])});
+        one.add({leaves.elements.begin() + static_cast<long>(leaves.offsets[c]),
+                 leaves.elements.begin() + static_cast<long>(leaves.offsets[c + 1])});
         const uint32_t l = list[c].loop;
         other.level = loops.level;
-        other.add({loops.elements.begin() + static_cast<long>(loops.offsets[l]), loops.elements.begin() + static_cast<long>(loops.offsets[l + 1])});
+        other.add({loops.elements.begin() + static_cast<long>(loops.offsets[l]),
+                   loops.elements.begin() + static_cast<long>(loops.offsets[l + 1])});
         const double a = solve(*hierarchy, &one, solve_options(HMF_METHOD_NEWTON, 1e-9)).report.energy;
         const double b = solve(*hierarchy, &other, solve_options(HMF_METHOD_NEWTON, 1e-9)).report.energy;
         EXPECT_NEAR(a, b, 1e-9 * a) << c;
@@ -319,14 +345,18 @@ TEST_P(Leaves, Conjugate) {
     parameterization.cone = cone.data();
     hmf_error error{};
     const std::vector<double>& F = solution.values;
-    const hmf_status status = hmf_parameterize(hierarchy->get(), 0, F.data(), F.size(), nullptr, &parameterization, &error);
+    const hmf_status status =
+        hmf_parameterize(hierarchy->get(), 0, F.data(), F.size(), nullptr, &parameterization, &error);
     if (status != HMF_OK) GTEST_SKIP() << error.message; // so coarse that zeros collide
     std::vector<double> dv(mesh.edge_count);
     for (size_t t = 0; t < mesh.triangle_count; ++t)
-        for (size_t s = 0; s < 3; ++s) dv[mesh.triangle_edges[3 * t + s]] = std::abs(uv[6 * t + 2 * ((s + 1) % 3) + 1] - uv[6 * t + 2 * s + 1]);
+        for (size_t s = 0; s < 3; ++s)
+            dv[mesh.triangle_edges[3 * t + s]] = std::abs(uv[6 * t + 2 * ((s + 1) % 3) + 1] - uv[6 * t + 2 * s + 1]);
     std::vector<hmf_cylinder> cylinders(sample.weights.size());
     size_t count = 0, total = 0;
-    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), nullptr, cylinders.data(), cylinders.size(), nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK);
+    ASSERT_EQ(hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), nullptr, cylinders.data(), cylinders.size(),
+                            nullptr, 0, nullptr, 0, &count, &total, &error),
+              HMF_OK);
 
     hmf_trace_options options = trace_options();
     options.leaves = HMF_LEAVES_CONJUGATE;
@@ -340,7 +370,8 @@ TEST_P(Leaves, Conjugate) {
         EXPECT_EQ(line.begin, HMF_END_CRITICAL);
         EXPECT_EQ(line.end, HMF_END_CRITICAL);
     }
-    for (size_t c = 0; c < count; ++c) EXPECT_NEAR(lines[c], cylinders[c].circumference / 0.05, 1 + 0.05 * cylinders[c].circumference / 0.05) << c;
+    for (size_t c = 0; c < count; ++c)
+        EXPECT_NEAR(lines[c], cylinders[c].circumference / 0.05, 1 + 0.05 * cylinders[c].circumference / 0.05) << c;
 
     options = trace_options();
     options.leaves = HMF_LEAVES_CONJUGATE;
@@ -391,10 +422,15 @@ TEST_P(Leaves, Quads) {
         size_t vertices = 0, count = 0;
         hmf_error error{};
         const std::vector<double>& F = solution.values;
-        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, nullptr, 0, nullptr, 0, &vertices, &count, &error), HMF_OK) << error.message;
+        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, nullptr, 0, nullptr, 0, &vertices,
+                            &count, &error),
+                  HMF_OK)
+            << error.message;
         std::vector<double> positions(3 * vertices);
         std::vector<uint32_t> quads(4 * count);
-        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, positions.data(), vertices, quads.data(), count, &vertices, &count, &error), HMF_OK);
+        ASSERT_EQ(hmf_quads(hierarchy->get(), 0, F.data(), F.size(), &options, positions.data(), vertices, quads.data(),
+                            count, &vertices, &count, &error),
+                  HMF_OK);
         std::map<std::pair<uint32_t, uint32_t>, int> sides;
         std::vector<int> valence(vertices, 0);
         for (size_t q = 0; q < count; ++q)
@@ -404,11 +440,15 @@ TEST_P(Leaves, Quads) {
                 ++valence[quads[4 * q + s]];
             }
         size_t bad = 0;
-        for (const auto& side : sides) bad += side.second != 1 || side.first.first == side.first.second || !sides.count({side.first.second, side.first.first});
+        for (const auto& side : sides)
+            bad += side.second != 1 || side.first.first == side.first.second
+                || !sides.count({side.first.second, side.first.first});
         EXPECT_EQ(bad, 0u) << "sides";
-        for (size_t v = 0; v < vertices; ++v) ASSERT_EQ(valence[v], v < zeros.size() ? 2 * (2 - zeros[v].index) : 4) << v;
+        for (size_t v = 0; v < vertices; ++v)
+            ASSERT_EQ(valence[v], v < zeros.size() ? 2 * (2 - zeros[v].index) : 4) << v;
         // V - E + F with E = 2 F: one component of the right genus, if the fans close as counted above.
-        EXPECT_EQ(static_cast<long>(vertices) - static_cast<long>(count), 2 - 2 * static_cast<long>(hmf_genus(hierarchy->get())));
+        EXPECT_EQ(static_cast<long>(vertices) - static_cast<long>(count),
+                  2 - 2 * static_cast<long>(hmf_genus(hierarchy->get())));
         for (double x : positions) ASSERT_TRUE(std::isfinite(x));
         if (length == 0.07) {
             EXPECT_GT(static_cast<double>(count), 0.5 * area / (length * length));
@@ -417,7 +457,8 @@ TEST_P(Leaves, Quads) {
         // A fan round each vertex: following the quads comes back after all of them.
         std::map<std::pair<uint32_t, uint32_t>, uint32_t> before; // (vertex, next) -> previous in the quad
         for (size_t q = 0; q < count; ++q)
-            for (size_t s = 0; s < 4; ++s) before[{quads[4 * q + s], quads[4 * q + (s + 1) % 4]}] = quads[4 * q + (s + 3) % 4];
+            for (size_t s = 0; s < 4; ++s)
+                before[{quads[4 * q + s], quads[4 * q + (s + 1) % 4]}] = quads[4 * q + (s + 3) % 4];
         std::vector<char> seen(vertices, 0);
         for (const auto& start : before) {
             const uint32_t v = start.first.first;
@@ -441,7 +482,8 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     hmf_error error{};
     const auto cylinders_of = [&](const Loops& given, const std::vector<double>& F) {
         const hmf_loop_set set = given.view();
-        return hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), n, nullptr, 0, nullptr, 0, &count, &total, &error);
+        return hmf_cylinders(hierarchy->get(), 0, F.data(), F.size(), &set, list.data(), n, nullptr, 0, nullptr, 0,
+                             &count, &total, &error);
     };
     Loops other = loops;
     other.weights[0] *= 1.5;
@@ -454,7 +496,8 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
         EXPECT_EQ(cylinders_of(fewer, solution.values), HMF_ERROR_VALUE_CLASS);
         other = loops;
         std::swap(other.weights[0], other.weights[1]);
-        EXPECT_EQ(cylinders_of(other, solution.values), other.weights[0] == other.weights[1] ? HMF_OK : HMF_ERROR_VALUE_CLASS);
+        EXPECT_EQ(cylinders_of(other, solution.values),
+                  other.weights[0] == other.weights[1] ? HMF_OK : HMF_ERROR_VALUE_CLASS);
     }
     // Far from the minimum.
     std::vector<double> initial(mesh.edge_count);
@@ -476,12 +519,17 @@ TEST(LeavesContract, Refusals) {
     hmf_error error{};
     hmf_trace_options options = trace_options();
     const auto trace_with = [&](const std::vector<double>& values) {
-        return hmf_trace(h, 0, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error);
+        return hmf_trace(h, 0, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a,
+                         &b, &error);
     };
-    EXPECT_EQ(hmf_trace(nullptr, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_NULL);
-    EXPECT_EQ(hmf_trace(h, 99, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_LEVEL);
-    EXPECT_EQ(hmf_trace(h, 0, F.data(), m - 1, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
-    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, nullptr, &b, &error), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_trace(nullptr, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error),
+              HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_trace(h, 99, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error),
+              HMF_ERROR_LEVEL);
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m - 1, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error),
+              HMF_ERROR_CAPACITY);
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, nullptr, &b, &error),
+              HMF_ERROR_NULL);
     std::vector<double> open = F;
     *std::max_element(open.begin(), open.end()) *= 4;
     EXPECT_EQ(trace_with(open), HMF_ERROR_VALUE_NOT_CLOSED);
@@ -521,14 +569,17 @@ TEST(LeavesContract, Refusals) {
     std::vector<hmf_line> lines(1);
     lines[0].kind = 55;
     a = 77;
-    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, &options, lines.data(), 1, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(hmf_trace(h, 0, F.data(), m, &options, lines.data(), 1, nullptr, 0, nullptr, nullptr, 0, &a, &b, &error),
+              HMF_ERROR_CAPACITY);
     EXPECT_EQ(lines[0].kind, 55);
     EXPECT_EQ(a, 77u);
     hmf_cylinder cylinder{};
     cylinder.height = 55;
-    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, &cylinder, 1, nullptr, 0, nullptr, 0, &a, &b, &error), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, &cylinder, 1, nullptr, 0, nullptr, 0, &a, &b, &error),
+              HMF_ERROR_CAPACITY);
     EXPECT_EQ(cylinder.height, 55);
-    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, 0, &a, nullptr, &error), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_cylinders(h, 0, F.data(), m, nullptr, nullptr, 0, nullptr, 0, nullptr, 0, &a, nullptr, &error),
+              HMF_ERROR_NULL);
 
     hmf_quad_options quads;
     hmf_quad_options_init(&quads);
@@ -537,7 +588,8 @@ TEST(LeavesContract, Refusals) {
     EXPECT_EQ(position[0], 55);
     for (const double bad : {-1.0, static_cast<double>(NAN), 1e-9}) {
         quads.edge_length = bad;
-        EXPECT_EQ(hmf_quads(h, 0, F.data(), m, &quads, nullptr, 0, nullptr, 0, &a, &b, &error), HMF_ERROR_OPTIONS) << bad;
+        EXPECT_EQ(hmf_quads(h, 0, F.data(), m, &quads, nullptr, 0, nullptr, 0, &a, &b, &error), HMF_ERROR_OPTIONS)
+            << bad;
     }
     hmf_trace_options_init(nullptr);
     hmf_quad_options_init(nullptr);
@@ -577,8 +629,14 @@ TEST(LeavesContract, OutOfMemory) {
     hmf_cylinder list[2];
     size_t a = 0, b = 0;
     const std::vector<std::function<hmf_status()>> calls = {
-        [&] { return hmf_trace(h, 0, F.data(), F.size(), &leaves, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, nullptr); },
-        [&] { return hmf_trace(h, 0, F.data(), F.size(), &conjugate, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b, nullptr); },
+        [&] {
+            return hmf_trace(h, 0, F.data(), F.size(), &leaves, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b,
+                             nullptr);
+        },
+        [&] {
+            return hmf_trace(h, 0, F.data(), F.size(), &conjugate, nullptr, 0, nullptr, 0, nullptr, nullptr, 0, &a, &b,
+                             nullptr);
+        },
         [&] { return hmf_cylinders(h, 0, F.data(), F.size(), &set, list, 2, nullptr, 0, nullptr, 0, &a, &b, nullptr); },
         [&] { return hmf_quads(h, 0, F.data(), F.size(), nullptr, nullptr, 0, nullptr, 0, &a, &b, nullptr); }};
     for (size_t k = 0; k < calls.size(); ++k) {

@@ -60,7 +60,8 @@ TEST(Levels, EachIsAClosedSurfaceOfTheSameGenus) {
         for (size_t level = 0; level < hierarchy.levels(); ++level) {
             SCOPED_TRACE(level);
             const LevelMesh mesh = read_level(hierarchy, level);
-            const long chi = static_cast<long>(mesh.vertex_count) - static_cast<long>(mesh.edge_count) + static_cast<long>(mesh.triangle_count);
+            const long chi = static_cast<long>(mesh.vertex_count) - static_cast<long>(mesh.edge_count)
+                           + static_cast<long>(mesh.triangle_count);
             EXPECT_EQ(chi, 2 - 2 * static_cast<long>(sample.second.genus));
             EXPECT_EQ(3 * mesh.triangle_count, 2 * mesh.edge_count);
             // Each side joins its two corners; each edge has two sides, once in each direction.
@@ -68,7 +69,8 @@ TEST(Levels, EachIsAClosedSurfaceOfTheSameGenus) {
             std::vector<int> touched(mesh.vertex_count, 0);
             for (size_t t = 0; t < mesh.triangle_count; ++t)
                 for (size_t s = 0; s < 3; ++s) {
-                    const uint32_t e = mesh.triangle_edges[3 * t + s], a = mesh.triangle_vertices[3 * t + s], b = mesh.triangle_vertices[3 * t + (s + 1) % 3];
+                    const uint32_t e = mesh.triangle_edges[3 * t + s], a = mesh.triangle_vertices[3 * t + s],
+                                   b = mesh.triangle_vertices[3 * t + (s + 1) % 3];
                     ASSERT_LT(e, mesh.edge_count);
                     ASSERT_LT(a, mesh.vertex_count);
                     const uint32_t u = mesh.edge_vertices[2 * e], v = mesh.edge_vertices[2 * e + 1];
@@ -79,17 +81,13 @@ TEST(Levels, EachIsAClosedSurfaceOfTheSameGenus) {
                 }
             for (size_t e = 0; e < mesh.edge_count; ++e) {
                 ASSERT_EQ(count[e], 2);
-                if (mesh.edge_vertices[2 * e] != mesh.edge_vertices[2 * e + 1]) {
-                    ASSERT_EQ(forward[e], 1);
-                }
+                if (mesh.edge_vertices[2 * e] != mesh.edge_vertices[2 * e + 1]) { ASSERT_EQ(forward[e], 1); }
             }
             for (int hit : touched) ASSERT_EQ(hit, 1);
             for (double x : mesh.positions) ASSERT_TRUE(std::isfinite(x));
             for (double w : mesh.weights) {
                 ASSERT_TRUE(std::isfinite(w));
-                if (level > 0) {
-                    ASSERT_GT(w, 0);
-                }
+                if (level > 0) { ASSERT_GT(w, 0); }
             }
         }
         EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
@@ -109,7 +107,8 @@ TEST(Levels, LevelZeroIsTheMeshOfTheCaller) {
         std::vector<double> weights;
         for (size_t t = 0; t < sample.second.triangle_count(); ++t)
             for (size_t s = 0; s < 3; ++s) {
-                const uint32_t a = sample.second.triangles[3 * t + s], b = sample.second.triangles[3 * t + (s + 1) % 3], c = sample.second.triangles[3 * t + (s + 2) % 3];
+                const uint32_t a = sample.second.triangles[3 * t + s], b = sample.second.triangles[3 * t + (s + 1) % 3],
+                               c = sample.second.triangles[3 * t + (s + 2) % 3];
                 const auto name = std::minmax(a, b);
                 const auto added = number.emplace(name, static_cast<uint32_t>(number.size()));
                 const uint32_t e = added.first->second;
@@ -138,7 +137,8 @@ TEST(Levels, RatioAndCoarsestAreKept) {
                 ASSERT_TRUE(hierarchy);
                 ASSERT_GE(hierarchy.levels(), 2u);
                 for (size_t level = 1; level < hierarchy.levels(); ++level) {
-                    const double found = static_cast<double>(hierarchy.edges(level)) / static_cast<double>(hierarchy.edges(level - 1));
+                    const double found =
+                        static_cast<double>(hierarchy.edges(level)) / static_cast<double>(hierarchy.edges(level - 1));
                     EXPECT_LT(found, 1);
                     if (level + 1 < hierarchy.levels()) {
                         EXPECT_NEAR(found, ratio, 0.02);
@@ -161,9 +161,12 @@ TEST(Levels, SmallMeshIsOneLevel) {
 TEST(Levels, PositionStride) {
     const TriMesh mesh = torus(30, 12, 2, 1);
     std::vector<double> wide(5 * mesh.vertex_count(), NAN);
-    for (size_t v = 0; v < mesh.vertex_count(); ++v) std::memcpy(&wide[5 * v], &mesh.positions[3 * v], 3 * sizeof(double));
+    for (size_t v = 0; v < mesh.vertex_count(); ++v)
+        std::memcpy(&wide[5 * v], &mesh.positions[3 * v], 3 * sizeof(double));
     hmf_hierarchy* hierarchy = nullptr;
-    ASSERT_EQ(hmf_build(wide.data(), mesh.vertex_count(), 5 * sizeof(double), mesh.triangles.data(), mesh.triangle_count(), nullptr, &hierarchy, nullptr), HMF_OK);
+    ASSERT_EQ(hmf_build(wide.data(), mesh.vertex_count(), 5 * sizeof(double), mesh.triangles.data(),
+                        mesh.triangle_count(), nullptr, &hierarchy, nullptr),
+              HMF_OK);
     std::vector<double> positions(mesh.positions.size());
     EXPECT_EQ(hmf_level_positions(hierarchy, 0, positions.data(), positions.size(), nullptr), HMF_OK);
     EXPECT_EQ(positions, mesh.positions);
@@ -178,7 +181,8 @@ TEST(Levels, BuildIsDeterministicAndFreeOfUnits) {
     ASSERT_EQ(first.levels(), large.levels());
     ASSERT_EQ(first.levels(), small.levels());
     for (size_t level = 0; level < first.levels(); ++level) {
-        const LevelMesh a = read_level(first, level), b = read_level(second, level), c = read_level(large, level), d = read_level(small, level);
+        const LevelMesh a = read_level(first, level), b = read_level(second, level), c = read_level(large, level),
+                        d = read_level(small, level);
         EXPECT_EQ(a.positions, b.positions);
         for (const LevelMesh* other : {&b, &c, &d}) {
             EXPECT_EQ(a.triangle_edges, other->triangle_edges);
@@ -213,7 +217,8 @@ TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
             const Hierarchy hierarchy(sample.second, options);
             ASSERT_TRUE(hierarchy);
             EXPECT_EQ(hmf_hierarchy_memory(hierarchy.get()), meter.used);
-            EXPECT_LE(meter.peak, hmf_memory_estimate(sample.second.vertex_count(), sample.second.triangle_count(), &options));
+            EXPECT_LE(meter.peak,
+                      hmf_memory_estimate(sample.second.vertex_count(), sample.second.triangle_count(), &options));
         }
         EXPECT_EQ(meter.used, 0u);
     }
@@ -231,7 +236,8 @@ TEST(Levels, NothingForNull) {
 }
 
 TEST(Levels, VersionAndTexts) {
-    EXPECT_EQ(hmf_version(), static_cast<uint32_t>(HMF_VERSION_MAJOR * 10000 + HMF_VERSION_MINOR * 100 + HMF_VERSION_PATCH));
+    EXPECT_EQ(hmf_version(),
+              static_cast<uint32_t>(HMF_VERSION_MAJOR * 10000 + HMF_VERSION_MINOR * 100 + HMF_VERSION_PATCH));
     for (hmf_status status = -5; status < 1000; ++status) {
         const char* text = hmf_status_string(status);
         ASSERT_NE(text, nullptr);

@@ -22,19 +22,25 @@ Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[
 Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Point operator*(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; }
 double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Point cross(const Point& a, const Point& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Point cross(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 Point unit(const Point& a) { return (1 / std::sqrt(dot(a, a))) * a; }
 
 // A loop as a polygon over centres of triangles and middles of edges; pushed
 // off by `offset` times the shortest height of the triangles along it.
 std::vector<Point> polygon(const LevelMesh& mesh, const Loops& loops, size_t c, double offset) {
-    const auto position = [&](uint32_t v) { return Point{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]}; };
+    const auto position = [&](uint32_t v) {
+        return Point{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
+    };
     const auto corner = [&](uint32_t t, size_t s) { return position(mesh.triangle_vertices[3 * t + s]); };
     const std::vector<uint32_t> edges = crossed_edges(mesh, loops, c);
     std::vector<Point> points;
     double height = 1e300;
     const size_t first = loops.offsets[c], n = edges.size();
-    const auto normal = [&](uint32_t t) { return unit(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0))); };
+    const auto normal = [&](uint32_t t) {
+        return unit(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)));
+    };
     for (size_t i = 0; i < n; ++i) {
         const uint32_t t = loops.elements[first + i];
         const Point n2 = cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
@@ -122,7 +128,8 @@ void expect_handles(const TriMesh& mesh) {
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
     const LevelMesh fine = read_level(hierarchy, 0);
-    const Loops handle = library_loops(hierarchy, 0, HMF_LOOPS_HANDLE), tunnel = library_loops(hierarchy, 0, HMF_LOOPS_TUNNEL);
+    const Loops handle = library_loops(hierarchy, 0, HMF_LOOPS_HANDLE),
+                tunnel = library_loops(hierarchy, 0, HMF_LOOPS_TUNNEL);
     const size_t g = mesh.genus;
     ASSERT_EQ(handle.count(), g);
     ASSERT_EQ(tunnel.count(), g);
@@ -170,7 +177,8 @@ TEST(HandleLoops, ShortestAreTheWrongOnes) {
     const TriMesh mesh = torus(16, 40, 3, 2.7);
     const Hierarchy hierarchy(mesh);
     const LevelMesh fine = read_level(hierarchy, 0);
-    EXPECT_LT(length(fine, library_loops(hierarchy, 0)), 0.9 * length(fine, library_loops(hierarchy, 0, HMF_LOOPS_HANDLE)));
+    EXPECT_LT(length(fine, library_loops(hierarchy, 0)),
+              0.9 * length(fine, library_loops(hierarchy, 0, HMF_LOOPS_HANDLE)));
 }
 
 TEST(HandleLoops, Plates) {
@@ -189,7 +197,8 @@ TEST(HandleLoops, SurfaceThatMeetsItself) {
     ASSERT_TRUE(hierarchy);
     size_t count = 0, total = 0;
     hmf_error error{};
-    const hmf_status status = hmf_loops(hierarchy.get(), 0, HMF_LOOPS_HANDLE, nullptr, 0, nullptr, 0, &count, &total, &error);
+    const hmf_status status =
+        hmf_loops(hierarchy.get(), 0, HMF_LOOPS_HANDLE, nullptr, 0, nullptr, 0, &count, &total, &error);
     EXPECT_TRUE(status == HMF_OK || status == HMF_ERROR_MESH_NOT_EMBEDDED) << error.message;
 }
 
@@ -202,7 +211,9 @@ TEST(HandleLoops, SurfacesWithRandomPlaces) {
         for (int i = 0; i < 40; ++i) mesh.positions[random.below(mesh.positions.size())] += 4 * random.unit() - 2;
         hmf_hierarchy* hierarchy = nullptr;
         hmf_error error{};
-        if (hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(), nullptr, &hierarchy, &error)) continue;
+        if (hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
+                      nullptr, &hierarchy, &error))
+            continue;
         for (const int32_t kind : {HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL}) {
             size_t count = 0, total = 0;
             const hmf_status status = hmf_loops(hierarchy, 0, kind, nullptr, 0, nullptr, 0, &count, &total, &error);
@@ -276,7 +287,8 @@ void expect_pants(const TriMesh& mesh) {
         ASSERT_TRUE(cut.build(on, curves, false, memory));
         std::vector<uint32_t> parent(cut.region_count);
         for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
-        for (size_t s = 0; s < cut.segment_count; ++s) hmf::unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
+        for (size_t s = 0; s < cut.segment_count; ++s)
+            hmf::unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
         std::vector<long> euler(cut.region_count, 0);
         size_t pieces = 0;
         for (uint32_t r = 0; r < cut.region_count; ++r) {
@@ -321,7 +333,8 @@ std::vector<uint32_t> with_finger(const LevelMesh& mesh, const Loops& loops, siz
         const std::vector<uint32_t>& two = beside[mesh.triangle_edges[3 * t + s]];
         return two[0] == t ? two[1] : two[0];
     };
-    const std::vector<uint32_t> loop(loops.elements.begin() + static_cast<long>(loops.offsets[c]), loops.elements.begin() + static_cast<long>(loops.offsets[c + 1]));
+    const std::vector<uint32_t> loop(loops.elements.begin() + static_cast<long>(loops.offsets[c]),
+                                     loops.elements.begin() + static_cast<long>(loops.offsets[c + 1]));
     const uint32_t t = loop[place % loop.size()];
     for (size_t s = 0; s < 3; ++s) {
         const uint32_t first = beyond(t, s), edge = mesh.triangle_edges[3 * t + s];
@@ -364,7 +377,9 @@ TEST(DrawnLoops, FingersDoNotMatter) {
         Loops wiggly;
         for (size_t c = 0; c < straight.count(); ++c) {
             std::vector<uint32_t> longer = with_finger(fine, straight, c, place);
-            if (longer.empty()) longer.assign(straight.elements.begin() + static_cast<long>(straight.offsets[c]), straight.elements.begin() + static_cast<long>(straight.offsets[c + 1]));
+            if (longer.empty())
+                longer.assign(straight.elements.begin() + static_cast<long>(straight.offsets[c]),
+                              straight.elements.begin() + static_cast<long>(straight.offsets[c + 1]));
             else ++tried;
             wiggly.add(longer);
         }
@@ -382,7 +397,10 @@ TEST(DrawnLoops, FingersDoNotMatter) {
 }
 
 TEST(LibraryLoops, EveryAllocationMayFail) {
-    struct Meter { uint64_t calls, fail; int64_t live; };
+    struct Meter {
+        uint64_t calls, fail;
+        int64_t live;
+    };
     const auto allocate = [](void* user, size_t size) -> void* {
         Meter& meter = *static_cast<Meter*>(user);
         if (++meter.calls == meter.fail) return nullptr;
@@ -412,7 +430,8 @@ TEST(LibraryLoops, EveryAllocationMayFail) {
                 meter.calls = 0;
                 meter.fail = n;
                 size_t count = 0, total = 0;
-                const hmf_status status = hmf_loops(hierarchy.get(), 0, kind, nullptr, 0, nullptr, 0, &count, &total, nullptr);
+                const hmf_status status =
+                    hmf_loops(hierarchy.get(), 0, kind, nullptr, 0, nullptr, 0, &count, &total, nullptr);
                 done = status == HMF_OK;
                 if (!done) { EXPECT_EQ(status, HMF_ERROR_MEMORY) << "kind " << kind << " allocation " << n; }
                 failures += !done;
@@ -440,7 +459,8 @@ TEST(DrawnLoops, CrossingIsNamed) {
     const hmf_loop_set set = loops.view();
     EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_CROSSING);
     EXPECT_EQ(error.index, 1u);
-    EXPECT_NE(std::string(error.message).find("Loop 1 crosses loop 0, which it meets at vertex 37."), std::string::npos) << error.message;
+    EXPECT_NE(std::string(error.message).find("Loop 1 crosses loop 0, which it meets at vertex 37."), std::string::npos)
+        << error.message;
 }
 
 class RealHandles : public testing::TestWithParam<const char*> {};
@@ -470,9 +490,11 @@ std::string mesh_name(const testing::TestParamInfo<const char*>& info) {
     return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, RealPants, testing::Values("fertility_9.0k", "botijo_23k", "sf129110_10k", "heptoroid_36k"), mesh_name);
+INSTANTIATE_TEST_SUITE_P(Meshes, RealPants,
+                         testing::Values("fertility_9.0k", "botijo_23k", "sf129110_10k", "heptoroid_36k"), mesh_name);
 INSTANTIATE_TEST_SUITE_P(Meshes, RealHandles,
-                         testing::Values("fertility_9.0k", "botijo_23k", "rocker-arm_5.0k", "kitten_16k", "heptoroid_36k", "entangled-double-torus_35k", "knot1_6.4k"),
+                         testing::Values("fertility_9.0k", "botijo_23k", "rocker-arm_5.0k", "kitten_16k",
+                                         "heptoroid_36k", "entangled-double-torus_35k", "knot1_6.4k"),
                          mesh_name);
 
 } // namespace

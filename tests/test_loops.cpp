@@ -76,7 +76,9 @@ void expect_cut_system(test::MadeMesh& made, bool round_trip = true) {
         std::vector<uint32_t> faces;
         for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
         Loops again;
-        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again), HMF_OK) << c.error.message;
+        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, genus, loops.offsets.data(), faces.data(), c.call, again),
+                  HMF_OK)
+            << c.error.message;
         EXPECT_EQ(check_loops(mesh, again, c.call), HMF_OK) << c.error.message;
     }
 
@@ -177,7 +179,10 @@ TEST(CutSystem, Deterministic) {
 TEST(CutSystem, EveryAllocationMayFail) {
     test::MadeMesh made(test::plate(2, 1));
     const Mesh mesh = made.mesh();
-    struct State { int left; int64_t live; };
+    struct State {
+        int left;
+        int64_t live;
+    };
     const auto allocate = [](void* user, size_t size) -> void* {
         State* s = static_cast<State*>(user);
         if (s->left-- <= 0) return nullptr;
@@ -200,7 +205,8 @@ TEST(CutSystem, EveryAllocationMayFail) {
             hmf_status status = cut_system(mesh, made.positions.data(), nullptr, call, loops);
             if (status == HMF_OK) {
                 for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
-                status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
+                status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call,
+                                    again);
             }
             if (status == HMF_OK) status = check_loops(mesh, again, call);
             done = status == HMF_OK;
@@ -252,8 +258,9 @@ TEST_F(OnTorus, MeridianAndLongitude) {
 
 TEST_F(OnTorus, DetoursDoNotMatter) {
     // Back and forth, over two sides of a triangle, and both at the seam.
-    std::vector<uint32_t> wiggly = {at(3, 0), at(2, 0), at(2, 1), at(3, 1), at(2, 1), at(3, 2), at(2, 2), at(2, 3), at(2, 4), at(1, 4), at(0, 4),
-                                    at(1, 4), at(2, 4), at(3, 5), at(2, 5), at(2, 6), at(2, 7), at(2, 8), at(2, 0)};
+    std::vector<uint32_t> wiggly = {at(3, 0), at(2, 0), at(2, 1), at(3, 1), at(2, 1), at(3, 2), at(2, 2),
+                                    at(2, 3), at(2, 4), at(1, 4), at(0, 4), at(1, 4), at(2, 4), at(3, 5),
+                                    at(2, 5), at(2, 6), at(2, 7), at(2, 8), at(2, 0)};
     Read straight(mesh, HMF_LOOP_VERTICES, {meridian(2)});
     for (size_t turn = 0; turn < wiggly.size(); ++turn) {
         std::vector<uint32_t> path(wiggly.begin() + static_cast<long>(turn), wiggly.end());
@@ -288,7 +295,7 @@ TEST_F(OnTorus, RandomDetoursDoNotMatter) {
             switch (random(6)) {
             case 0: path.push_back(mesh.origin[mesh.prev(h)]); break;       // over the triangle on the left
             case 1: path.push_back(mesh.origin[mesh.prev(twin(h))]); break; // or on the right
-            case 2: // there and back
+            case 2:                                                         // there and back
                 path.push_back(mesh.target(mesh.rotate_cw(h)));
                 path.push_back(here);
                 break;
@@ -376,8 +383,10 @@ TEST_F(OnTorus, NotSimple) {
 
 TEST_F(OnTorus, TouchingLoopsArePushedApart) {
     // Beside the meridian at 2, with a vertex or an edge in common, on either side.
-    const std::vector<uint32_t> right = {at(3, 0), at(3, 1), at(3, 2), at(3, 3), at(2, 3), at(2, 4), at(3, 5), at(3, 6), at(3, 7), at(3, 8)};
-    const std::vector<uint32_t> left = {at(1, 0), at(1, 1), at(1, 2), at(1, 3), at(2, 4), at(1, 4), at(1, 5), at(1, 6), at(1, 7), at(1, 8)};
+    const std::vector<uint32_t> right = {at(3, 0), at(3, 1), at(3, 2), at(3, 3), at(2, 3),
+                                         at(2, 4), at(3, 5), at(3, 6), at(3, 7), at(3, 8)};
+    const std::vector<uint32_t> left = {at(1, 0), at(1, 1), at(1, 2), at(1, 3), at(2, 4),
+                                        at(1, 4), at(1, 5), at(1, 6), at(1, 7), at(1, 8)};
     for (std::vector<uint32_t> other : {right, left})
         for (int way = 0; way < 4; ++way) {
             std::vector<uint32_t> straight = meridian(2);
@@ -389,7 +398,9 @@ TEST_F(OnTorus, TouchingLoopsArePushedApart) {
             }
         }
     // On both sides of it: they cross.
-    const std::vector<uint32_t> through = {at(1, 3), at(2, 4), at(3, 5), at(4, 6), at(4, 5), at(5, 5), at(6, 5), at(7, 5), at(8, 5), at(9, 5), at(10, 5), at(11, 5), at(0, 5), at(0, 4), at(0, 3)};
+    const std::vector<uint32_t> through = {at(1, 3),  at(2, 4),  at(3, 5), at(4, 6), at(4, 5),
+                                           at(5, 5),  at(6, 5),  at(7, 5), at(8, 5), at(9, 5),
+                                           at(10, 5), at(11, 5), at(0, 5), at(0, 4), at(0, 3)};
     EXPECT_EQ(vertices({meridian(2), through}).status(), HMF_ERROR_LOOP_CROSSING);
 }
 
@@ -410,12 +421,16 @@ TEST_F(OnTorus, Trivial) {
     // Round a vertex, and there and back.
     std::vector<uint32_t> ring;
     uint32_t h = mesh.out[at(4, 4)];
-    do { ring.push_back(mesh.face[h]); h = mesh.rotate_ccw(h); } while (h != mesh.out[at(4, 4)]);
+    do {
+        ring.push_back(mesh.face[h]);
+        h = mesh.rotate_ccw(h);
+    } while (h != mesh.out[at(4, 4)]);
     EXPECT_EQ(triangles({ring}).status(), HMF_ERROR_LOOP_TRIVIAL);
     Read r(mesh, HMF_LOOP_VERTICES, {meridian(2), {at(4, 4), at(5, 4), at(5, 5), at(5, 4)}});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_TRIVIAL);
     EXPECT_EQ(r.context.error.index, 1u);
-    EXPECT_EQ(vertices({{at(4, 4), at(5, 4), at(6, 4), at(6, 5), at(6, 6), at(5, 6), at(4, 6), at(4, 5)}}).status(), HMF_ERROR_LOOP_TRIVIAL);
+    EXPECT_EQ(vertices({{at(4, 4), at(5, 4), at(6, 4), at(6, 5), at(6, 6), at(5, 6), at(4, 6), at(4, 5)}}).status(),
+              HMF_ERROR_LOOP_TRIVIAL);
 }
 
 TEST_F(OnTorus, Parallel) {
@@ -438,7 +453,8 @@ TEST(CheckLoops, ParallelOnAPlate) {
     ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK);
     std::vector<std::vector<uint32_t>> faces(2);
     for (size_t l = 0; l < 2; ++l)
-        for (uint64_t i = loops.offsets[l]; i < loops.offsets[l + 1]; ++i) faces[l].push_back(mesh.face[loops.crossings[i]]);
+        for (uint64_t i = loops.offsets[l]; i < loops.offsets[l + 1]; ++i)
+            faces[l].push_back(mesh.face[loops.crossings[i]]);
     EXPECT_EQ(Read(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1]}).status(), HMF_OK);
     Read r(mesh, HMF_LOOP_TRIANGLES, {faces[0], faces[1], faces[0]});
     EXPECT_EQ(r.status(), HMF_ERROR_LOOP_PARALLEL);
@@ -462,7 +478,9 @@ std::vector<uint32_t> straight_line(uint32_t n, uint32_t m, int p, int q, double
     for (size_t i = 0; i < times.size(); ++i) {
         const double t = (times[i] + (i + 1 < times.size() ? times[i + 1] : times[0] + 1)) / 2;
         const double x = x0 + t * dx, y = y0 + t * dy, cx = std::floor(x), cy = std::floor(y);
-        const auto wrap = [](double c, uint32_t k) { return static_cast<uint32_t>(((static_cast<int>(c) % int(k)) + int(k)) % int(k)); };
+        const auto wrap = [](double c, uint32_t k) {
+            return static_cast<uint32_t>(((static_cast<int>(c) % int(k)) + int(k)) % int(k));
+        };
         faces.push_back(2 * (wrap(cx, n) * m + wrap(cy, m)) + (x - cx > y - cy ? 0 : 1));
     }
     return faces;
@@ -476,10 +494,15 @@ TEST(CheckLoops, StraightLinesOnATorus) {
         for (int q = 0; q <= 6; ++q) {
             if (p == 0 && q == 0) continue;
             int a = p < 0 ? -p : p, b = q;
-            while (b) { const int c = a % b; a = b; b = c; }
+            while (b) {
+                const int c = a % b;
+                a = b;
+                b = c;
+            }
             const auto line = straight_line(n, m, p, q, 0.3141, 0.2718);
             Read r(mesh, HMF_LOOP_TRIANGLES, {line});
-            EXPECT_EQ(r.status(), a == 1 ? HMF_OK : HMF_ERROR_LOOP_NOT_SIMPLE) << p << " " << q << " " << r.context.error.message;
+            EXPECT_EQ(r.status(), a == 1 ? HMF_OK : HMF_ERROR_LOOP_NOT_SIMPLE)
+                << p << " " << q << " " << r.context.error.message;
             if (a != 1) continue;
             Read two(mesh, HMF_LOOP_TRIANGLES, {line, straight_line(n, m, p, q, 0.7391, 0.0917)});
             EXPECT_EQ(two.status(), HMF_ERROR_LOOP_PARALLEL) << p << " " << q;
@@ -497,7 +520,8 @@ TEST(CheckLoops, SeparatingLoop) {
     std::vector<uint32_t> path;
     const auto find = [&](double y, double z) {
         for (uint32_t v = 0; v < plate.vertex_count(); ++v)
-            if (plate.positions[3 * v] == 2.5 && plate.positions[3 * v + 1] == y && plate.positions[3 * v + 2] == z) path.push_back(v);
+            if (plate.positions[3 * v] == 2.5 && plate.positions[3 * v + 1] == y && plate.positions[3 * v + 2] == z)
+                path.push_back(v);
     };
     for (int i = 0; i < 6; ++i) find(i / 2.0, 0);
     for (int i = 0; i < 2; ++i) find(3, i / 2.0);
@@ -538,7 +562,9 @@ void flip_at_random(test::MadeMesh& made, uint32_t count, uint64_t seed) {
 
 TEST(CutSystem, AfterRandomFlips) {
     for (uint64_t seed = 1; seed <= 60; ++seed) {
-        test::MadeMesh made(seed % 3 == 0 ? test::torus(3 + seed % 4, 3) : test::plate(1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed % 2)));
+        test::MadeMesh made(seed % 3 == 0
+                                ? test::torus(3 + seed % 4, 3)
+                                : test::plate(1 + static_cast<int>(seed % 4), 1 + static_cast<int>(seed % 2)));
         flip_at_random(made, static_cast<uint32_t>(40 * seed), seed);
         expect_cut_system(made, false);
         if (HasFailure()) FAIL() << "seed " << seed;
@@ -571,7 +597,8 @@ bool separates(const CutSurface& cut, const std::vector<char>& odd) {
 TEST(CutSystem, EachIsTheShortest) {
     for (uint64_t seed = 1; seed <= 9; ++seed) {
         const bool small = seed > 3;
-        test::MadeMesh made(seed % 3 == 0 ? test::torus(small ? 7 : 16, small ? 4 : 10) : test::plate(1 + static_cast<int>(seed % 3), 1, small ? 1 : 2));
+        test::MadeMesh made(seed % 3 == 0 ? test::torus(small ? 7 : 16, small ? 4 : 10)
+                                          : test::plate(1 + static_cast<int>(seed % 3), 1, small ? 1 : 2));
         if (seed % 2) flip_at_random(made, static_cast<uint32_t>(20 * seed), seed);
         uint64_t random = seed;
         for (double& x : made.positions) {
@@ -593,7 +620,8 @@ TEST(CutSystem, EachIsTheShortest) {
             for (size_t i = 0; i < n; ++i) found += length[edge_of(loop[i])];
             CutSurface cut;
             Signatures signatures;
-            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.memory) && signatures.build(cut, c.call));
+            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.memory)
+                        && signatures.build(cut, c.call));
             for (uint32_t root = 0; root < cut.region_count; ++root) {
                 std::vector<double> distance(cut.region_count, HUGE_VAL);
                 std::vector<uint32_t> through(cut.region_count, NONE);
@@ -613,7 +641,8 @@ TEST(CutSystem, EachIsTheShortest) {
                 }
                 for (uint32_t s = 0; s < cut.segment_count; ++s) {
                     const uint32_t ends[2] = {cut.region[2 * size_t{s}], cut.region[2 * size_t{s} + 1]};
-                    if (distance[ends[0]] + length[cut.segment_edge[s]] + distance[ends[1]] > found * (1 - 1e-9)) continue;
+                    if (distance[ends[0]] + length[cut.segment_edge[s]] + distance[ends[1]] > found * (1 - 1e-9))
+                        continue;
                     std::vector<char> odd(small ? cut.segment_count : 0, 0);
                     uint64_t signature = signatures.of[s];
                     if (small) odd[s] = 1;
@@ -622,7 +651,8 @@ TEST(CutSystem, EachIsTheShortest) {
                             signature ^= signatures.of[through[r] >> 1];
                             if (small) odd[through[r] >> 1] ^= 1;
                         }
-                    EXPECT_EQ(signature, 0u) << "seed " << seed << " loop " << k << " root " << root << " segment " << s;
+                    EXPECT_EQ(signature, 0u)
+                        << "seed " << seed << " loop " << k << " root " << root << " segment " << s;
                     if (small) { EXPECT_TRUE(separates(cut, odd)); }
                 }
             }

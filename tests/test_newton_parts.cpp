@@ -30,9 +30,11 @@ struct Combed {
     std::vector<int64_t> height, value;
     std::vector<uint32_t> stamp;
 
-    explicit Combed(const std::vector<int64_t>& along) : made(test::torus(around, static_cast<uint32_t>(along.size()))) {
+    explicit Combed(const std::vector<int64_t>& along) :
+        made(test::torus(around, static_cast<uint32_t>(along.size()))) {
         f.mesh = made.mesh();
-        for (uint32_t v = 0; v < f.mesh.vertex_count; ++v) height.push_back(100 * (v / static_cast<uint32_t>(along.size())) + along[v % along.size()]);
+        for (uint32_t v = 0; v < f.mesh.vertex_count; ++v)
+            height.push_back(100 * (v / static_cast<uint32_t>(along.size())) + along[v % along.size()]);
         stamp.assign(f.mesh.vertex_count, 0);
         f.stamp = stamp.data();
         f.members.start(memory);
@@ -71,7 +73,8 @@ void expect_combed(Combed& combed) {
     EXPECT_NEAR(model.residual_max, residual.max, 1e-12);
     EXPECT_NEAR(model.residual_sum / model.count, residual.mean, 1e-12);
     double largest_row = 0;
-    for (uint32_t k = 0; k < model.count; ++k) largest_row = std::max(largest_row, std::abs(model.right[k]) * static_cast<double>(model.row_scale[k]));
+    for (uint32_t k = 0; k < model.count; ++k)
+        largest_row = std::max(largest_row, std::abs(model.right[k]) * static_cast<double>(model.row_scale[k]));
     EXPECT_NEAR(largest_row, residual.max, 1e-6 * residual.max);
     EXPECT_TRUE(model.is_exact());
     model.assemble(f, rings, weight.data(), call);
@@ -193,7 +196,8 @@ TEST(TwistedModel, MinimumBetweenBounds) {
         LinearOptions options;
         options.fixed = model.fixed.data();
         options.fixed_count = model.fixed.size();
-        ASSERT_TRUE(multigrid.solve(model.matrix(), model.right.data(), model.d.data(), 1e-10, 100, call, options).converged);
+        ASSERT_TRUE(
+            multigrid.solve(model.matrix(), model.right.data(), model.d.data(), 1e-10, 100, call, options).converged);
         const bool released = model.release();
         any_released |= released;
         settled = model.project(combed.f, rings, patch, distance) == 0 && !released;
@@ -211,7 +215,8 @@ TEST(TwistedModel, MinimumBetweenBounds) {
 
 // One vertex is above or below all its neighbours; it is pulled back to the nearest.
 TEST(SettleExtremum, ReturnsToTheNearestNeighbour) {
-    for (const std::vector<int64_t>& along : {std::vector<int64_t>{0, 7, 3, 11, 5, 13, 2, 9}, std::vector<int64_t>{0, 0, 7, 7, 13, 13, 5, 5}})
+    for (const std::vector<int64_t>& along :
+         {std::vector<int64_t>{0, 7, 3, 11, 5, 13, 2, 9}, std::vector<int64_t>{0, 0, 7, 7, 13, 13, 5, 5}})
         for (const int side : {1, -1})
             for (uint32_t v = 30; v < 50; ++v) {
                 Combed combed(along);
@@ -248,7 +253,8 @@ void expect_taken_along(Combed& combed, uint32_t v, uint32_t x) {
     ASSERT_EQ(combed.count().broken_triangles, 0u);
     std::vector<double> weight(f.mesh.edge_count, 1);
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h)
-        if (f.mesh.origin[h] == v && f.mesh.target(h) != x) weight[edge_of(h)] = 12; // so that the first move is the best
+        if (f.mesh.origin[h] == v && f.mesh.target(h) != x)
+            weight[edge_of(h)] = 12; // so that the first move is the best
     Rings rings;
     Star star;
     ASSERT_TRUE(rings.build(f.mesh, weight.data(), combed.memory) && star.allocate(combed.memory, rings.max_degree));
@@ -298,7 +304,8 @@ TEST(Move, TakesAVertexOfDegreeTwoAlong) {
     ASSERT_EQ(check(mesh), nullptr);
     const uint32_t first = mesh.out[x], second = mesh.rotate_ccw(first);
     ASSERT_EQ(mesh.rotate_ccw(second), first);
-    ASSERT_TRUE((mesh.target(first) == v && mesh.target(second) == x + 8) || (mesh.target(first) == x + 8 && mesh.target(second) == v));
+    ASSERT_TRUE((mesh.target(first) == v && mesh.target(second) == x + 8)
+                || (mesh.target(first) == x + 8 && mesh.target(second) == v));
     combed.height[x] = combed.height[v];
     expect_taken_along(combed, v, x);
 }

@@ -26,7 +26,8 @@ struct Flat {
     std::vector<int32_t> cone;
 };
 
-Flat parameterize(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_parameterize_options* options = nullptr) {
+Flat parameterize(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
+                  const hmf_parameterize_options* options = nullptr) {
     Flat flat;
     hmf_level_info info{};
     if (hmf_level_counts(hierarchy.get(), level, &info, nullptr) != HMF_OK) return flat;
@@ -46,7 +47,8 @@ Flat parameterize(const Hierarchy& hierarchy, size_t level, const std::vector<do
     flat.numbers.cone = flat.cone.data();
     flat.numbers.dilatation = flat.dilatation.data();
     flat.numbers.differential = flat.differential.data();
-    flat.status = hmf_parameterize(hierarchy.get(), level, values.data(), values.size(), options, &flat.numbers, &flat.error);
+    flat.status =
+        hmf_parameterize(hierarchy.get(), level, values.data(), values.size(), options, &flat.numbers, &flat.error);
     return flat;
 }
 
@@ -78,16 +80,15 @@ void expect_flat_surface(const LevelMesh& mesh, const std::vector<double>& value
                 for (size_t x = 0; x < 2; ++x)
                     ASSERT_EQ(g[0] * flat.uv[2 * end[0] + x] + g[1 + x], flat.uv[2 * end[1] + x]) << "edge " << e;
             seams += flat.seam[e];
-            if (!flat.seam[e]) {
-                ASSERT_TRUE(g[0] == 1 && g[1] == 0 && g[2] == 0) << "edge " << e;
-            }
+            if (!flat.seam[e]) { ASSERT_TRUE(g[0] == 1 && g[1] == 0 && g[2] == 0) << "edge " << e; }
         }
     EXPECT_EQ(seams, flat.numbers.seam_edge_count);
     // Gauss and Bonnet.
     long sum = 0;
     for (const int32_t c : flat.cone) sum += 2 - c;
     EXPECT_EQ(sum, 4 - 4 * static_cast<long>(genus));
-    // The angle in the plane is the cone angle where no triangle at the vertex is flipped; u is the foliation but near the zeros.
+    // The angle in the plane is the cone angle where no triangle at the vertex is flipped; u is the foliation but near
+    // the zeros.
     std::vector<double> angle(mesh.vertex_count, 0), area(mesh.vertex_count, 0);
     std::vector<uint8_t> sound(mesh.vertex_count, 1);
     double image = 0;
@@ -131,7 +132,8 @@ void expect_flat_surface(const LevelMesh& mesh, const std::vector<double>& value
 double dilatation_of(const double* p[3], const double u[3], const double v[3]) {
     double a[3], b[3];
     for (int x = 0; x < 3; ++x) a[x] = p[1][x] - p[0][x], b[x] = p[2][x] - p[0][x];
-    const double e = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], f = a[0] * b[0] + a[1] * b[1] + a[2] * b[2], g = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+    const double e = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], f = a[0] * b[0] + a[1] * b[1] + a[2] * b[2],
+                 g = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
     const double du1 = u[1] - u[0], du2 = u[2] - u[0], dv1 = v[1] - v[0], dv2 = v[2] - v[0];
     // Squares of the singular values: roots of x^2 - trace x + determinant.
     const double det = e * g - f * f;
@@ -176,7 +178,9 @@ TEST(Parameterize, ModulusOfATorus) {
             exact += dilatation_of(p, u, v);
             found += std::fabs(flat.dilatation[t]);
         }
-        EXPECT_LT(found / static_cast<double>(mesh.triangle_count) - 1, 1.1 * (exact / static_cast<double>(mesh.triangle_count) - 1)) << n;
+        EXPECT_LT(found / static_cast<double>(mesh.triangle_count) - 1,
+                  1.1 * (exact / static_cast<double>(mesh.triangle_count) - 1))
+            << n;
     }
     EXPECT_LT(before, 2e-3);
 }
@@ -198,12 +202,11 @@ TEST(Parameterize, SurfacesOfSeveralGenera) {
         for (int ring = 0; ring < 2; ++ring) {
             const std::vector<uint8_t> inner = near;
             for (size_t e = 0; e < mesh.edge_count; ++e)
-                for (size_t x = 0; x < 2; ++x) near[mesh.edge_vertices[2 * e + x]] |= inner[mesh.edge_vertices[2 * e + 1 - x]];
+                for (size_t x = 0; x < 2; ++x)
+                    near[mesh.edge_vertices[2 * e + x]] |= inner[mesh.edge_vertices[2 * e + 1 - x]];
         }
         for (size_t t = 0; t < mesh.triangle_count; ++t) {
-            if (flat.dilatation[t] < 0) {
-                EXPECT_TRUE(near[mesh.triangle_vertices[3 * t]]) << "triangle " << t;
-            }
+            if (flat.dilatation[t] < 0) { EXPECT_TRUE(near[mesh.triangle_vertices[3 * t]]) << "triangle " << t; }
         }
     }
 }
@@ -240,7 +243,8 @@ TEST(Parameterize, DifferentialOfTheMap) {
         const double* p = &flat.uv[6 * t];
         double square = 0;
         for (size_t x = 0; x < 3; ++x) {
-            const double d = mesh.positions[3 * mesh.triangle_vertices[3 * t + 1] + x] - mesh.positions[3 * mesh.triangle_vertices[3 * t] + x];
+            const double d = mesh.positions[3 * mesh.triangle_vertices[3 * t + 1] + x]
+                           - mesh.positions[3 * mesh.triangle_vertices[3 * t] + x];
             square += d * d;
         }
         const double du = p[2] - p[0], dv = p[3] - p[1];
@@ -282,7 +286,8 @@ TEST(Parameterize, CoarseLevelsToo) {
         const Solution s = solve(hierarchy, nullptr, options);
         ASSERT_EQ(s.status, HMF_OK);
         const LevelMesh mesh = read_level(hierarchy, level);
-        const std::vector<double> values(s.values.begin(), s.values.begin() + static_cast<std::ptrdiff_t>(mesh.edge_count));
+        const std::vector<double> values(s.values.begin(),
+                                         s.values.begin() + static_cast<std::ptrdiff_t>(mesh.edge_count));
         expect_flat_surface(mesh, values, parameterize(hierarchy, level, values), 2);
     }
 }
@@ -382,8 +387,10 @@ TEST(Parameterize, Refusals) {
     EXPECT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_ERROR_OPTIONS);
 
     hmf_parameterization out{};
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_OPTIONS);
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, nullptr, nullptr), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr),
+              HMF_ERROR_OPTIONS);
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, nullptr, nullptr),
+              HMF_ERROR_NULL);
     EXPECT_EQ(hmf_parameterize(nullptr, 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_NULL);
     // Numbers only.
     out.struct_size = sizeof out;
@@ -392,7 +399,8 @@ TEST(Parameterize, Refusals) {
     double uv[6];
     out.corner_uv = uv;
     out.triangle_capacity = 1;
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_CAPACITY);
+    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr),
+              HMF_ERROR_CAPACITY);
 }
 
 TEST(Parameterize, CancelledAtEachCall) {

@@ -22,7 +22,8 @@ struct Outcome {
 };
 
 // From loops, or from values of a level where loops is NULL.
-Outcome run(const Hierarchy& hierarchy, const Loops* loops, const std::vector<double>& initial, size_t initial_level = 0, int32_t method = HMF_METHOD_NEWTON) {
+Outcome run(const Hierarchy& hierarchy, const Loops* loops, const std::vector<double>& initial,
+            size_t initial_level = 0, int32_t method = HMF_METHOD_NEWTON) {
     Outcome result;
     hmf_solve_options options = solve_options(method, 0);
     if (!loops) {
@@ -37,7 +38,8 @@ Outcome run(const Hierarchy& hierarchy, const Loops* loops, const std::vector<do
     report.level_capacity = levels.size();
     result.values.resize(hierarchy.edges(0));
     const hmf_loop_set set = loops ? loops->view() : hmf_loop_set{};
-    result.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, result.values.data(), result.values.size(), &report, &result.error);
+    result.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, result.values.data(),
+                              result.values.size(), &report, &result.error);
     result.energy = report.energy;
     for (const hmf_level_report& level : levels) result.linear_solves += level.linear_solves;
     return result;
@@ -71,7 +73,9 @@ TEST(Reuse, ResultOfAnotherGeometry) {
     const TriMesh mesh = pretzel(3, 3);
     for (const uint64_t seed : {1, 2, 3}) {
         SCOPED_TRACE(seed);
-        const Hierarchy first(mesh), second(transformed(jittered(mesh, 0.02, seed), {1.3, 0.1 * static_cast<double>(seed), 0, 0, 1, 0, 0, 0.2, 0.8}));
+        const Hierarchy first(mesh),
+            second(transformed(jittered(mesh, 0.02, seed),
+                               {1.3, 0.1 * static_cast<double>(seed), 0, 0, 1, 0, 0, 0.2, 0.8}));
         ASSERT_TRUE(first && second);
         const Loops loops = library_loops(first, 0);
         const Outcome before = run(first, &loops, {});
@@ -111,7 +115,9 @@ TEST(Reuse, OfAnyLevelWithAnyMethod) {
         for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
             SCOPED_TRACE(testing::Message() << "level " << level << " method " << method);
             std::vector<double> there(hierarchy.edges(level));
-            ASSERT_EQ(hmf_interpolate(hierarchy.get(), 0, scratch.values.data(), scratch.values.size(), level, there.data(), there.size(), nullptr), HMF_OK);
+            ASSERT_EQ(hmf_interpolate(hierarchy.get(), 0, scratch.values.data(), scratch.values.size(), level,
+                                      there.data(), there.size(), nullptr),
+                      HMF_OK);
             const Outcome reused = run(hierarchy, nullptr, there, level, method);
             ASSERT_LT(reused.status, HMF_CANCELLED) << reused.error.message;
             EXPECT_LT(relative(reused.energy, scratch.energy), method == HMF_METHOD_NEWTON ? 1e-10 : 2e-3);
@@ -121,7 +127,8 @@ TEST(Reuse, OfAnyLevelWithAnyMethod) {
 // Up and down the levels, with some moves on the way: restriction,
 // interpolation and moves keep the class, so the minimum is the same.
 TEST(Reuse, RandomWalksOverTheLevels) {
-    const TriMesh meshes[] = {pretzel(3, 3), with_random_flips(pretzel(2, 3), 80000, -1, 6), with_bad_triangles(pretzel(2, 3), 200, 0.01, 7)};
+    const TriMesh meshes[] = {pretzel(3, 3), with_random_flips(pretzel(2, 3), 80000, -1, 6),
+                              with_bad_triangles(pretzel(2, 3), 200, 0.01, 7)};
     for (size_t m = 0; m < 3; ++m) {
         const Hierarchy hierarchy(meshes[m], 0.6, 150);
         ASSERT_TRUE(hierarchy);
@@ -140,13 +147,17 @@ TEST(Reuse, RandomWalksOverTheLevels) {
                 const size_t next = step == 11 ? 0 : random.below(hierarchy.levels());
                 std::vector<double> there(hierarchy.edges(next));
                 hmf_error error{};
-                ASSERT_EQ(hmf_interpolate(hierarchy.get(), level, values.data(), values.size(), next, there.data(), there.size(), &error), HMF_OK) << error.message;
+                ASSERT_EQ(hmf_interpolate(hierarchy.get(), level, values.data(), values.size(), next, there.data(),
+                                          there.size(), &error),
+                          HMF_OK)
+                    << error.message;
                 level = next;
                 values = there;
                 const LevelMesh mesh = read_level(hierarchy, level);
                 expect_foliation(hierarchy, mesh, values);
                 if (random.below(2) == 0) continue;
-                const Solution moved = relax(hierarchy, level, values, solve_options(HMF_METHOD_WHITEHEAD, 1e-12, 1 + random.below(4)));
+                const Solution moved =
+                    relax(hierarchy, level, values, solve_options(HMF_METHOD_WHITEHEAD, 1e-12, 1 + random.below(4)));
                 ASSERT_LT(moved.status, HMF_CANCELLED) << moved.error.message;
                 values = moved.values;
                 expect_foliation(hierarchy, mesh, values);
@@ -163,8 +174,9 @@ TEST(Reuse, RandomWalksOverTheLevels) {
 // minimum of the class is the same in any case.
 TEST(Reuse, RoundTripOfTheInputMesh) {
     size_t exact = 0, moved = 0;
-    const TriMesh meshes[] = {pretzel(2, 3), with_random_flips(pretzel(2, 3), 6000, 0.9, 1), with_random_flips(pretzel(3, 2), 3000, 0.95, 2),
-                              with_random_flips(pretzel(2, 3), 80000, -1, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4)};
+    const TriMesh meshes[] = {
+        pretzel(2, 3), with_random_flips(pretzel(2, 3), 6000, 0.9, 1), with_random_flips(pretzel(3, 2), 3000, 0.95, 2),
+        with_random_flips(pretzel(2, 3), 80000, -1, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4)};
     for (const TriMesh& mesh : meshes) {
         const Hierarchy hierarchy(mesh);
         ASSERT_TRUE(hierarchy);
@@ -174,7 +186,9 @@ TEST(Reuse, RoundTripOfTheInputMesh) {
         double energy = 0;
         ASSERT_EQ(hmf_energy(hierarchy.get(), 0, values.data(), values.size(), &energy, nullptr), HMF_OK);
         std::vector<double> residual(mesh.vertex_count());
-        ASSERT_EQ(hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), nullptr), HMF_OK);
+        ASSERT_EQ(
+            hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), nullptr),
+            HMF_OK);
         const double residual_max = *std::max_element(residual.begin(), residual.end());
         if (solution.report.bad_flips == 0) {
             EXPECT_EQ(energy, solution.report.energy);
@@ -223,8 +237,10 @@ TEST(Reuse, Errors) {
     options.initial_count = good.values.size();
     std::vector<double> values(good.values.size(), -1);
     const auto status = [&](const hmf_loop_set* given) {
-        const hmf_status result = hmf_solve(hierarchy.get(), given, &options, values.data(), values.size(), nullptr, nullptr);
-        if (result >= HMF_ERROR_NULL) EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
+        const hmf_status result =
+            hmf_solve(hierarchy.get(), given, &options, values.data(), values.size(), nullptr, nullptr);
+        if (result >= HMF_ERROR_NULL)
+            EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
         return result;
     };
     EXPECT_EQ(status(&set), HMF_ERROR_OPTIONS);

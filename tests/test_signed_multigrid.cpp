@@ -26,13 +26,18 @@ struct Random {
     int sign() { return next() & 1024 ? 1 : -1; }
 };
 
-struct Edge { uint32_t i, j; double weight; int sign; };
+struct Edge {
+    uint32_t i, j;
+    double weight;
+    int sign;
+};
 
 struct System {
     std::vector<uint32_t> offset, column;
     std::vector<double> entry, diagonal;
 
-    System(uint32_t n, const std::vector<Edge>& edges, const std::vector<bool>& fixed = {}) : offset(n + 1, 0), diagonal(n, 0) {
+    System(uint32_t n, const std::vector<Edge>& edges, const std::vector<bool>& fixed = {}) :
+        offset(n + 1, 0), diagonal(n, 0) {
         const auto is_fixed = [&](uint32_t v) { return !fixed.empty() && fixed[v]; };
         for (uint32_t pass = 0; pass < 2; ++pass) {
             std::vector<uint32_t> at(offset.begin(), offset.end() - 1);
@@ -42,7 +47,10 @@ struct System {
                     if (is_fixed(i)) continue;
                     if (pass == 0) diagonal[i] += e.weight;
                     if (is_fixed(j)) continue;
-                    if (pass == 0) { ++offset[i + 1]; continue; }
+                    if (pass == 0) {
+                        ++offset[i + 1];
+                        continue;
+                    }
                     column[at[i]] = j;
                     entry[at[i]++] = e.weight * e.sign;
                 }
@@ -219,12 +227,12 @@ TEST(SignedMultigrid, ComponentsTinyRowsAndEmptyRows) {
         edges.push_back(e);
     }
     for (uint32_t i = 5000; i < 5200; i += 2) edges.push_back({i, i + 1, 1 + random.uniform(), random.sign()}); // pairs
-    for (uint32_t i = 5300; i < 5600; i += 3) {                           // frustrated triangles
+    for (uint32_t i = 5300; i < 5600; i += 3) { // frustrated triangles
         edges.push_back({i, i + 1, 1, 1});
         edges.push_back({i + 1, i + 2, 1, 1});
         edges.push_back({i, i + 2, 1, 1});
     }
-    const System s(5700, edges);                                          // 5200 .. 5299, 5600 .. are empty
+    const System s(5700, edges); // 5200 .. 5299, 5600 .. are empty
     const std::vector<double> b = s.times(noise(s.n(), random));
     const Outcome run = solve(s, b);
     EXPECT_TRUE(run.result.converged);
@@ -238,8 +246,8 @@ TEST(SignedMultigrid, ExtremeWeights) {
     for (uint32_t kind = 0; kind < 4; ++kind) {
         std::vector<Edge> edges = twisted_torus(100, 100, 8, random);
         for (Edge& e : edges) {
-            if (kind == 0 && random.below(10) == 0) e.weight = 1e-9;       // raised to the floor
-            if (kind == 1 && random.below(30) == 0) e.weight = 1e6;        // needles
+            if (kind == 0 && random.below(10) == 0) e.weight = 1e-9; // raised to the floor
+            if (kind == 1 && random.below(30) == 0) e.weight = 1e6;  // needles
             if (kind == 2) e.weight = std::pow(10, -9 + 15 * random.uniform());
             if (kind == 3 && (e.i / 100 / 20 % 2) != (e.j / 100 / 20 % 2)) e.weight = 1e-9; // bands that hardly touch
         }
@@ -257,7 +265,9 @@ TEST(SignedMultigrid, ExtremeWeights) {
 TEST(SignedMultigrid, HeavyIslandsThatHardlyTouchTheRest) {
     Random random(17);
     std::vector<Edge> edges = twisted_torus(100, 100, 8, random);
-    const auto island = [](uint32_t i) { return i % 100 % 10 < 2 && i / 100 % 10 < 2 ? i / 1000 * 10 + i % 100 / 10 : 100; };
+    const auto island = [](uint32_t i) {
+        return i % 100 % 10 < 2 && i / 100 % 10 < 2 ? i / 1000 * 10 + i % 100 / 10 : 100;
+    };
     for (Edge& e : edges) {
         if (island(e.i) != island(e.j)) e.weight = 1e-9;
         else if (island(e.i) < 100) e.weight = 1e6;
@@ -345,7 +355,8 @@ TEST(SignedMultigrid, RowsDecideWhenToStop) {
     const System s(10000, twisted_torus(100, 100, 8, random));
     const std::vector<double> b = noise(s.n(), random);
     std::vector<float> row_scale(s.n());
-    for (uint32_t i = 0; i < s.n(); ++i) row_scale[i] = static_cast<float>(i % 7 == 0 ? 0 : (0.5 + random.uniform()) / s.diagonal[i]);
+    for (uint32_t i = 0; i < s.n(); ++i)
+        row_scale[i] = static_cast<float>(i % 7 == 0 ? 0 : (0.5 + random.uniform()) / s.diagonal[i]);
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Call call(memory, nullptr, nullptr, nullptr);
     hmf::SignedMultigrid multigrid;
@@ -353,22 +364,26 @@ TEST(SignedMultigrid, RowsDecideWhenToStop) {
     uint32_t before = 0;
     for (double tolerance : {1e-2, 1e-4, 1e-8}) {
         std::vector<double> x(s.n(), 0);
-        const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 100, call, {row_scale.data(), tolerance});
+        const hmf::LinearResult result =
+            multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 100, call, {row_scale.data(), tolerance});
         EXPECT_TRUE(result.converged);
         EXPECT_GT(result.residual, 1e-13);
         EXPECT_GT(result.iterations, before);
         before = result.iterations;
         const std::vector<double> y = s.times(x);
         double largest = 0;
-        for (uint32_t i = 0; i < s.n(); ++i) largest = std::max(largest, std::abs(b[i] - y[i]) * static_cast<double>(row_scale[i]));
+        for (uint32_t i = 0; i < s.n(); ++i)
+            largest = std::max(largest, std::abs(b[i] - y[i]) * static_cast<double>(row_scale[i]));
         EXPECT_LE(largest, tolerance);
         EXPECT_NEAR(largest, result.row_residual, 1e-12);
     }
     // The other rule holds as well, and the limit.
     std::vector<double> x(s.n(), 0);
-    EXPECT_LE(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-2, 100, call, {row_scale.data(), 1e-12}).residual, 1e-2);
+    EXPECT_LE(multigrid.solve(s.matrix(), b.data(), x.data(), 1e-2, 100, call, {row_scale.data(), 1e-12}).residual,
+              1e-2);
     x.assign(s.n(), 0);
-    const hmf::LinearResult cut = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 3, call, {row_scale.data(), 1e-12});
+    const hmf::LinearResult cut =
+        multigrid.solve(s.matrix(), b.data(), x.data(), 1e-14, 3, call, {row_scale.data(), 1e-12});
     EXPECT_FALSE(cut.converged);
     EXPECT_GT(cut.row_residual, 1e-12);
 }
@@ -439,7 +454,10 @@ TEST(SignedMultigrid, SameBitsEveryTime) {
 }
 
 namespace {
-struct Failing { size_t left; size_t open; };
+struct Failing {
+    size_t left;
+    size_t open;
+};
 void* allocate(void* user, size_t size) {
     Failing& f = *static_cast<Failing*>(user);
     if (f.left == 0) return nullptr;
@@ -471,7 +489,10 @@ TEST(SignedMultigrid, EveryAllocationMayFail) {
 }
 
 namespace {
-struct Stop { int left; int32_t answer; };
+struct Stop {
+    int left;
+    int32_t answer;
+};
 int32_t stop(void* user, double) {
     Stop& s = *static_cast<Stop*>(user);
     return s.left-- > 0 ? HMF_PROGRESS_CONTINUE : s.answer;

@@ -19,7 +19,9 @@ constexpr double tight = 1e-12;
 constexpr uint64_t many = 200000;
 
 hmf_solve_options whitehead(double tolerance = tight) { return solve_options(HMF_METHOD_WHITEHEAD, tolerance, many); }
-hmf_solve_options single_level(double tolerance = tight) { return solve_options(HMF_METHOD_SINGLE_LEVEL, tolerance, many); }
+hmf_solve_options single_level(double tolerance = tight) {
+    return solve_options(HMF_METHOD_SINGLE_LEVEL, tolerance, many);
+}
 hmf_solve_options newton() { return solve_options(HMF_METHOD_NEWTON, 1e-9); }
 
 // The report says what the queries say.
@@ -35,7 +37,8 @@ void expect_report(const Hierarchy& hierarchy, const Solution& solution, size_t 
     hmf_error error{};
     double energy_now = 0;
     const size_t count = solution.values.size();
-    ASSERT_EQ(hmf_energy(hierarchy.get(), level, solution.values.data(), count, &energy_now, &error), HMF_OK) << error.message;
+    ASSERT_EQ(hmf_energy(hierarchy.get(), level, solution.values.data(), count, &energy_now, &error), HMF_OK)
+        << error.message;
     // Where the caller's mesh is not Delaunay, the way to its edges and back may push
     // a vertex out of the way of a flip (bad flips), which changes the state a little.
     const LevelMesh mesh = read_level(hierarchy, level);
@@ -45,14 +48,19 @@ void expect_report(const Hierarchy& hierarchy, const Solution& solution, size_t 
     hmf_level_info info{};
     ASSERT_EQ(hmf_level_counts(hierarchy.get(), level, &info, nullptr), HMF_OK);
     std::vector<double> residual(info.vertex_count);
-    ASSERT_EQ(hmf_residuals(hierarchy.get(), level, solution.values.data(), count, residual.data(), residual.size(), &error), HMF_OK) << error.message;
+    ASSERT_EQ(
+        hmf_residuals(hierarchy.get(), level, solution.values.data(), count, residual.data(), residual.size(), &error),
+        HMF_OK)
+        << error.message;
     EXPECT_NEAR(report.residual_max, *std::max_element(residual.begin(), residual.end()), 1e-12);
-    EXPECT_NEAR(report.residual_mean, std::accumulate(residual.begin(), residual.end(), 0.0) / static_cast<double>(residual.size()), 1e-12);
+    EXPECT_NEAR(report.residual_mean,
+                std::accumulate(residual.begin(), residual.end(), 0.0) / static_cast<double>(residual.size()), 1e-12);
 }
 
 // All loops have the same weight.
 void expect_result(const Hierarchy& hierarchy, const Solution& solution, size_t level = 0, double weight = 1) {
-    EXPECT_TRUE(solution.status == HMF_OK || solution.status == HMF_LIMIT_STALLED) << solution.status << ": " << solution.error.message;
+    EXPECT_TRUE(solution.status == HMF_OK || solution.status == HMF_LIMIT_STALLED)
+        << solution.status << ": " << solution.error.message;
     ASSERT_LT(solution.status, HMF_ERROR_NULL);
     const LevelMesh mesh = read_level(hierarchy, level);
     expect_foliation(hierarchy, mesh, solution.values);
@@ -80,7 +88,8 @@ TriMesh sheared_torus(uint64_t seed = 7) { // Delaunay, without symmetry
 
 // Columns of vertices from the first to the second end of an edge of a torus.
 long column_step(const LevelMesh& mesh, size_t e, size_t n, size_t m) {
-    const long d = static_cast<long>(mesh.edge_vertices[2 * e + 1] / m) - static_cast<long>(mesh.edge_vertices[2 * e] / m);
+    const long d =
+        static_cast<long>(mesh.edge_vertices[2 * e + 1] / m) - static_cast<long>(mesh.edge_vertices[2 * e] / m);
     const long half = static_cast<long>(n) / 2;
     return d > half ? d - static_cast<long>(n) : d < -half ? d + static_cast<long>(n) : d;
 }
@@ -94,14 +103,18 @@ TriMesh wild_torus() { // far from Delaunay
     return torus(around, across, 2, 1, options);
 }
 
-Loops pretzel_loops(const Hierarchy& hierarchy, size_t level) { return plate_loops(hierarchy, level, hmf_genus(hierarchy.get())); }
+Loops pretzel_loops(const Hierarchy& hierarchy, size_t level) {
+    return plate_loops(hierarchy, level, hmf_genus(hierarchy.get()));
+}
 
 Loops neck_loops(const Hierarchy& hierarchy, size_t level) {
     const LevelMesh mesh = read_level(hierarchy, level);
     Loops loops;
     loops.level = level;
-    loops.add(section(mesh, [](const double* p) { return p[0] - 0.00137; }, [](const double* p) { return p[1]; }));
-    loops.add(section(mesh, [](const double* p) { return p[0] - 9.00137; }, [](const double* p) { return p[1]; }));
+    loops.add(section(
+        mesh, [](const double* p) { return p[0] - 0.00137; }, [](const double* p) { return p[1]; }));
+    loops.add(section(
+        mesh, [](const double* p) { return p[0] - 9.00137; }, [](const double* p) { return p[1]; }));
     return loops;
 }
 
@@ -115,7 +128,9 @@ std::vector<Sample> samples() {
             {"finger", torus_with_finger(28, 14, 20, 8), [](const Hierarchy& h, size_t level) {
                  Loops loops;
                  loops.level = level;
-                 loops.add(section(read_level(h, level), [](const double* p) { return p[0] - 0.00137; }, [](const double* p) { return p[1]; }));
+                 loops.add(section(
+                     read_level(h, level), [](const double* p) { return p[0] - 0.00137; },
+                     [](const double* p) { return p[1]; }));
                  return loops;
              }}};
 }
@@ -133,12 +148,15 @@ constexpr uint64_t coarse_size = 250;
 // The harmonic 1-form on level 0 of a torus mesh n x m with period 1 round the axis:
 // |value| for each edge.
 std::vector<double> harmonic_form(const LevelMesh& mesh, size_t n, size_t m) {
-    const auto step = [&](size_t e) { return static_cast<double>(column_step(mesh, e, n, m)) / static_cast<double>(n); };
+    const auto step = [&](size_t e) {
+        return static_cast<double>(column_step(mesh, e, n, m)) / static_cast<double>(n);
+    };
     const auto count = static_cast<Eigen::Index>(mesh.vertex_count - 1); // vertex 0 stays
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (size_t e = 0; e < mesh.edge_count; ++e) {
-        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1, j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
+        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1,
+                           j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
         const double w = mesh.weights[e];
         if (i >= 0) entries.emplace_back(i, i, w), right[i] += w * step(e);
         if (j >= 0) entries.emplace_back(j, j, w), right[j] -= w * step(e);
@@ -151,7 +169,8 @@ std::vector<double> harmonic_form(const LevelMesh& mesh, size_t n, size_t m) {
     const Eigen::VectorXd f = solver.solve(right);
     std::vector<double> form(mesh.edge_count);
     for (size_t e = 0; e < mesh.edge_count; ++e) {
-        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1, j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
+        const Eigen::Index i = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e]) - 1,
+                           j = static_cast<Eigen::Index>(mesh.edge_vertices[2 * e + 1]) - 1;
         form[e] = std::abs(step(e) + (j >= 0 ? f[j] : 0) - (i >= 0 ? f[i] : 0));
     }
     return form;
@@ -165,10 +184,13 @@ std::vector<double> initial(const Hierarchy& hierarchy, const Loops& loops) {
     return values;
 }
 
-std::vector<double> interpolated(const Hierarchy& hierarchy, size_t from, const std::vector<double>& values, size_t to) {
+std::vector<double> interpolated(const Hierarchy& hierarchy, size_t from, const std::vector<double>& values,
+                                 size_t to) {
     std::vector<double> out(hierarchy.edges(to));
     hmf_error error{};
-    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error), HMF_OK) << error.message;
+    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error),
+              HMF_OK)
+        << error.message;
     return out;
 }
 
@@ -219,7 +241,8 @@ TEST(Initial, CountsCrossingsAndIsClosed) {
                 for (uint32_t e : crossed_edges(mesh, loops, c)) expected[e] += loops.weights[c];
             EXPECT_EQ(values, expected);
             expect_foliation(hierarchy, mesh, values);
-            for (size_t c = 0; c < loops.count(); ++c) EXPECT_EQ(shortest_crossing(mesh, loops, c, values), loops.weights[c]);
+            for (size_t c = 0; c < loops.count(); ++c)
+                EXPECT_EQ(shortest_crossing(mesh, loops, c, values), loops.weights[c]);
         }
     }
 }
@@ -321,7 +344,9 @@ TEST(Solve, EnergyAndResidualsByDefinition) {
         const LevelMesh mesh = read_level(hierarchy, level);
         EXPECT_LT(relative(energy(mesh, solution.values), solution.report.energy), 1e-12);
         std::vector<double> found(mesh.vertex_count);
-        ASSERT_EQ(hmf_residuals(hierarchy.get(), level, solution.values.data(), solution.values.size(), found.data(), found.size(), nullptr), HMF_OK);
+        ASSERT_EQ(hmf_residuals(hierarchy.get(), level, solution.values.data(), solution.values.size(), found.data(),
+                                found.size(), nullptr),
+                  HMF_OK);
         const std::vector<double> expected = residuals(mesh, solution.values);
         size_t compared = 0;
         double largest = 0;
@@ -388,8 +413,10 @@ TEST(Unique, AcrossHierarchiesAndMethods) {
         SCOPED_TRACE(sample.name);
         const Hierarchy fine(sample.mesh, 0.75, 350), coarse(sample.mesh, 0.25, 180);
         ASSERT_TRUE(fine && coarse);
-        const Loops on_fine = sample.loops(fine, fine.coarsest()), on_coarse = sample.loops(coarse, coarse.coarsest()), on_input = sample.loops(fine, 0);
-        const Solution a = solve(fine, &on_fine, whitehead()), b = solve(coarse, &on_coarse, whitehead()), c = solve(fine, &on_input, single_level());
+        const Loops on_fine = sample.loops(fine, fine.coarsest()), on_coarse = sample.loops(coarse, coarse.coarsest()),
+                    on_input = sample.loops(fine, 0);
+        const Solution a = solve(fine, &on_fine, whitehead()), b = solve(coarse, &on_coarse, whitehead()),
+                       c = solve(fine, &on_input, single_level());
         for (const Solution* s : {&a, &b, &c}) {
             expect_result(fine, *s);
             EXPECT_LT(relative(s->report.energy, a.report.energy), 1e-8);
@@ -438,7 +465,8 @@ TEST(Unique, CapsAndNeedles) {
         SCOPED_TRACE(sample.name);
         const Hierarchy hierarchy(sample.mesh, 0.5, coarse_size), other(sample.mesh, 0.75, 350);
         ASSERT_TRUE(hierarchy && other);
-        const Loops loops = sample.loops(hierarchy, hierarchy.coarsest()), other_loops = sample.loops(other, other.coarsest());
+        const Loops loops = sample.loops(hierarchy, hierarchy.coarsest()),
+                    other_loops = sample.loops(other, other.coarsest());
         const Solution paper = solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, 1e-9, 20000));
         EXPECT_TRUE(paper.status == HMF_OK || paper.status == HMF_LIMIT_ITERATIONS);
         expect_foliation(hierarchy, read_level(hierarchy, 0), paper.values);
@@ -477,7 +505,8 @@ TEST(Unique, RestrictionThereAndBack) {
     const std::vector<double> fine = initial(hierarchy, on_input);
     std::vector<double> coarse(hierarchy.edges(hierarchy.coarsest()));
     hmf_error error{};
-    const hmf_status status = hmf_interpolate(hierarchy.get(), 0, fine.data(), fine.size(), hierarchy.coarsest(), coarse.data(), coarse.size(), &error);
+    const hmf_status status = hmf_interpolate(hierarchy.get(), 0, fine.data(), fine.size(), hierarchy.coarsest(),
+                                              coarse.data(), coarse.size(), &error);
     if (status == HMF_ERROR_UNSUPPORTED) GTEST_SKIP() << "skipped: no restriction in this version";
     ASSERT_EQ(status, HMF_OK) << error.message;
     expect_foliation(hierarchy, read_level(hierarchy, hierarchy.coarsest()), coarse);
@@ -516,7 +545,9 @@ TEST(Unique, FlippedTorusIsClose) {
     const Hierarchy first(round, 0.5, coarse_size), second(flipped, 0.5, coarse_size);
     ASSERT_TRUE(first && second);
     const Loops a = meridian(first, first.coarsest()), b = meridian(second, second.coarsest());
-    EXPECT_LT(relative(solve(first, &a, whitehead(1e-9)).report.energy, solve(second, &b, whitehead(1e-9)).report.energy), 0.05);
+    EXPECT_LT(
+        relative(solve(first, &a, whitehead(1e-9)).report.energy, solve(second, &b, whitehead(1e-9)).report.energy),
+        0.05);
 }
 
 // --- Genus 1 -----------------------------------------------------------------
@@ -632,7 +663,8 @@ TEST(Scaling, RotationKeepsTheEnergy) {
     level.positions = transformed(points, back).positions;
     for (size_t k = 0; k < 2; ++k) {
         const double x = 2.0 * static_cast<double>(k) + 1.50137;
-        b.add(section(level, [x](const double* p) { return p[0] - x; }, [](const double* p) { return p[1] - 1.5; }));
+        b.add(section(
+            level, [x](const double* p) { return p[0] - x; }, [](const double* p) { return p[1] - 1.5; }));
     }
     const Solution u = solve(plain, &a, whitehead()), v = solve(turned, &b, whitehead());
     expect_result(turned, v);
@@ -659,7 +691,8 @@ TEST(Determinism, SameBitsTwiceAndFromManyThreads) {
         for (size_t i = 0; i < count; ++i)
             threads.emplace_back([&, i] {
                 const hmf_loop_set set = loops.view();
-                status[i] = hmf_solve(hierarchy.get(), &set, &options, results[i].data(), results[i].size(), nullptr, nullptr);
+                status[i] =
+                    hmf_solve(hierarchy.get(), &set, &options, results[i].data(), results[i].size(), nullptr, nullptr);
             });
         for (std::thread& thread : threads) thread.join();
         for (size_t i = 0; i < count; ++i) {

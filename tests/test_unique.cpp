@@ -16,7 +16,8 @@ TriMesh holes(size_t a, size_t b, size_t refinements, size_t smoothings) {
         for (size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i) + 0.03 * static_cast<double>(i * i % 7);
         return x;
     };
-    TriMesh mesh = voxel_surface(cuts(a), cuts(b), {0, 0.8}, [](size_t i, size_t j, size_t) { return i % 2 == 0 || j % 2 == 0; });
+    TriMesh mesh =
+        voxel_surface(cuts(a), cuts(b), {0, 0.8}, [](size_t i, size_t j, size_t) { return i % 2 == 0 || j % 2 == 0; });
     mesh.genus = a * b;
     for (size_t i = 0; i < refinements; ++i) mesh = subdivide(mesh);
     return smooth(mesh, smoothings);

@@ -10,70 +10,66 @@
 #include <string.h>
 
 struct mesh {
-    double *positions;   /* vertex_count x 3 */
-    uint32_t *triangles; /* triangle_count x 3 */
+    double* positions;   /* vertex_count x 3 */
+    uint32_t* triangles; /* triangle_count x 3 */
     size_t vertex_count, triangle_count;
 };
 
 /* Room for one more row of three; doubles at powers of two. */
-static void *grow(void *rows, size_t count, size_t size)
-{
+static void* grow(void* rows, size_t count, size_t size) {
     if (count & (count - 1)) return rows;
     rows = realloc(rows, (count ? 2 * count : 1) * 3 * size);
     if (!rows) exit((fprintf(stderr, "out of memory\n"), 5));
     return rows;
 }
 
-static void add_vertex(struct mesh *m, double x, double y, double z)
-{
-    double *p = m->positions = (double *)grow(m->positions, m->vertex_count, sizeof *p);
+static void add_vertex(struct mesh* m, double x, double y, double z) {
+    double* p = m->positions = (double*)grow(m->positions, m->vertex_count, sizeof *p);
     p += 3 * m->vertex_count++;
     p[0] = x, p[1] = y, p[2] = z;
 }
 
-static void add_triangle(struct mesh *m, unsigned long a, unsigned long b, unsigned long c)
-{
-    uint32_t *t = m->triangles = (uint32_t *)grow(m->triangles, m->triangle_count, sizeof *t);
+static void add_triangle(struct mesh* m, unsigned long a, unsigned long b, unsigned long c) {
+    uint32_t* t = m->triangles = (uint32_t*)grow(m->triangles, m->triangle_count, sizeof *t);
     t += 3 * m->triangle_count++;
     t[0] = (uint32_t)a, t[1] = (uint32_t)b, t[2] = (uint32_t)c;
 }
 
 /* Lines "v x y z" and "f a b c"; what follows a slash in "a/b/c" is not used. */
-static int read_obj(struct mesh *m, const char *path)
-{
+static int read_obj(struct mesh* m, const char* path) {
     char line[1024];
     double x, y, z;
     unsigned long a, b, c;
-    FILE *file = fopen(path, "r");
+    FILE* file = fopen(path, "r");
     if (!file) return 0;
     while (fgets(line, sizeof line, file)) {
         if (sscanf(line, "v %lf %lf %lf", &x, &y, &z) == 3) add_vertex(m, x, y, z);
-        else if (sscanf(line, "f %lu%*[^ ] %lu%*[^ ] %lu", &a, &b, &c) == 3 || sscanf(line, "f %lu %lu %lu", &a, &b, &c) == 3)
+        else if (sscanf(line, "f %lu%*[^ ] %lu%*[^ ] %lu", &a, &b, &c) == 3
+                 || sscanf(line, "f %lu %lu %lu", &a, &b, &c) == 3)
             add_triangle(m, a - 1, b - 1, c - 1);
     }
     fclose(file);
     return 1;
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char** argv) {
     struct mesh m = {NULL, NULL, 0, 0};
-    hmf_hierarchy *hierarchy = NULL;
+    hmf_hierarchy* hierarchy = NULL;
     hmf_error error = {0, 0, 0, ""};
     hmf_report report;
     hmf_status status;
     size_t edge_count, e;
-    double *values = NULL;
-    uint32_t *ends = NULL;
-    FILE *csv;
+    double* values = NULL;
+    uint32_t* ends = NULL;
+    FILE* csv;
 
     if (argc != 3) return fprintf(stderr, "usage: %s MESH.obj VALUES.csv\n", argv[0]), 2;
     if (!read_obj(&m, argv[1])) return perror(argv[1]), 5;
     memset(&report, 0, sizeof report);
     report.struct_size = (uint32_t)sizeof report;
     edge_count = m.triangle_count * 3 / 2;
-    values = (double *)malloc((edge_count + 1) * sizeof *values);
-    ends = (uint32_t *)malloc((edge_count + 1) * 2 * sizeof *ends);
+    values = (double*)malloc((edge_count + 1) * sizeof *values);
+    ends = (uint32_t*)malloc((edge_count + 1) * 2 * sizeof *ends);
     if (!values || !ends) return fprintf(stderr, "out of memory\n"), 5;
 
     status = hmf_build(m.positions, m.vertex_count, 0, m.triangles, m.triangle_count, NULL, &hierarchy, &error);

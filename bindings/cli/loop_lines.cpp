@@ -28,7 +28,8 @@ std::vector<Line> loop_lines(const Foliation& f, const LoopList& loops) {
             for (size_t s = 0; s < 9; ++s) {
                 const uint32_t edge = f.triangle_edges[3 * size_t(here) + s / 3];
                 if (edge != f.triangle_edges[3 * size_t(next) + s % 3]) continue;
-                line.push_back(mean(place(f, f.edge_vertices[2 * size_t(edge)]), place(f, f.edge_vertices[2 * size_t(edge) + 1])));
+                line.push_back(
+                    mean(place(f, f.edge_vertices[2 * size_t(edge)]), place(f, f.edge_vertices[2 * size_t(edge) + 1])));
                 break;
             }
         }

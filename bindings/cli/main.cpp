@@ -35,14 +35,16 @@ void check_outputs(const std::string& mesh, const SolveRequest& request) {
     for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.quads})
         if (!path.empty()) outputs.push_back(path);
     if (!request.obj.empty())
-        for (const char* extension : {".obj", ".mtl", ".png"}) outputs.push_back(with_extension(request.obj, extension));
+        for (const char* extension : {".obj", ".mtl", ".png"})
+            outputs.push_back(with_extension(request.obj, extension));
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
         for (const std::string& input : {mesh, request.loops, request.start})
             if (outputs[i] == input || std::filesystem::equivalent(outputs[i], input, code))
                 throw Failure(EXIT_USAGE, outputs[i] + ": is an input as well; give another name to the output");
         for (size_t j = 0; j < i; ++j)
-            if (outputs[i] == outputs[j]) throw Failure(EXIT_USAGE, outputs[i] + ": is asked for by two options; give two names");
+            if (outputs[i] == outputs[j])
+                throw Failure(EXIT_USAGE, outputs[i] + ": is asked for by two options; give two names");
     }
 }
 
@@ -78,8 +80,8 @@ int run(int argc, char** argv) {
     CLI::App app{"Harmonic measured foliations on closed triangle meshes", "hmf"};
     app.require_subcommand(1);
     const uint32_t version = hmf_version();
-    app.set_version_flag("--version", "hmf " + std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "." +
-                                          std::to_string(version % 100));
+    app.set_version_flag("--version", "hmf " + std::to_string(version / 10000) + "."
+                                          + std::to_string(version / 100 % 100) + "." + std::to_string(version % 100));
     app.footer("exit status: 0 solved; 2 usage; 3 bad input; 4 limit reached before convergence\n"
                "(the best result is still written); 5 out of memory or file error");
 
@@ -104,8 +106,12 @@ int run(int argc, char** argv) {
                      "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices")
         ->type_name("cut|handle|tunnel|pants|FILE")
         ->capture_default_str();
-    solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")->delimiter(',')->type_name("W,W,...");
-    solve_command->add_option("--start", request.start, "values of --values to start from, instead of loops: the class is theirs")
+    solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")
+        ->delimiter(',')
+        ->type_name("W,W,...");
+    solve_command
+        ->add_option("--start", request.start,
+                     "values of --values to start from, instead of loops: the class is theirs")
         ->type_name("FILE.csv")
         ->excludes("--loops");
     std::string method, collapse;
@@ -121,16 +127,28 @@ int run(int argc, char** argv) {
         ->type_name("midpoint|endpoint|qslim");
     solve_command->add_option("--ratio", request.ratio, "edges of a level / edges of the finer one, default 0.5");
     solve_command->add_option("--coarsest", request.coarsest, "vertices of the coarsest level, default 1000");
-    solve_command->add_option("--mollify", request.mollify, "accept triangles without area: margin of the triangle inequalities,\nin mean edge lengths, e.g. 1e-5");
-    solve_command->add_option("--tolerance", request.tolerance, "newton: largest residual, default 1e-8; others: change of energy, default 1e-6");
+    solve_command->add_option(
+        "--mollify", request.mollify,
+        "accept triangles without area: margin of the triangle inequalities,\nin mean edge lengths, e.g. 1e-5");
+    solve_command->add_option("--tolerance", request.tolerance,
+                              "newton: largest residual, default 1e-8; others: change of energy, default 1e-6");
     solve_command->add_option("--time-limit", request.time_limit, "seconds")->check(CLI::NonNegativeNumber);
     solve_command->add_option("--values", values, "F per edge: .csv (vertex,vertex,value) or .npy")->type_name("FILE");
     solve_command->add_option("--report", request.report, "numbers of the run, JSON")->type_name("FILE.json");
     solve_command->add_option("--history", request.history, "energy and residual over time")->type_name("FILE.csv");
-    solve_command->add_option("--obj", request.obj, "mesh with (u, v) per corner as texture coordinates;\nFILE.mtl and FILE.png (a checkerboard) come with it")->type_name("FILE.obj");
-    solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow, loops green")->type_name("FILE.png");
-    solve_command->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")->type_name("FILE.obj");
-    solve_command->add_option("--spacing", request.leaf_spacing, "distance of level sets, in the unit of the weights; default a tenth of the least weight")
+    solve_command
+        ->add_option(
+            "--obj", request.obj,
+            "mesh with (u, v) per corner as texture coordinates;\nFILE.mtl and FILE.png (a checkerboard) come with it")
+        ->type_name("FILE.obj");
+    solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow, loops green")
+        ->type_name("FILE.png");
+    solve_command
+        ->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")
+        ->type_name("FILE.obj");
+    solve_command
+        ->add_option("--spacing", request.leaf_spacing,
+                     "distance of level sets, in the unit of the weights; default a tenth of the least weight")
         ->check(CLI::PositiveNumber);
     std::string pattern = "stripes";
     solve_command->add_option("--pattern", pattern, "of the picture; squares are (u, v)")
@@ -138,14 +156,16 @@ int run(int argc, char** argv) {
         ->type_name("stripes|checkerboard")
         ->capture_default_str();
     solve_command->add_flag("--conjugate", request.conjugate, "leaves: also the lines across, where v is constant");
-    solve_command->add_option("--quads", request.quads, "quad mesh along the leaves, irregular only at the zeros")->type_name("FILE.obj");
-    solve_command->add_option("--size", request.quad_size, "wished length of an edge of a quad; default: half as many quads as triangles")->check(CLI::PositiveNumber);
+    solve_command->add_option("--quads", request.quads, "quad mesh along the leaves, irregular only at the zeros")
+        ->type_name("FILE.obj");
+    solve_command
+        ->add_option("--size", request.quad_size,
+                     "wished length of an edge of a quad; default: half as many quads as triangles")
+        ->check(CLI::PositiveNumber);
 
     try {
         app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? EXIT_SOLVED : EXIT_USAGE;
-    }
+    } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? EXIT_SOLVED : EXIT_USAGE; }
 
     if (*demo_command) return demo(folder);
     const Clock::time_point start = Clock::now();
@@ -160,7 +180,8 @@ int run(int argc, char** argv) {
     expect_extension("--quads", request.quads, {".obj"});
     expect_extension("--obj", request.obj, {".obj"});
     request.checkerboard = pattern == "checkerboard";
-    if (request.checkerboard && request.image.empty()) throw Failure(EXIT_USAGE, "--pattern says how --image looks; give --image FILE.png");
+    if (request.checkerboard && request.image.empty())
+        throw Failure(EXIT_USAGE, "--pattern says how --image looks; give --image FILE.png");
     if (!values.empty()) request.values = {values};
     if (!method.empty()) request.method = methods.at(method);
     if (!collapse.empty()) request.collapse = collapses.at(collapse);
@@ -178,12 +199,8 @@ int main(int argc, char** argv) {
     } catch (const cli::Failure& failure) {
         std::fprintf(stderr, "hmf: %s\n", failure.what());
         return failure.exit_status;
-    } catch (const std::bad_alloc&) {
+    } catch (const std::bad_alloc&) { std::fprintf(stderr, "hmf: out of memory\n"); } catch (const std::length_error&) {
         std::fprintf(stderr, "hmf: out of memory\n");
-    } catch (const std::length_error&) {
-        std::fprintf(stderr, "hmf: out of memory\n");
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "hmf: %s\n", error.what());
-    }
+    } catch (const std::exception& error) { std::fprintf(stderr, "hmf: %s\n", error.what()); }
     return cli::EXIT_RESOURCES;
 }

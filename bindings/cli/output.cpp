@@ -11,7 +11,8 @@ namespace cli {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const char* what) {
-    throw Failure(EXIT_RESOURCES, path + ": " + what + " (" + std::strerror(errno) + "); check the folder, the rights and the free space");
+    throw Failure(EXIT_RESOURCES, path + ": " + what + " (" + std::strerror(errno)
+                                      + "); check the folder, the rights and the free space");
 }
 
 } // namespace

@@ -4,8 +4,8 @@
 
 namespace cli {
 
-Parameterization parameterize(const hmf_hierarchy* hierarchy, const Foliation& foliation, hmf_progress_fn progress, void* progress_user,
-                              const std::string& name) {
+Parameterization parameterize(const hmf_hierarchy* hierarchy, const Foliation& foliation, hmf_progress_fn progress,
+                              void* progress_user, const std::string& name) {
     Parameterization result;
     result.corner_uv.resize(6 * foliation.triangle_count());
     hmf_parameterize_options options;
@@ -17,8 +17,10 @@ Parameterization parameterize(const hmf_hierarchy* hierarchy, const Foliation& f
     numbers.triangle_capacity = foliation.triangle_count();
     numbers.corner_uv = result.corner_uv.data();
     hmf_error error{};
-    const hmf_status status = hmf_parameterize(hierarchy, 0, foliation.values.data(), foliation.values.size(), &options, &numbers, &error);
-    if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, name + ": interrupted while parameterising; the other results were written");
+    const hmf_status status =
+        hmf_parameterize(hierarchy, 0, foliation.values.data(), foliation.values.size(), &options, &numbers, &error);
+    if (status == HMF_CANCELLED)
+        throw Failure(EXIT_LIMIT, name + ": interrupted while parameterising; the other results were written");
     if (status != HMF_OK) fail_with(status, error, name);
     numbers.corner_uv = nullptr;
     return result;

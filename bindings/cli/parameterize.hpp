@@ -11,12 +11,12 @@
 namespace cli {
 
 struct Parameterization {
-    std::vector<double> corner_uv;    // 2 per corner, 6 per triangle
-    hmf_parameterization numbers{};   // statistics; its arrays are gone
+    std::vector<double> corner_uv;  // 2 per corner, 6 per triangle
+    hmf_parameterization numbers{}; // statistics; its arrays are gone
 };
 
 // Throws Failure.
-Parameterization parameterize(const hmf_hierarchy* hierarchy, const Foliation& foliation, hmf_progress_fn progress, void* progress_user,
-                              const std::string& name);
+Parameterization parameterize(const hmf_hierarchy* hierarchy, const Foliation& foliation, hmf_progress_fn progress,
+                              void* progress_user, const std::string& name);
 
 } // namespace cli

@@ -232,7 +232,8 @@ double choose_period(const Foliation& foliation, const Potential& potential, dou
     for (int i = 0; i <= 2000; ++i) {
         const double period = wanted * (0.7 + 0.7 * i / 2000);
         double worst = 0;
-        for (double weight : foliation.loop_weights) worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
+        for (double weight : foliation.loop_weights)
+            worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
         if (worst < least) {
             least = worst;
             best = period;

@@ -30,8 +30,8 @@ enum class Piece : uint8_t {
 struct Potential {
     std::vector<std::array<double, 3>> u;
     std::vector<Piece> piece;
-    double step = 1;    // an even function of u whose period divides step is continuous on the surface
-    bool exact = true;  // false: the weights have no common divisor to speak of, seams are possible
+    double step = 1;   // an even function of u whose period divides step is continuous on the surface
+    bool exact = true; // false: the weights have no common divisor to speak of, seams are possible
 };
 
 // u is 0 at the zeros.

@@ -35,7 +35,8 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
             at += 2;
         }
         if (loops.count() > 0 && kind != loops.element_kind)
-            throw Failure(EXIT_BAD_INPUT, where + "loops of vertices and loops of triangles in one file; write all of them in one way");
+            throw Failure(EXIT_BAD_INPUT,
+                          where + "loops of vertices and loops of triangles in one file; write all of them in one way");
         loops.element_kind = kind;
         const bool triangles = kind == HMF_LOOP_TRIANGLES;
         const size_t limit = triangles ? triangle_count : vertex_count;
@@ -45,18 +46,22 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
             if (parsed.ec != std::errc() || (parsed.ptr != stop && *parsed.ptr != ' ')) {
                 const char* word = at;
                 while (at != stop && *at != ' ') ++at;
-                throw Failure(EXIT_BAD_INPUT, where + "\"" + std::string(word, at) + "\" is not an index; write whole numbers from 0, or t: and whole numbers");
+                throw Failure(EXIT_BAD_INPUT,
+                              where + "\"" + std::string(word, at)
+                                  + "\" is not an index; write whole numbers from 0, or t: and whole numbers");
             }
             at = parsed.ptr;
             if (index >= limit)
-                throw Failure(EXIT_BAD_INPUT, where + (triangles ? "triangle " : "vertex ") + std::to_string(index) +
-                                                  " does not exist; the mesh has " + std::to_string(limit) + ", counted from 0");
+                throw Failure(EXIT_BAD_INPUT, where + (triangles ? "triangle " : "vertex ") + std::to_string(index)
+                                                  + " does not exist; the mesh has " + std::to_string(limit)
+                                                  + ", counted from 0");
             loops.elements.push_back(index);
         }
         if (loops.elements.size() == loops.offsets.back())
             throw Failure(EXIT_BAD_INPUT, where + "a loop without elements");
         // A path that repeats its first element at the end means the same loop.
-        if (loops.elements.size() > loops.offsets.back() + 1 && loops.elements.back() == loops.elements[loops.offsets.back()])
+        if (loops.elements.size() > loops.offsets.back() + 1
+            && loops.elements.back() == loops.elements[loops.offsets.back()])
             loops.elements.pop_back();
         loops.offsets.push_back(loops.elements.size());
         loops.lines.push_back(line);

@@ -1,24 +1,18 @@
-// Triangle meshes from files: .obj .off .ply .stl.
+// Triangle meshes from files: .obj .off .ply .stl .gltf .glb.
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
+
+#include "../readers/mesh_formats.hpp"
 
 namespace cli {
 
-struct TriangleMesh {
-    std::vector<double> positions;   // 3 per vertex, in the order of the file
-    std::vector<uint32_t> triangles; // 3 per triangle; polygons become fans from their first corner
-    size_t vertex_count() const { return positions.size() / 3; }
-    size_t triangle_count() const { return triangles.size() / 3; }
-};
+using readers::TriangleMesh;
 
 // The whole file; throws Failure(EXIT_RESOURCES) when it cannot be read.
 std::string read_file(const std::string& path);
 
-// Keeps vertices and triangles as they are in the file; only in .stl, which
-// has no vertices of its own, equal points become one vertex.  Throws Failure.
+// See readers::read_mesh.  The extension says the format; where there is none, the content.  Throws Failure.
 TriangleMesh read_mesh(const std::string& path);
 
 // Lower-case extension with its dot, or "".

@@ -23,7 +23,8 @@ std::vector<double> read_values(const std::string& path, const std::vector<uint3
         while (at != stop && is_blank()) ++at;
         if (at == stop) continue;
         const std::string where = path + ":" + std::to_string(line) + ": ";
-        if (values.size() == edges) throw Failure(EXIT_BAD_INPUT, where + "more lines than the mesh has edges (" + std::to_string(edges) + ")");
+        if (values.size() == edges)
+            throw Failure(EXIT_BAD_INPUT, where + "more lines than the mesh has edges (" + std::to_string(edges) + ")");
         uint32_t vertex[2] = {0, 0};
         double value = 0;
         bool good = true;
@@ -39,15 +40,20 @@ std::vector<double> read_values(const std::string& path, const std::vector<uint3
         comma();
         number(value);
         while (good && at != stop && is_blank()) ++at;
-        if (!good || at != stop) throw Failure(EXIT_BAD_INPUT, where + "not a line vertex,vertex,value; give a file that --values has written");
+        if (!good || at != stop)
+            throw Failure(EXIT_BAD_INPUT,
+                          where + "not a line vertex,vertex,value; give a file that --values has written");
         const size_t e = values.size();
         if (vertex[0] != edge_vertices[2 * e] || vertex[1] != edge_vertices[2 * e + 1])
-            throw Failure(EXIT_BAD_INPUT, where + "edge " + std::to_string(e) + " of the mesh joins the vertices " + std::to_string(edge_vertices[2 * e]) +
-                                              " and " + std::to_string(edge_vertices[2 * e + 1]) + "; the file belongs to other triangles");
+            throw Failure(EXIT_BAD_INPUT, where + "edge " + std::to_string(e) + " of the mesh joins the vertices "
+                                              + std::to_string(edge_vertices[2 * e]) + " and "
+                                              + std::to_string(edge_vertices[2 * e + 1])
+                                              + "; the file belongs to other triangles");
         values.push_back(value);
     }
     if (values.size() != edges)
-        throw Failure(EXIT_BAD_INPUT, path + ": " + std::to_string(values.size()) + " values for " + std::to_string(edges) + " edges");
+        throw Failure(EXIT_BAD_INPUT,
+                      path + ": " + std::to_string(values.size()) + " values for " + std::to_string(edges) + " edges");
     return values;
 }
 

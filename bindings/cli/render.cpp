@@ -38,7 +38,8 @@ Vec unit(Vec a) {
 }
 
 using Colour = Vec; // linear light
-constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02}, GREEN{0.01, 0.33, 0.06};
+constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02},
+    GREEN{0.01, 0.33, 0.06};
 
 // Principal axes of the points, the smallest first, by Jacobi rotations.
 std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
@@ -116,8 +117,8 @@ Camera place_camera(const std::vector<Vec>& points) {
             high[a] = i ? std::max(high[a], c[a]) : c[a];
         }
     }
-    camera.centre = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up +
-                    0.5 * (low[2] + high[2]) * camera.forward;
+    camera.centre = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up
+                  + 0.5 * (low[2] + high[2]) * camera.forward;
     // Perspective moves near parts outward: centre what is seen, and again.
     for (int round = 0; round < 4; ++round) {
         camera.back = 0;
@@ -135,7 +136,9 @@ Camera place_camera(const std::vector<Vec>& points) {
             bottom = std::min(bottom, -c.y / c.z);
             top = std::max(top, -c.y / c.z);
         }
-        if (round < 3) camera.centre = camera.centre + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
+        if (round < 3)
+            camera.centre =
+                camera.centre + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
     }
     return camera;
 }
@@ -184,8 +187,9 @@ double potential_at(Piece piece, const std::array<double, 3>& u, const double* b
 
 class Canvas {
 public:
-    explicit Canvas(const Camera& camera)
-        : focal_(camera.focal), depth_(size_t(W) * H, 0.0f), normal_(size_t(W) * H, {0, 0, 0}), colour_(size_t(W) * H, {0, 0, 0}) {}
+    explicit Canvas(const Camera& camera) :
+        focal_(camera.focal), depth_(size_t(W) * H, 0.0f), normal_(size_t(W) * H, {0, 0, 0}),
+        colour_(size_t(W) * H, {0, 0, 0}) {}
 
     // Calls paint(barycentric, change of it per sample to the right and down)
     // for each visible sample.
@@ -264,7 +268,8 @@ public:
                         if (depth_[at] > 0) {
                             const auto& q = colour_[at];
                             const double open = light[size_t(y) * WIDTH + x];
-                            c = {open * q[0] * q[0] / 65025.0, open * q[1] * q[1] / 65025.0, open * q[2] * q[2] / 65025.0};
+                            c = {open * q[0] * q[0] / 65025.0, open * q[1] * q[1] / 65025.0,
+                                 open * q[2] * q[2] / 65025.0};
                         }
                         sum = sum + c;
                     }
@@ -288,7 +293,8 @@ private:
     static Colour shade(Colour albedo, Vec n, Vec view) {
         static const Vec key = unit({-0.45, 0.75, 0.65}), fill = unit({0.85, 0.1, 0.45});
         const double sky = 0.5 + 0.5 * n.y;
-        const double diffuse = 0.22 + 0.18 * sky + 0.68 * std::max(0.0, dot(n, key)) + 0.17 * std::max(0.0, dot(n, fill));
+        const double diffuse =
+            0.22 + 0.18 * sky + 0.68 * std::max(0.0, dot(n, key)) + 0.17 * std::max(0.0, dot(n, fill));
         const Vec half = unit(key + view);
         const double shine = 0.10 * std::pow(std::max(0.0, dot(n, half)), 45.0);
         const double rim = 0.05 * std::pow(1 - std::clamp(dot(n, view), 0.0, 1.0), 3.0);
@@ -391,7 +397,8 @@ std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vecto
         const size_t v = triangles[k];
         Vec sum;
         for (size_t r = start[v]; r < start[v + 1]; ++r)
-            if (dot(face[around[r] / 3], face[k / 3]) > CREASE_COSINE) sum = sum + angle[around[r]] * face[around[r] / 3];
+            if (dot(face[around[r] / 3], face[k / 3]) > CREASE_COSINE)
+                sum = sum + angle[around[r]] * face[around[r] / 3];
         normal[k] = outward * unit(sum);
     }
     return normal;
@@ -400,18 +407,21 @@ std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vecto
 // Only the part above the tangent plane: the rest of it would come out on the
 // other side of a thin sheet.
 void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour colour) {
-    const Vec across = unit(cross(outward, std::fabs(outward.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})), along = cross(outward, across);
+    const Vec across = unit(cross(outward, std::fabs(outward.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})),
+              along = cross(outward, across);
     constexpr int RINGS = 16, SECTORS = 48;
     constexpr double POLAR = 1.75; // a little more than a half
     const auto corner = [&](int ring, int sector) {
         const double polar = POLAR * ring / RINGS, turn = 6.283185307179586 * sector / SECTORS;
-        const Vec n = std::sin(polar) * std::cos(turn) * across + std::sin(polar) * std::sin(turn) * along + std::cos(polar) * outward;
+        const Vec n = std::sin(polar) * std::cos(turn) * across + std::sin(polar) * std::sin(turn) * along
+                    + std::cos(polar) * outward;
         return Corner{centre + radius * n, n};
     };
     const auto paint = [&](const double*, const double*, const double*) { return colour; };
     for (int ring = 0; ring < RINGS; ++ring)
         for (int sector = 0; sector < SECTORS; ++sector) {
-            const Corner a = corner(ring, sector), b = corner(ring, sector + 1), c = corner(ring + 1, sector + 1), d = corner(ring + 1, sector);
+            const Corner a = corner(ring, sector), b = corner(ring, sector + 1), c = corner(ring + 1, sector + 1),
+                         d = corner(ring + 1, sector);
             canvas.triangle(a, b, c, paint);
             canvas.triangle(a, c, d, paint);
         }
@@ -419,7 +429,8 @@ void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour 
 
 // A straight piece of a line, with a round end.
 void draw_rod(Canvas& canvas, Vec from, Vec to, double radius, Colour colour) {
-    const Vec axis = unit(to - from), across = unit(cross(axis, std::fabs(axis.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})), along = cross(axis, across);
+    const Vec axis = unit(to - from), across = unit(cross(axis, std::fabs(axis.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})),
+              along = cross(axis, across);
     constexpr int SECTORS = 12, RINGS = 3;
     const auto paint = [&](const double*, const double*, const double*) { return colour; };
     const auto direction = [&](int sector) {
@@ -451,11 +462,13 @@ double pattern_period(const Foliation& foliation, const Potential& potential) {
         low[i % 3] = i < 3 ? x : std::min(low[i % 3], x);
         high[i % 3] = i < 3 ? x : std::max(high[i % 3], x);
     }
-    const double size = std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]) + (high[2] - low[2]) * (high[2] - low[2]));
+    const double size = std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1])
+                                  + (high[2] - low[2]) * (high[2] - low[2]));
     return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
 }
 
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard, const std::vector<Line>& loops) {
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard,
+             const std::vector<Line>& loops) {
     std::vector<Vec> points(foliation.positions.size() / 3);
     for (size_t v = 0; v < points.size(); ++v)
         points[v] = {foliation.positions[3 * v], foliation.positions[3 * v + 1], foliation.positions[3 * v + 2]};
@@ -507,7 +520,8 @@ Image render(const Foliation& foliation, const Potential& potential, const Param
         for (size_t i = 0; i < loop.size(); ++i) {
             const auto& p = loop[i];
             const auto& q = loop[i + 1 < loop.size() ? i + 1 : 0];
-            draw_rod(canvas, camera.to_camera({p[0], p[1], p[2]}), camera.to_camera({q[0], q[1], q[2]}), 0.0035 * size, GREEN);
+            draw_rod(canvas, camera.to_camera({p[0], p[1], p[2]}), camera.to_camera({q[0], q[1], q[2]}), 0.0035 * size,
+                     GREEN);
         }
     // One corner of each vertex, for its normal.
     std::vector<size_t> corner_of(points.size(), 0);

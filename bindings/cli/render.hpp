@@ -20,6 +20,7 @@ struct Image {
 double pattern_period(const Foliation& foliation, const Potential& potential);
 
 // checkerboard: squares of (u, v) in place of the stripes; NULL: stripes.
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard, const std::vector<Line>& loops);
+Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard,
+             const std::vector<Line>& loops);
 
 } // namespace cli

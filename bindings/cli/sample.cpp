@@ -85,7 +85,11 @@ bool single_sheets(const std::vector<double>& value, const size_t (&n)[3], const
                 }
                 unsigned inside = 0;
                 for (unsigned corner = 0; corner < 8; ++corner)
-                    inside |= unsigned(value[cell + (corner & 1u) + (corner >> 1 & 1u) * stride[1] + (corner >> 2) * stride[2]] < 0) << corner;
+                    inside |=
+                        unsigned(
+                            value[cell + (corner & 1u) + (corner >> 1 & 1u) * stride[1] + (corner >> 2) * stride[2]]
+                            < 0)
+                        << corner;
                 for (unsigned corner = 0; corner < 4; ++corner) {
                     const unsigned opposite = 1u << corner | 1u << (7 - corner);
                     if (inside == opposite || inside == (0xffu ^ opposite)) return false;
@@ -102,14 +106,16 @@ TriangleMesh make_sample() {
     std::vector<double> value(n[0] * n[1] * n[2]);
     double shift = 0;
     const auto grid_point = [&](size_t i, size_t j, size_t k) {
-        return Point{LOW_XY - shift + CELL * double(i), LOW_XY - shift + CELL * double(j), LOW_Z - shift / 2 + CELL * double(k)};
+        return Point{LOW_XY - shift + CELL * double(i), LOW_XY - shift + CELL * double(j),
+                     LOW_Z - shift / 2 + CELL * double(k)};
     };
     // Moves the grid until no plane of it touches the surface at a saddle.
     for (int attempt = 0; attempt < 20; ++attempt) {
         shift = 0.003 * attempt;
         for (size_t k = 0; k < n[2]; ++k)
             for (size_t j = 0; j < n[1]; ++j)
-                for (size_t i = 0; i < n[0]; ++i) value[i + j * stride[1] + k * stride[2]] = sample_function(grid_point(i, j, k));
+                for (size_t i = 0; i < n[0]; ++i)
+                    value[i + j * stride[1] + k * stride[2]] = sample_function(grid_point(i, j, k));
         if (single_sheets(value, n, stride)) break;
     }
 
@@ -147,10 +153,12 @@ TriangleMesh make_sample() {
         for (size_t j = 1; j + 1 < n[1]; ++j)
             for (size_t i = 1; i + 1 < n[0]; ++i)
                 for (size_t a = 0; a < 3; ++a) {
-                    const size_t start = i + j * stride[1] + k * stride[2], b = stride[(a + 1) % 3], c = stride[(a + 2) % 3];
+                    const size_t start = i + j * stride[1] + k * stride[2], b = stride[(a + 1) % 3],
+                                 c = stride[(a + 2) % 3];
                     const bool low = value[start] < 0, high = value[start + stride[a]] < 0;
                     if (low == high) continue;
-                    std::array<uint32_t, 4> quad{vertex[start], vertex[start - b], vertex[start - b - c], vertex[start - c]};
+                    std::array<uint32_t, 4> quad{vertex[start], vertex[start - b], vertex[start - b - c],
+                                                 vertex[start - c]};
                     if (high) std::swap(quad[1], quad[3]);
                     quads.push_back(quad);
                 }

@@ -175,15 +175,18 @@ Foliation collect(const hmf_hierarchy* hierarchy, const TriangleMesh& mesh, std:
     f.triangle_edges.resize(mesh.triangles.size());
     f.edge_vertices.resize(2 * values.size());
     check(hmf_level_triangle_vertices(hierarchy, 0, f.triangles.data(), f.triangles.size(), &error), error, name);
-    check(hmf_level_triangle_edges(hierarchy, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error, name);
+    check(hmf_level_triangle_edges(hierarchy, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error,
+          name);
     check(hmf_level_edge_vertices(hierarchy, 0, f.edge_vertices.data(), f.edge_vertices.size(), &error), error, name);
     f.values = std::move(values);
     f.loop_weights = std::move(loop_weights);
     size_t count = 0;
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, &error),
+    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr,
+                            0, &count, &error),
           error, name);
     f.singular.resize(count);
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, f.singular.data(), count, &count, &error),
+    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0,
+                            f.singular.data(), count, &count, &error),
           error, name);
     return f;
 }
@@ -198,7 +201,8 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     LoopList loops;
     if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path : {request.report, request.history, request.image, request.leaves, request.quads, request.obj})
+    for (const std::string& path :
+         {request.report, request.history, request.image, request.leaves, request.quads, request.obj})
         if (!path.empty()) check_writable(path);
 
     InterruptGuard guard;
@@ -234,8 +238,8 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     // Without loops the weights are for the pictures only.
     if (weights.empty()) weights.assign(has_start ? 1 : loops.count(), 1.0);
     if (weights.size() != loops.count() && !has_start)
-        throw Failure(EXIT_USAGE, "--weights: " + std::to_string(weights.size()) + " weights for " + std::to_string(loops.count()) +
-                                      " loops; give one weight per loop");
+        throw Failure(EXIT_USAGE, "--weights: " + std::to_string(weights.size()) + " weights for "
+                                      + std::to_string(loops.count()) + " loops; give one weight per loop");
     hmf_loop_set loop_set{};
     loop_set.struct_size = sizeof loop_set;
     loop_set.element_kind = loops.element_kind;
@@ -268,18 +272,22 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     std::vector<double> values(finest.edge_count);
     if (has_start) {
         std::vector<uint32_t> edge_vertices(2 * finest.edge_count);
-        check(hmf_level_edge_vertices(hierarchy.get(), 0, edge_vertices.data(), edge_vertices.size(), &error), error, name);
+        check(hmf_level_edge_vertices(hierarchy.get(), 0, edge_vertices.data(), edge_vertices.size(), &error), error,
+              name);
         values = read_values(request.start, edge_vertices);
         options.initial_values = values.data();
         options.initial_count = values.size();
     }
     progress.part("solve", 0.35, 1);
-    const hmf_status status = hmf_solve(hierarchy.get(), has_start ? nullptr : &loop_set, &options, values.data(), values.size(), &report, &error);
+    const hmf_status status = hmf_solve(hierarchy.get(), has_start ? nullptr : &loop_set, &options, values.data(),
+                                        values.size(), &report, &error);
     progress.clear();
     if (status >= HMF_ERROR_NULL) {
-        if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP && error.index < loops.lines.size())
+        if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP
+            && error.index < loops.lines.size())
             fail_with(status, error, request.loops + ":" + std::to_string(loops.lines[error.index]));
-        fail_with(status, error, has_start && status >= HMF_ERROR_VALUE_NOT_FINITE && status < 600 ? request.start : name);
+        fail_with(status, error,
+                  has_start && status >= HMF_ERROR_VALUE_NOT_FINITE && status < 600 ? request.start : name);
     }
     if (!report.values_written) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
     summary.levels.resize(std::min<uint64_t>(report.level_count, summary.levels.size()));
@@ -299,15 +307,21 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
         else write_values_csv(path, foliation);
     if (!request.history.empty()) write_history(request.history, history);
-    if (!request.leaves.empty() && status == HMF_OK) summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
-    if (!request.quads.empty()) summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
-    if (!request.leaves.empty()) summary.leaves = write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, request.conjugate, name);
+    if (!request.leaves.empty() && status == HMF_OK)
+        summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
+    if (!request.quads.empty())
+        summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
+    if (!request.leaves.empty())
+        summary.leaves =
+            write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, request.conjugate, name);
     const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
     // Asked for, or for the report, which tells how conformal the result is.
     const bool asked = request.checkerboard || !request.obj.empty();
     Parameterization parameterization;
     std::exception_ptr no_parameterization;
-    if (asked || (!request.report.empty() && status == HMF_OK && request.method != HMF_METHOD_WHITEHEAD && request.method != HMF_METHOD_SINGLE_LEVEL)) {
+    if (asked
+        || (!request.report.empty() && status == HMF_OK && request.method != HMF_METHOD_WHITEHEAD
+            && request.method != HMF_METHOD_SINGLE_LEVEL)) {
         progress.part("unfold", 0, 1);
         try {
             parameterization = parameterize(hierarchy.get(), foliation, Progress::callback, &progress, name);
@@ -319,17 +333,20 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
         }
         progress.clear();
     }
-    if (!request.obj.empty() && summary.parameterized) write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
+    if (!request.obj.empty() && summary.parameterized)
+        write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
     if (!request.image.empty()) {
         const LoopList drawn = loop_level == 0 ? loops : library_loops(hierarchy.get(), 0, kind, name);
-        write_png(request.image, render(foliation, potential, request.checkerboard && summary.parameterized ? &parameterization : nullptr,
+        write_png(request.image, render(foliation, potential,
+                                        request.checkerboard && summary.parameterized ? &parameterization : nullptr,
                                         loop_lines(foliation, drawn)));
     }
     if (!request.report.empty()) write_report(request.report, summary);
 
-    std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n", name.c_str(),
-                summary.genus, summary.edges, summary.loops, report.energy, report.residual_max,
-                static_cast<unsigned long long>(report.zeros), static_cast<unsigned long long>(report.poles), summary.total_seconds);
+    std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n",
+                name.c_str(), summary.genus, summary.edges, summary.loops, report.energy, report.residual_max,
+                static_cast<unsigned long long>(report.zeros), static_cast<unsigned long long>(report.poles),
+                summary.total_seconds);
     if (status != HMF_OK) {
         std::fflush(stdout);
         std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(),
@@ -357,8 +374,9 @@ int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
     progress.clear();
     if (status != HMF_OK) {
         if (json && status >= 300 && status < 400) {
-            const nlohmann::ordered_json refused = {{"mesh", mesh_name}, {"valid", false}, {"status", status},
-                                                    {"text", hmf_status_string(status)}, {"message", error.message}, {"index", error.index}};
+            const nlohmann::ordered_json refused = {{"mesh", mesh_name},        {"valid", false},
+                                                    {"status", status},         {"text", hmf_status_string(status)},
+                                                    {"message", error.message}, {"index", error.index}};
             std::printf("%s\n", refused.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
         }
         fail_with(status, error, mesh_name);
@@ -381,8 +399,8 @@ int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
         for (size_t s = 0; s < 3; ++s) {
             square[s] = 0;
             for (size_t a = 0; a < 3; ++a) {
-                const double d = mesh.positions[3 * size_t(mesh.triangles[3 * t + s]) + a] -
-                                 mesh.positions[3 * size_t(mesh.triangles[3 * t + (s + 1) % 3]) + a];
+                const double d = mesh.positions[3 * size_t(mesh.triangles[3 * t + s]) + a]
+                               - mesh.positions[3 * size_t(mesh.triangles[3 * t + (s + 1) % 3]) + a];
                 square[s] += d * d;
             }
             edge_sum += std::sqrt(square[s]);
@@ -422,11 +440,13 @@ int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
     std::printf("  vertices       %llu\n", static_cast<unsigned long long>(counts.vertex_count));
     std::printf("  edges          %llu\n", static_cast<unsigned long long>(counts.edge_count));
     std::printf("  triangles      %llu\n", static_cast<unsigned long long>(counts.triangle_count));
-    std::printf("  not Delaunay   %lld edges (%.2f %%)\n", static_cast<long long>(negative), 100.0 * double(negative) / double(counts.edge_count));
+    std::printf("  not Delaunay   %lld edges (%.2f %%)\n", static_cast<long long>(negative),
+                100.0 * double(negative) / double(counts.edge_count));
     std::printf("  angles         %.3f to %.3f degrees\n", least_angle, largest_angle);
     std::printf("  mean edge      %.6g\n", mean_edge);
     std::printf("  area           %.6g\n", area);
-    std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1], high[2]);
+    std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1],
+                high[2]);
     std::printf("  memory to build, at most %.1f MB\n", double(memory) / 1e6);
     return EXIT_SOLVED;
 }

@@ -15,14 +15,14 @@ struct SolveRequest {
     std::vector<double> loop_weights; // empty: all 1
     int32_t method = HMF_METHOD_DEFAULT;
     int32_t collapse = HMF_COLLAPSE_DEFAULT;
-    std::string start;                // values to start from instead of loops; empty: none
+    std::string start; // values to start from instead of loops; empty: none
     double ratio = 0, mollify = 0, tolerance = 0, time_limit = 0;
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj;
     double leaf_spacing = 0, quad_size = 0;
-    bool conjugate = false; // leaves across as well
+    bool conjugate = false;    // leaves across as well
     bool checkerboard = false; // in the picture, instead of stripes
 };
 

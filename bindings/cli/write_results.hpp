@@ -18,7 +18,7 @@ struct Summary {
     std::string method;
     double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
     uint64_t peak_memory_bytes = 0;
-    size_t leaves = 0, quads = 0; // lines and quads written, 0 where not wanted
+    size_t leaves = 0, quads = 0;        // lines and quads written, 0 where not wanted
     std::vector<hmf_cylinder> cylinders; // with the leaves
     hmf_report report{};
     std::vector<hmf_level_report> levels;
@@ -33,7 +33,8 @@ void write_history(const std::string& path, const std::vector<hmf_history_entry>
 void write_png(const std::string& path, const Image& image);
 // The mesh with texture coordinates (u, v) / period, FILE.mtl and FILE.png (one
 // tile of a checkerboard) beside it.
-void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization, double period);
+void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization,
+                        double period);
 // The names that write_textured_obj uses.
 std::string with_extension(const std::string& path, const char* extension);
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh);

@@ -18,15 +18,15 @@
 
 /* A plate of unit cubes with rectangular holes, see README.md. */
 struct plate {
-    const char *name;
+    const char* name;
     int holes_x, holes_y; /* their product is the genus */
     int side;             /* of a hole and of a bar, in cubes */
     int height;
 };
 
 struct mesh {
-    double *positions;
-    uint32_t *triangles;
+    double* positions;
+    uint32_t* triangles;
     size_t vertex_count, triangle_count;
 };
 
@@ -37,16 +37,14 @@ static const int corner[6][4][3] = {
     {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}, {{0, 1, 0}, {0, 1, 1}, {1, 1, 1}, {1, 1, 0}},
     {{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
-static int solid(const struct plate *p, int x, int y, int z)
-{
+static int solid(const struct plate* p, int x, int y, int z) {
     const int width = (2 * p->holes_x + 1) * p->side, depth = (2 * p->holes_y + 1) * p->side;
     if (x < 0 || x >= width || y < 0 || y >= depth || z < 0 || z >= p->height) return 0;
     return !((x / p->side) % 2 == 1 && (y / p->side) % 2 == 1);
 }
 
 /* The arrays are filled when they are there; with NULL arrays it only counts. */
-static void make_faces(const struct plate *p, uint32_t *number, struct mesh *m)
-{
+static void make_faces(const struct plate* p, uint32_t* number, struct mesh* m) {
     const int width = (2 * p->holes_x + 1) * p->side, depth = (2 * p->holes_y + 1) * p->side;
     int x, y, z, d, k;
     m->vertex_count = 0;
@@ -60,11 +58,12 @@ static void make_faces(const struct plate *p, uint32_t *number, struct mesh *m)
                     if (solid(p, x + direction[d][0], y + direction[d][1], z + direction[d][2])) continue;
                     for (k = 0; k < 4; ++k) {
                         const int i = x + corner[d][k][0], j = y + corner[d][k][1], l = z + corner[d][k][2];
-                        uint32_t *n = number + ((size_t)l * (size_t)(depth + 1) + (size_t)j) * (size_t)(width + 1) + (size_t)i;
+                        uint32_t* n =
+                            number + ((size_t)l * (size_t)(depth + 1) + (size_t)j) * (size_t)(width + 1) + (size_t)i;
                         if (*n == UINT32_MAX) {
                             *n = (uint32_t)m->vertex_count++;
                             if (m->positions) {
-                                double *at = m->positions + 3 * (size_t)*n;
+                                double* at = m->positions + 3 * (size_t)*n;
                                 at[0] = 16 * i + (3 * i + 5 * j + 6 * l + i * j) % 7 - 3;
                                 at[1] = 16 * j + (5 * i + 2 * j + 3 * l + j * l) % 7 - 3;
                                 at[2] = 16 * l + (2 * i + 3 * j + 5 * l + l * i) % 7 - 3;
@@ -73,7 +72,7 @@ static void make_faces(const struct plate *p, uint32_t *number, struct mesh *m)
                         q[k] = *n;
                     }
                     if (m->triangles) {
-                        uint32_t *t = m->triangles + 3 * m->triangle_count;
+                        uint32_t* t = m->triangles + 3 * m->triangle_count;
                         t[0] = q[0], t[1] = q[1], t[2] = q[2];
                         t[3] = q[0], t[4] = q[2], t[5] = q[3];
                     }
@@ -82,11 +81,10 @@ static void make_faces(const struct plate *p, uint32_t *number, struct mesh *m)
             }
 }
 
-static int make_plate(const struct plate *p, struct mesh *m)
-{
-    const size_t points = (size_t)((2 * p->holes_x + 1) * p->side + 1) * (size_t)((2 * p->holes_y + 1) * p->side + 1) *
-                          (size_t)(p->height + 1);
-    uint32_t *number = malloc(points * sizeof *number);
+static int make_plate(const struct plate* p, struct mesh* m) {
+    const size_t points = (size_t)((2 * p->holes_x + 1) * p->side + 1) * (size_t)((2 * p->holes_y + 1) * p->side + 1)
+                        * (size_t)(p->height + 1);
+    uint32_t* number = malloc(points * sizeof *number);
     m->positions = NULL;
     m->triangles = NULL;
     if (!number) return 0;
@@ -102,8 +100,7 @@ static int make_plate(const struct plate *p, struct mesh *m)
     return m->positions && m->triangles;
 }
 
-static uint64_t fnv1a64(const double *values, size_t count)
-{
+static uint64_t fnv1a64(const double* values, size_t count) {
     uint64_t hash = 14695981039346656037u;
     size_t i;
     int byte;
@@ -118,14 +115,13 @@ static uint64_t fnv1a64(const double *values, size_t count)
     return hash;
 }
 
-static int solve_plate(const struct plate *p)
-{
+static int solve_plate(const struct plate* p) {
     struct mesh m = {0};
-    hmf_hierarchy *h = NULL;
+    hmf_hierarchy* h = NULL;
     hmf_error e = {0};
     hmf_level_info info;
     hmf_status s = HMF_ERROR_MEMORY;
-    double *values = NULL;
+    double* values = NULL;
     if (make_plate(p, &m)) s = hmf_build(m.positions, m.vertex_count, 0, m.triangles, m.triangle_count, NULL, &h, &e);
     if (!s) s = hmf_level_counts(h, 0, &info, &e);
     if (!s) values = malloc((size_t)info.edge_count * sizeof *values);
@@ -145,8 +141,7 @@ static int solve_plate(const struct plate *p)
     return s;
 }
 
-int main(void)
-{
+int main(void) {
     static const struct plate plates[] = {{"genus1", 1, 1, 4, 4}, {"genus2", 2, 1, 8, 7}, {"genus6", 3, 2, 15, 10}};
     size_t i;
     for (i = 0; i < sizeof plates / sizeof *plates; ++i)

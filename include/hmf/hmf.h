@@ -261,7 +261,8 @@ HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
 HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
 
 /* Counts of one level.  Errors: NULL, LEVEL. */
-HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out, hmf_error *error);
+HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out, hmf_error
+                                    *error);
 
 /* edge_vertices: edge_count x 2 vertices of each edge.  capacity counts
    uint32_t.  On coarse levels two vertices may have several edges. */
@@ -363,13 +364,15 @@ HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop
 typedef struct hmf_solve_options {
     uint32_t struct_size;
     int32_t method;              /* HMF_METHOD_*; default: the most exact of this version */
-    double tolerance;            /* newton: residual_max, default 1e-8; others: relative change of the energy per sweep, default 1e-6 */
+    double tolerance;            /* newton: residual_max, default 1e-8; others: relative change of the energy per
+                                    sweep, default 1e-6 */
     double time_limit;           /* seconds, 0 = none */
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
     hmf_progress_fn progress;    /* NULL = none */
     void *progress_user;
-    const double *initial_values; /* hmf_solve: a foliation to start from instead of loops, which are then NULL; NULL = none */
+    const double *initial_values; /* hmf_solve: a foliation to start from instead of loops, which are then NULL; NULL
+                                     = none */
     uint64_t initial_count;      /* number of initial values: edges of their level */
     uint64_t initial_level;      /* of the initial values, default 0 = the input mesh */
 } hmf_solve_options;
@@ -400,7 +403,8 @@ typedef struct hmf_report {
     int32_t method;
     int32_t converged;           /* 1 or 0 */
     int32_t values_written;      /* 1 or 0: the foliation was written to values */
-    double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic triangulation, before
+    double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic
+                                    triangulation, before
                                     the values are carried to the caller's edges */
     double residual_max;         /* relative coclosedness residual, see hmf_residuals; negative: not evaluated, as the
                                     callback said HMF_PROGRESS_CANCEL before */
@@ -472,7 +476,8 @@ HMF_API hmf_status hmf_relax(const hmf_hierarchy *hierarchy, size_t level, const
    reversal ([W] 4.2), to coarser ones by restriction, where a collapse moves
    one vertex to the image of the other.  Exact: closed and without poles
    before and after, in the same class. */
-HMF_API hmf_status hmf_interpolate(const hmf_hierarchy *hierarchy, size_t from_level, const double *values, size_t count,
+HMF_API hmf_status hmf_interpolate(const hmf_hierarchy *hierarchy, size_t from_level, const double *values, size_t
+                                   count,
                                    size_t to_level, double *out_values, size_t out_capacity, hmf_error *error);
 
 /* ------------------------------------------------------------------------
@@ -600,7 +605,8 @@ HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options);
  * vertex, or an error of classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                                    const hmf_parameterize_options *options, hmf_parameterization *out, hmf_error *error);
+                                    const hmf_parameterize_options *options, hmf_parameterization *out, hmf_error
+                                    *error);
 
 /* ------------------------------------------------------------------------
  * Leaves, cylinders, quads
@@ -624,7 +630,8 @@ typedef struct hmf_trace_options {
     uint32_t struct_size;
     int32_t critical;            /* not 0: all leaves out of zeros */
     double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
-    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the positions; 0: none,
+    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the
+                                    positions; 0: none,
                                     for conjugate leaves ten times the root of the area of the surface */
     uint64_t point_count;        /* leaves through points; 0 = none */
     const uint32_t *point_triangles;      /* point_count */
@@ -639,8 +646,10 @@ typedef struct hmf_line {
     int32_t begin, end;          /* HMF_END_* */
     uint32_t begin_zero, end_zero; /* which zero, in the list of hmf_singularities; else HMF_NONE */
     uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves */
-    uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the critical leaf */
-    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical leaves */
+    uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the
+                                    critical leaf */
+    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical
+                                    leaves */
     double length;               /* in the unit of the positions */
 } hmf_line;
 
@@ -724,7 +733,8 @@ HMF_API hmf_status hmf_cylinders(const hmf_hierarchy *hierarchy, size_t level, c
 typedef struct hmf_quad_options {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as many quads as triangles / 2 */
+    double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as
+                                    many quads as triangles / 2 */
 } hmf_quad_options;
 
 /* Fills in the defaults.  NULL is allowed and does nothing. */
@@ -754,7 +764,8 @@ HMF_API void hmf_quad_options_init(hmf_quad_options *options);
  */
 HMF_API hmf_status hmf_quads(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
                              const hmf_quad_options *options, double *positions, size_t position_capacity,
-                             uint32_t *quads, size_t quad_capacity, size_t *vertex_count, size_t *quad_count, hmf_error *error);
+                             uint32_t *quads, size_t quad_capacity, size_t *vertex_count, size_t *quad_count,
+                             hmf_error *error);
 
 #ifdef __cplusplus
 }

@@ -50,8 +50,8 @@ inline namespace cpp {
 /* What a failing call says; what() is what is wrong and what to do. */
 class Error : public std::runtime_error {
 public:
-    Error(hmf_status status, int32_t element, uint64_t index, const std::string& message)
-        : std::runtime_error(message), index_(index), status_(status), element_(element) {}
+    Error(hmf_status status, int32_t element, uint64_t index, const std::string& message) :
+        std::runtime_error(message), index_(index), status_(status), element_(element) {}
     explicit Error(const hmf_error& error) : Error(error.status, error.element, error.index, error.message) {}
 
     hmf_status status() const noexcept { return status_; }
@@ -84,9 +84,10 @@ public:
     template <std::size_t N>
     Span(const T (&array)[N]) : data_(array), size_(N) {}
     /* Containers with data() and size(), of T or of std::array<T, N>. */
-    template <class Container, class E = Element<Container>, std::enable_if_t<std::is_same_v<E, T> || Flat<E>::value, int> = 0>
-    Span(const Container& container)
-        : data_(reinterpret_cast<const T*>(container.data())), size_(container.size() * (sizeof(E) / sizeof(T))) {}
+    template <class Container, class E = Element<Container>,
+              std::enable_if_t<std::is_same_v<E, T> || Flat<E>::value, int> = 0>
+    Span(const Container& container) :
+        data_(reinterpret_cast<const T*>(container.data())), size_(container.size() * (sizeof(E) / sizeof(T))) {}
 
     const T* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return size_; }
@@ -125,7 +126,12 @@ enum class Method : int32_t {
 
 enum class LoopElements : int32_t { triangles = HMF_LOOP_TRIANGLES, vertices = HMF_LOOP_VERTICES };
 
-enum class LoopsKind : int32_t { cut = HMF_LOOPS_CUT, handle = HMF_LOOPS_HANDLE, tunnel = HMF_LOOPS_TUNNEL, pants = HMF_LOOPS_PANTS };
+enum class LoopsKind : int32_t {
+    cut = HMF_LOOPS_CUT,
+    handle = HMF_LOOPS_HANDLE,
+    tunnel = HMF_LOOPS_TUNNEL,
+    pants = HMF_LOOPS_PANTS
+};
 
 /* hmf_build_options; zero means the default. */
 struct BuildOptions {
@@ -182,18 +188,21 @@ struct Loops {
     LoopElements kind = LoopElements::vertices;
     std::vector<uint64_t> offsets = {0}; /* size() + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     std::vector<uint32_t> elements;
-    std::vector<double> weights;         /* size() */
+    std::vector<double> weights; /* size() */
 
     std::size_t size() const noexcept { return offsets.empty() ? 0 : offsets.size() - 1; }
     Span<uint32_t> operator[](std::size_t loop) const {
-        return Span<uint32_t>(elements.data() + offsets[loop], static_cast<std::size_t>(offsets[loop + 1] - offsets[loop]));
+        return Span<uint32_t>(elements.data() + offsets[loop],
+                              static_cast<std::size_t>(offsets[loop + 1] - offsets[loop]));
     }
     void add(Span<uint32_t> loop, double weight = 1) {
         elements.insert(elements.end(), loop.begin(), loop.end());
         offsets.push_back(elements.size());
         weights.push_back(weight);
     }
-    void add(std::initializer_list<uint32_t> loop, double weight = 1) { add(Span<uint32_t>(loop.begin(), loop.size()), weight); }
+    void add(std::initializer_list<uint32_t> loop, double weight = 1) {
+        add(Span<uint32_t>(loop.begin(), loop.size()), weight);
+    }
 };
 
 /* ------------------------------------------------------------------------
@@ -401,7 +410,8 @@ public:
     std::vector<double> residuals() const {
         std::vector<double> residuals(static_cast<std::size_t>(detail::level_info(handle_, level_).vertex_count));
         detail::check([&](hmf_error* error) {
-            return hmf_residuals(handle_.get(), level_, values_.data(), values_.size(), residuals.data(), residuals.size(), error);
+            return hmf_residuals(handle_.get(), level_, values_.data(), values_.size(), residuals.data(),
+                                 residuals.size(), error);
         });
         return residuals;
     }
@@ -410,7 +420,8 @@ public:
     Foliation to_level(std::size_t level) const {
         std::vector<double> values(detail::edge_count(handle_, level));
         detail::check([&](hmf_error* error) {
-            return hmf_interpolate(handle_.get(), level_, values_.data(), values_.size(), level, values.data(), values.size(), error);
+            return hmf_interpolate(handle_.get(), level_, values_.data(), values_.size(), level, values.data(),
+                                   values.size(), error);
         });
         return Foliation(handle_, level, std::move(values));
     }
@@ -433,8 +444,9 @@ public:
     Leaves trace(const TraceOptions& options = {}) const {
         if (options.point_barycentrics.size() != 3 * options.point_triangles.size())
             throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        "There are " + std::to_string(options.point_barycentrics.size()) + " barycentric coordinates for "
-                            + std::to_string(options.point_triangles.size()) + " points. Give three for each.");
+                        "There are " + std::to_string(options.point_barycentrics.size())
+                            + " barycentric coordinates for " + std::to_string(options.point_triangles.size())
+                            + " points. Give three for each.");
         hmf_trace_options all = {};
         all.struct_size = sizeof all;
         all.critical = options.critical;
@@ -448,8 +460,9 @@ public:
         std::size_t lines = 0, points = 0;
         const auto call = [&](bool fill) {
             detail::check([&](hmf_error* error) {
-                return hmf_trace(handle_.get(), level_, values_.data(), values_.size(), &all, fill ? leaves.lines.data() : nullptr,
-                                 leaves.lines.size(), fill ? leaves.offsets.data() : nullptr, leaves.offsets.size(),
+                return hmf_trace(handle_.get(), level_, values_.data(), values_.size(), &all,
+                                 fill ? leaves.lines.data() : nullptr, leaves.lines.size(),
+                                 fill ? leaves.offsets.data() : nullptr, leaves.offsets.size(),
                                  fill ? leaves.points.data() : nullptr, fill ? leaves.point_edges.data() : nullptr,
                                  leaves.point_edges.size(), &lines, &points, error);
             });
@@ -472,10 +485,11 @@ public:
         // Without the list and the loops it is quick.
         const auto call = [&](bool fill) {
             detail::check([&](hmf_error* error) {
-                return hmf_cylinders(handle_.get(), level_, values_.data(), values_.size(), fill && loops ? &set : nullptr,
-                                     fill ? own.list.data() : nullptr, own.list.size(), fill ? own.leaves.offsets.data() : nullptr,
-                                     own.leaves.offsets.size(), fill ? own.leaves.elements.data() : nullptr, own.leaves.elements.size(),
-                                     &count, &size, error);
+                return hmf_cylinders(handle_.get(), level_, values_.data(), values_.size(),
+                                     fill && loops ? &set : nullptr, fill ? own.list.data() : nullptr, own.list.size(),
+                                     fill ? own.leaves.offsets.data() : nullptr, own.leaves.offsets.size(),
+                                     fill ? own.leaves.elements.data() : nullptr, own.leaves.elements.size(), &count,
+                                     &size, error);
             });
         };
         call(false);
@@ -498,8 +512,9 @@ public:
         std::size_t vertices = 0, quads = 0;
         const auto call = [&](bool fill) {
             detail::check([&](hmf_error* error) {
-                return hmf_quads(handle_.get(), level_, values_.data(), values_.size(), &options, fill ? mesh.positions.data() : nullptr,
-                                 vertices, fill ? mesh.quads.data() : nullptr, quads, &vertices, &quads, error);
+                return hmf_quads(handle_.get(), level_, values_.data(), values_.size(), &options,
+                                 fill ? mesh.positions.data() : nullptr, vertices, fill ? mesh.quads.data() : nullptr,
+                                 quads, &vertices, &quads, error);
             });
         };
         call(false);
@@ -542,7 +557,8 @@ public:
         all.progress = reporter.callback();
         all.progress_user = &reporter;
         hmf_error error = {};
-        const hmf_status status = hmf_parameterize(handle_.get(), level_, values_.data(), values_.size(), &all, &out, &error);
+        const hmf_status status =
+            hmf_parameterize(handle_.get(), level_, values_.data(), values_.size(), &all, &out, &error);
         reporter.rethrow();
         if (status != HMF_OK) throw Error(error);
 
@@ -565,8 +581,8 @@ public:
 private:
     friend class Hierarchy;
 
-    Foliation(detail::Handle handle, std::size_t level, std::vector<double> values)
-        : handle_(std::move(handle)), level_(level), values_(std::move(values)) {}
+    Foliation(detail::Handle handle, std::size_t level, std::vector<double> values) :
+        handle_(std::move(handle)), level_(level), values_(std::move(values)) {}
 
     std::vector<Singularity> list(Singularities* arrays) const {
         // Without a pole there are at most 4 genus - 4 zeros, so that one call is enough.
@@ -574,10 +590,11 @@ private:
         std::vector<Singularity> list(genus > 1 ? 4 * genus - 4 : 1);
         std::size_t count = 0;
         const auto call = [&](Singularities* to, std::vector<Singularity>* out, hmf_error* error) {
-            return hmf_singularities(handle_.get(), level_, values_.data(), values_.size(), to ? to->vertex_index.data() : nullptr,
-                                     to ? to->vertex_index.size() : 0, to ? to->triangle_index.data() : nullptr,
-                                     to ? to->triangle_index.size() : 0, to ? to->vertex_cluster.data() : nullptr,
-                                     to ? to->vertex_cluster.size() : 0, out ? out->data() : nullptr, out ? out->size() : 0, &count, error);
+            return hmf_singularities(handle_.get(), level_, values_.data(), values_.size(),
+                                     to ? to->vertex_index.data() : nullptr, to ? to->vertex_index.size() : 0,
+                                     to ? to->triangle_index.data() : nullptr, to ? to->triangle_index.size() : 0,
+                                     to ? to->vertex_cluster.data() : nullptr, to ? to->vertex_cluster.size() : 0,
+                                     out ? out->data() : nullptr, out ? out->size() : 0, &count, error);
         };
         hmf_error error = {};
         const hmf_status status = call(arrays, &list, &error);
@@ -678,8 +695,8 @@ public:
         all.progress_user = &reporter;
         hmf_hierarchy* out = nullptr;
         hmf_error error = {};
-        const hmf_status status =
-            hmf_build(positions.data(), positions.size() / 3, 0, triangles.data(), triangles.size() / 3, &all, &out, &error);
+        const hmf_status status = hmf_build(positions.data(), positions.size() / 3, 0, triangles.data(),
+                                            triangles.size() / 3, &all, &out, &error);
         handle_ = detail::Handle(out, Destroy());
         reporter.rethrow();
         if (status != HMF_OK) throw Error(error);
@@ -689,7 +706,8 @@ public:
     Hierarchy& operator=(Hierarchy&&) = default;
 
     /* hmf_memory_estimate */
-    static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count, const BuildOptions& options = {}) {
+    static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,
+                                    const BuildOptions& options = {}) {
         const hmf_build_options all = detail::raw(options);
         return hmf_memory_estimate(vertex_count, triangle_count, &all);
     }
@@ -730,8 +748,8 @@ public:
         Loops loops;
         const auto call = [&](uint64_t* offsets, uint32_t* elements) {
             detail::check([&](hmf_error* error) {
-                return hmf_loops(get(), level, static_cast<int32_t>(kind), offsets, offsets ? loops.offsets.size() : 0, elements,
-                                 elements ? loops.elements.size() : 0, &count, &size, error);
+                return hmf_loops(get(), level, static_cast<int32_t>(kind), offsets, offsets ? loops.offsets.size() : 0,
+                                 elements, elements ? loops.elements.size() : 0, &count, &size, error);
             });
         };
         call(nullptr, nullptr);
@@ -748,7 +766,8 @@ public:
     Foliation initialize(const Loops& loops) const {
         const hmf_loop_set set = detail::raw(loops);
         std::vector<double> values(detail::edge_count(handle_, loops.level));
-        detail::check([&](hmf_error* error) { return hmf_initialize(get(), &set, values.data(), values.size(), error); });
+        detail::check(
+            [&](hmf_error* error) { return hmf_initialize(get(), &set, values.data(), values.size(), error); });
         return Foliation(handle_, loops.level, std::move(values));
     }
 
@@ -758,8 +777,8 @@ public:
         const std::size_t edges = detail::edge_count(handle_, level);
         if (values.size() != edges)
             throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        "There are " + std::to_string(values.size()) + " values, but level " + std::to_string(level) + " has "
-                            + std::to_string(edges) + " edges. Give one for each.");
+                        "There are " + std::to_string(values.size()) + " values, but level " + std::to_string(level)
+                            + " has " + std::to_string(edges) + " edges. Give one for each.");
         return Foliation(handle_, level, std::move(values));
     }
 
@@ -780,7 +799,8 @@ private:
     static void check_triples(std::size_t size, const char* what, const char* element) {
         if (size % 3 != 0)
             throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element + ".");
+                        std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element
+                            + ".");
     }
 
     template <class T>

@@ -94,10 +94,13 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, size_t positi
     Memory own(all.allocate, all.release, all.allocator_user, all.memory_limit);
     {
         Call call(own, error, nullptr, nullptr);
-        if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a hierarchy pointer.");
+        if (!out)
+            return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
+                             "out is NULL. Give the address of a hierarchy pointer.");
         if (!readable)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                             "A build option is out of range. Start from hmf_build_options_init; ratio is in [0.05, 0.95], mollify in [0, 0.1], "
+                             "A build option is out of range. Start from hmf_build_options_init; ratio is in [0.05, "
+                             "0.95], mollify in [0, 0.1], "
                              "allocate and release come together.");
         void* block = own.take(sizeof(hmf_hierarchy));
         if (!block) return call.out_of_memory();
@@ -105,7 +108,8 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, size_t positi
     }
     hmf_hierarchy* h = *out;
     Call call(h->memory, error, all.progress, all.progress_user);
-    const hmf_status status = build_hierarchy(*h, positions, vertex_count, position_stride, triangles, triangle_count, build, call);
+    const hmf_status status =
+        build_hierarchy(*h, positions, vertex_count, position_stride, triangles, triangle_count, build, call);
     if (status != HMF_OK) {
         hmf_destroy(h);
         *out = nullptr;
@@ -126,13 +130,12 @@ uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const h
     hmf_build_options all;
     BuildOptions build;
     if (!read_build_options(options, all, build)) return 0;
-    if (vertex_count == 0 || triangle_count == 0 || vertex_count > 0x7fffffff / 3 || triangle_count > 0x7fffffff / 3) return 0;
+    if (vertex_count == 0 || triangle_count == 0 || vertex_count > 0x7fffffff / 3 || triangle_count > 0x7fffffff / 3)
+        return 0;
     return build_memory_bound(vertex_count, triangle_count, build) + sizeof(hmf_hierarchy);
 }
 
-uint64_t hmf_hierarchy_memory(const hmf_hierarchy* hierarchy) {
-    return hierarchy ? hierarchy->memory.used() : 0;
-}
+uint64_t hmf_hierarchy_memory(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->memory.used() : 0; }
 
 size_t hmf_level_count(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->level_count : 0; }
 
@@ -153,7 +156,8 @@ hmf_status hmf_level_counts(const hmf_hierarchy* hierarchy, size_t level, hmf_le
     return HMF_OK;
 }
 
-hmf_status hmf_level_edge_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* edge_vertices, size_t capacity, hmf_error* error) {
+hmf_status hmf_level_edge_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* edge_vertices,
+                                   size_t capacity, hmf_error* error) {
     Query query(hierarchy, error);
     if (query.check(hierarchy, level, edge_vertices)) return query.call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
@@ -186,7 +190,8 @@ void for_each_face(const Mesh& mesh, Visit visit) {
 
 extern "C" {
 
-hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_edges, size_t capacity, hmf_error* error) {
+hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_edges,
+                                    size_t capacity, hmf_error* error) {
     Query query(hierarchy, error);
     if (query.check(hierarchy, level, triangle_edges)) return query.call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
@@ -203,11 +208,13 @@ hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level
     return HMF_OK;
 }
 
-hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_vertices, size_t capacity, hmf_error* error) {
+hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_vertices,
+                                       size_t capacity, hmf_error* error) {
     Query query(hierarchy, error);
     if (query.check(hierarchy, level, triangle_vertices)) return query.call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
-    if (check_capacity(capacity, size_t{3} * mesh.face_count, "triangle_vertices", query.call)) return query.call.status();
+    if (check_capacity(capacity, size_t{3} * mesh.face_count, "triangle_vertices", query.call))
+        return query.call.status();
     if (level == 0) {
         std::memcpy(triangle_vertices, hierarchy->triangle_vertices, size_t{3} * mesh.face_count * sizeof(uint32_t));
         return HMF_OK;
@@ -220,7 +227,8 @@ hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t le
     return HMF_OK;
 }
 
-hmf_status hmf_level_weights(const hmf_hierarchy* hierarchy, size_t level, double* weights, size_t capacity, hmf_error* error) {
+hmf_status hmf_level_weights(const hmf_hierarchy* hierarchy, size_t level, double* weights, size_t capacity,
+                             hmf_error* error) {
     Query query(hierarchy, error);
     if (query.check(hierarchy, level, weights)) return query.call.status();
     const Level& from = hierarchy->levels[level];
@@ -236,19 +244,23 @@ hmf_status hmf_level_weights(const hmf_hierarchy* hierarchy, size_t level, doubl
         const uint32_t h = 2 * hierarchy->edge_internal[e], t = twin(h);
         const double* i = x + size_t{3} * mesh.origin[h];
         const double* j = x + size_t{3} * mesh.origin[t];
-        weights[e] = 0.5 * (cotangent(x + size_t{3} * mesh.origin[mesh.prev(h)], i, j) + cotangent(x + size_t{3} * mesh.origin[mesh.prev(t)], j, i));
+        weights[e] = 0.5
+                   * (cotangent(x + size_t{3} * mesh.origin[mesh.prev(h)], i, j)
+                      + cotangent(x + size_t{3} * mesh.origin[mesh.prev(t)], j, i));
     }
     return HMF_OK;
 }
 
-hmf_status hmf_level_positions(const hmf_hierarchy* hierarchy, size_t level, double* positions, size_t capacity, hmf_error* error) {
+hmf_status hmf_level_positions(const hmf_hierarchy* hierarchy, size_t level, double* positions, size_t capacity,
+                               hmf_error* error) {
     Query query(hierarchy, error);
     if (query.check(hierarchy, level, positions)) return query.call.status();
     const Level& from = hierarchy->levels[level];
     const size_t n = from.mesh.vertex_count;
     if (check_capacity(capacity, 3 * n, "positions", query.call)) return query.call.status();
     for (size_t v = 0; v < n; ++v)
-        std::memcpy(positions + 3 * v, from.position + 3 * (level == 0 ? size_t{hierarchy->vertex_internal[v]} : v), 3 * sizeof(double));
+        std::memcpy(positions + 3 * v, from.position + 3 * (level == 0 ? size_t{hierarchy->vertex_internal[v]} : v),
+                    3 * sizeof(double));
     return HMF_OK;
 }
 

@@ -12,7 +12,9 @@ using namespace hmf;
 
 namespace {
 
-hmf_status cancelled(Call& call) { return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+hmf_status cancelled(Call& call) {
+    return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+}
 
 // Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
 // few vertices: the way between the two triangulations of level 0 may have to
@@ -24,7 +26,8 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
     Rings rings;
     Star star;
     Array<double> residual;
-    if (!rings.build(f.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
+    if (!rings.build(f.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
+        || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     ResidualResult found;
     for (uint32_t round = 0; round < 100; ++round) {
@@ -45,22 +48,28 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
     }
     uint64_t vertex = found.worst;
     for (uint64_t v = 0; state.level == 0 && v < state.foliation.mesh.vertex_count; ++v)
-        if (state.hierarchy->vertex_internal[v] == found.worst) { vertex = v; break; }
+        if (state.hierarchy->vertex_internal[v] == found.worst) {
+            vertex = v;
+            break;
+        }
     return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_VERTEX, vertex,
                      "The residual at vertex %llu is %g, above the tolerance %g. Improve the values with hmf_relax.",
                      static_cast<unsigned long long>(vertex), found.max, tolerance);
 }
 
 // Length of each edge for the seams; those that the caller prefers hardly count.
-hmf_status seam_lengths(const State& state, const hmf_parameterize_options& all, Array<double>& length, Array<double>& cost, Call& call) {
+hmf_status seam_lengths(const State& state, const hmf_parameterize_options& all, Array<double>& length,
+                        Array<double>& cost, Call& call) {
     const Mesh& mesh = state.foliation.mesh;
     const double* position = state.hierarchy->levels[state.level].position;
-    if (!length.allocate(call.memory, mesh.edge_count) || !cost.allocate(call.memory, mesh.edge_count)) return call.out_of_memory();
+    if (!length.allocate(call.memory, mesh.edge_count) || !cost.allocate(call.memory, mesh.edge_count))
+        return call.out_of_memory();
     double least = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         double square = 0;
         for (uint32_t a = 0; a < 3; ++a) {
-            const double d = position[3 * size_t{mesh.origin[2 * e]} + a] - position[3 * size_t{mesh.origin[2 * e + 1]} + a];
+            const double d =
+                position[3 * size_t{mesh.origin[2 * e]} + a] - position[3 * size_t{mesh.origin[2 * e + 1]} + a];
             square += d * d;
         }
         length[e] = cost[e] = std::sqrt(square);
@@ -70,7 +79,8 @@ hmf_status seam_lengths(const State& state, const hmf_parameterize_options& all,
     for (uint64_t i = 0; i < all.seam_edge_count; ++i) {
         const uint32_t e = all.seam_edges[i];
         if (e >= mesh.edge_count)
-            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e, "seam_edges names edge %u; the level has %u edges.", e, mesh.edge_count);
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e,
+                             "seam_edges names edge %u; the level has %u edges.", e, mesh.edge_count);
         cost[state.level == 0 ? state.hierarchy->edge_internal[e] : e] = least;
     }
     return HMF_OK;
@@ -84,7 +94,8 @@ struct Transition {
 // From face(h) to face(twin h).
 Transition transition(const Mesh& mesh, const SignBundle& bundle, const Layout& layout, uint32_t h) {
     const uint32_t t = twin(h), there = mesh.next[t];
-    const int8_t sign = static_cast<int8_t>(layout.chart[mesh.face[h]] * layout.chart[mesh.face[t]] * bundle.turn[edge_of(h)]);
+    const int8_t sign =
+        static_cast<int8_t>(layout.chart[mesh.face[h]] * layout.chart[mesh.face[t]] * bundle.turn[edge_of(h)]);
     return {sign, layout.u[there] - sign * layout.u[h], layout.v[there] - sign * layout.v[h]};
 }
 
@@ -97,7 +108,8 @@ AffineMap map_of(const State& state, const Layout& layout, uint32_t side, double
         u[c] = static_cast<double>(layout.u[h[c]] - layout.u[side]) * unit;
         v[c] = static_cast<double>(layout.v[h[c]] - layout.v[side]) * unit;
     }
-    AffineMap map = affine_map(position + size_t{3} * mesh.origin[h[0]], position + size_t{3} * mesh.origin[h[1]], position + size_t{3} * mesh.origin[h[2]], u, v);
+    AffineMap map = affine_map(position + size_t{3} * mesh.origin[h[0]], position + size_t{3} * mesh.origin[h[1]],
+                               position + size_t{3} * mesh.origin[h[2]], u, v);
     // Where the image is no larger than what rounding and the linear solver leave, it says nothing.
     constexpr double least = 1 << 16; // units
     double size = 0;
@@ -112,7 +124,9 @@ AffineMap map_of(const State& state, const Layout& layout, uint32_t side, double
 // Dilatations of all triangles, and their statistics.
 class Measure {
 public:
-    bool allocate(size_t triangles, Memory& memory) { return by_dilatation_.allocate(memory, triangles) && area_.allocate(memory, triangles); }
+    bool allocate(size_t triangles, Memory& memory) {
+        return by_dilatation_.allocate(memory, triangles) && area_.allocate(memory, triangles);
+    }
 
     void add(size_t t, const AffineMap& map) {
         by_dilatation_.item[t] = static_cast<uint32_t>(t);
@@ -143,7 +157,8 @@ private:
     double quantile(double part) const {
         double above = 0;
         size_t i = 0;
-        while (i + 1 < area_.size() && above + area_[by_dilatation_.item[i]] < (1 - part) * sum_) above += area_[by_dilatation_.item[i++]];
+        while (i + 1 < area_.size() && above + area_[by_dilatation_.item[i]] < (1 - part) * sum_)
+            above += area_[by_dilatation_.item[i++]];
         float x;
         std::memcpy(&x, &by_dilatation_.key[i], sizeof x);
         return static_cast<double>(x);
@@ -171,16 +186,21 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     if (query.check(hierarchy, level, out)) return query.call.status();
     hmf_parameterize_options all;
     if (!copy_options(options, all) || !(all.tolerance >= 0) || (all.seam_edge_count && !all.seam_edges))
-        return query.call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_parameterize_options is unusable. Start from hmf_parameterize_options_init.");
+        return query.call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                               "hmf_parameterize_options is unusable. Start from hmf_parameterize_options_init.");
     if (out->struct_size != sizeof *out)
-        return query.call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "hmf_parameterization has struct_size %u instead of %u. Set it to sizeof(hmf_parameterization).",
-                               static_cast<unsigned>(out->struct_size), static_cast<unsigned>(sizeof *out));
+        return query.call.fail(
+            HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+            "hmf_parameterization has struct_size %u instead of %u. Set it to sizeof(hmf_parameterization).",
+            static_cast<unsigned>(out->struct_size), static_cast<unsigned>(sizeof *out));
     Call call(query.memory, error, all.progress, all.progress_user);
     Memory& memory = call.memory;
     const Mesh& counts = hierarchy->levels[level].mesh;
     if ((out->cone && check_capacity(out->vertex_capacity, counts.vertex_count, "cone", call))
-        || ((out->transition || out->seam) && check_capacity(out->edge_capacity, counts.edge_count, "An array of edges", call))
-        || ((out->corner_uv || out->dilatation || out->differential) && check_capacity(out->triangle_capacity, counts.face_count, "An array of triangles", call)))
+        || ((out->transition || out->seam)
+            && check_capacity(out->edge_capacity, counts.edge_count, "An array of edges", call))
+        || ((out->corner_uv || out->dilatation || out->differential)
+            && check_capacity(out->triangle_capacity, counts.face_count, "An array of triangles", call)))
         return call.status();
 
     State state;
@@ -202,8 +222,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     Array<double> length, cost;
     Seams seams;
     Layout layout;
-    if (!charts.build(mesh, flat.bundle, memory) || !cone.allocate(memory, mesh.vertex_count) || !is_cone.allocate(memory, mesh.vertex_count)
-        || !first_sides(state, side, memory))
+    if (!charts.build(mesh, flat.bundle, memory) || !cone.allocate(memory, mesh.vertex_count)
+        || !is_cone.allocate(memory, mesh.vertex_count) || !first_sides(state, side, memory))
         return call.out_of_memory();
     cone_angles(mesh, flat, cone.data());
     uint32_t start = side[0];
@@ -221,7 +241,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
     Measure measure;
     Array<uint8_t> met;
     Array<AffineMap> map;
-    if (!measure.allocate(mesh.face_count, memory) || !met.allocate_filled(memory, mesh.edge_count, 0) || !map.allocate(memory, mesh.face_count))
+    if (!measure.allocate(mesh.face_count, memory) || !met.allocate_filled(memory, mesh.edge_count, 0)
+        || !map.allocate(memory, mesh.face_count))
         return call.out_of_memory();
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.95)) return cancelled(call);
@@ -264,7 +285,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         }
     }
     if (out->cone)
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) out->cone[v] = cone[level == 0 ? hierarchy->vertex_internal[v] : v];
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+            out->cone[v] = cone[level == 0 ? hierarchy->vertex_internal[v] : v];
     result.linear_iterations = flat.iterations;
     result.seconds = call.seconds();
     *out = result;

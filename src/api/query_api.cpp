@@ -8,8 +8,8 @@ namespace {
 
 // Loads the caller's values on a level, validated; poles are allowed where
 // they are the question.
-hmf_status load_values(const hmf_hierarchy* h, size_t level, const double* values, size_t count, size_t finest, State& state, double& unit,
-                       Call& call, bool poles_allowed = false) {
+hmf_status load_values(const hmf_hierarchy* h, size_t level, const double* values, size_t count, size_t finest,
+                       State& state, double& unit, Call& call, bool poles_allowed = false) {
     if (check_level(h, level, call) || check_level(h, finest, call)) return call.status();
     if (!state.allocate(*h, finest, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
@@ -25,32 +25,37 @@ hmf_status to_intrinsic(State& state, Call& call) {
 
 extern "C" {
 
-hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, const double* values, size_t count, size_t to_level,
-                           double* out_values, size_t out_capacity, hmf_error* error) {
+hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, const double* values, size_t count,
+                           size_t to_level, double* out_values, size_t out_capacity, hmf_error* error) {
     Query query(hierarchy, error);
     Call& call = query.call;
     if (query.check(hierarchy, from_level, out_values) || check_level(hierarchy, to_level, call)) return call.status();
-    if (check_capacity(out_capacity, hierarchy->levels[to_level].mesh.edge_count, "out_values", call)) return call.status();
+    if (check_capacity(out_capacity, hierarchy->levels[to_level].mesh.edge_count, "out_values", call))
+        return call.status();
     State state;
     double unit = 1;
-    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit, call)) return call.status();
+    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit,
+                    call))
+        return call.status();
     if (!state.go_to(to_level, call)) return call.out_of_memory();
     return export_values(state, unit, out_values, call);
 }
 
-hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out, hmf_error* error) {
+hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out,
+                      hmf_error* error) {
     Query query(hierarchy, error);
     Call& call = query.call;
     if (query.check(hierarchy, level, out)) return call.status();
     State state;
     double unit = 1;
-    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call)) return call.status();
+    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
+        return call.status();
     *out = energy(state.foliation, hierarchy->levels[level].weight) * unit * unit;
     return HMF_OK;
 }
 
-hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out, size_t capacity,
-                         hmf_error* error) {
+hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out,
+                         size_t capacity, hmf_error* error) {
     Query query(hierarchy, error);
     Call& call = query.call;
     if (query.check(hierarchy, level, out)) return call.status();
@@ -58,12 +63,14 @@ hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const dou
     if (check_capacity(capacity, n, "residuals", call)) return call.status();
     State state;
     double unit = 1;
-    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call)) return call.status();
+    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
+        return call.status();
     Rings rings;
     Star star;
     Array<double> residual;
     const double* weight = hierarchy->levels[level].weight;
-    if (!rings.build(state.foliation.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
+    if (!rings.build(state.foliation.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
+        || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, weight, star, residual.data(), call);
     if (state.foliation.out_of_memory) return call.out_of_memory();
@@ -71,9 +78,10 @@ hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const dou
     return HMF_OK;
 }
 
-hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, int32_t* vertex_index,
-                             size_t vertex_capacity, int32_t* triangle_index, size_t triangle_capacity, uint32_t* vertex_cluster,
-                             size_t cluster_capacity, hmf_singularity* list, size_t list_capacity, size_t* list_count, hmf_error* error) {
+hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count,
+                             int32_t* vertex_index, size_t vertex_capacity, int32_t* triangle_index,
+                             size_t triangle_capacity, uint32_t* vertex_cluster, size_t cluster_capacity,
+                             hmf_singularity* list, size_t list_capacity, size_t* list_count, hmf_error* error) {
     Query query(hierarchy, error);
     Call& call = query.call;
     if (query.check(hierarchy, level, list_count)) return call.status();

@@ -11,10 +11,13 @@ double unit_of_weights(double largest) {
 }
 
 hmf_status check_level(const hmf_hierarchy* hierarchy, size_t level, Call& call) {
-    if (!hierarchy) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "The hierarchy is NULL. Make one with hmf_build.");
+    if (!hierarchy)
+        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "The hierarchy is NULL. Make one with hmf_build.");
     if (level >= hierarchy->level_count)
-        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level, "There is no level %llu; the hierarchy has %llu, counted from 0.",
-                         static_cast<unsigned long long>(level), static_cast<unsigned long long>(hierarchy->level_count));
+        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level,
+                         "There is no level %llu; the hierarchy has %llu, counted from 0.",
+                         static_cast<unsigned long long>(level),
+                         static_cast<unsigned long long>(hierarchy->level_count));
     return HMF_OK;
 }
 
@@ -26,8 +29,8 @@ hmf_status check_count(size_t count, size_t needed, const char* what, Call& call
 
 hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call) {
     if (capacity >= needed) return HMF_OK;
-    return call.fail(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, needed, "%s has room for %llu entries but %llu are needed.", what,
-                     static_cast<unsigned long long>(capacity), static_cast<unsigned long long>(needed));
+    return call.fail(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, needed, "%s has room for %llu entries but %llu are needed.",
+                     what, static_cast<unsigned long long>(capacity), static_cast<unsigned long long>(needed));
 }
 
 uint32_t internal_side(const hmf_hierarchy& h, size_t triangle) {
@@ -63,9 +66,11 @@ uint32_t internal_edge(const State& state, size_t e) {
 
 } // namespace
 
-hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed, Call& call) {
+hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed,
+                         Call& call) {
     Foliation& f = state.foliation;
-    if (!values) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give one value per edge of the level.");
+    if (!values)
+        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give one value per edge of the level.");
     if (check_count(count, f.mesh.edge_count, "values", call)) return call.status();
     // The lowest bit that any value uses, and the largest value.
     double largest = 0;
@@ -73,7 +78,8 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
     for (size_t e = 0; e < count; ++e) {
         const double x = values[e];
         if (!(x >= 0) || x > 1e300)
-            return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_EDGE, e, "The value of edge %llu is %g. Values are finite and not negative.",
+            return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_EDGE, e,
+                             "The value of edge %llu is %g. Values are finite and not negative.",
                              static_cast<unsigned long long>(e), x);
         if (x > largest) largest = x;
         if (x == 0) continue;
@@ -81,11 +87,15 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
         const double mantissa = std::frexp(x, &exponent);
         uint64_t bits = static_cast<uint64_t>(std::ldexp(mantissa, 53));
         int zeros = 0;
-        while (!(bits & 1)) { bits >>= 1; ++zeros; }
+        while (!(bits & 1)) {
+            bits >>= 1;
+            ++zeros;
+        }
         if (exponent - 53 + zeros < lowest) lowest = exponent - 53 + zeros;
     }
     if (largest == 0)
-        return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_EDGE, 0, "All values are zero. A foliation has at least one positive value.");
+        return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_EDGE, 0,
+                         "All values are zero. A foliation has at least one positive value.");
     int exponent = 0;
     std::frexp(largest, &exponent);
     // Values with few bits get a finer unit.  Others, results of the library as a
@@ -111,24 +121,30 @@ hmf_status import_values(State& state, const double* values, size_t count, doubl
     }
     if (!fits())
         return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_NONE, 0,
-                         "The values are not multiples of a common power of two within 52 bits. Pass values as the library returned them.");
+                         "The values are not multiples of a common power of two within 52 bits. Pass values as the "
+                         "library returned them.");
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
         const int64_t corner2 = f.corner2(h);
         if (corner2 >= 0 && corner2 % 2 == 0) continue;
         uint64_t edge = edge_of(f.mesh.next[h]);
         if (state.level == 0)
             for (uint64_t e = 0; e < count; ++e)
-                if (state.hierarchy->edge_internal[e] == edge) { edge = e; break; }
-        return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_EDGE, edge,
-                         "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
-                         static_cast<unsigned long long>(edge));
+                if (state.hierarchy->edge_internal[e] == edge) {
+                    edge = e;
+                    break;
+                }
+        return call.fail(
+            HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_EDGE, edge,
+            "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
+            static_cast<unsigned long long>(edge));
     }
     if (poles_allowed) return HMF_OK;
     const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
     if (f.out_of_memory) return call.out_of_memory();
     if (found.poles > 0)
         return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_NONE, 0,
-                         "The values have %llu poles; hmf_singularities lists them. Start from hmf_initialize or a result of hmf_solve.",
+                         "The values have %llu poles; hmf_singularities lists them. Start from hmf_initialize or a "
+                         "result of hmf_solve.",
                          static_cast<unsigned long long>(found.poles));
     return HMF_OK;
 }
@@ -139,7 +155,8 @@ hmf_status export_values(const State& state, double unit, double* values, Call& 
     for (size_t e = 0; e < f.mesh.edge_count; ++e)
         if (f.value[internal_edge(state, e)] > largest_exact)
             return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_EDGE, e,
-                             "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too often. Refine the mesh there, or leave loops out.",
+                             "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
+                             "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
     for (size_t e = 0; e < f.mesh.edge_count; ++e)
         values[e] = static_cast<double>(f.value[internal_edge(state, e)]) * unit;

@@ -30,7 +30,8 @@ double unit_of_weights(double largest);
 // The caller's values of a level -> state.foliation.value; state is loaded on
 // the level (level 0: input side).  Finds the unit.  Validates: finite,
 // exact, triangle inequalities, parity, and no poles unless they are allowed.
-hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed, Call& call);
+hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed,
+                         Call& call);
 
 // state.foliation.value -> the caller's values (level 0: from the input side).
 // Fails, with nothing written, if a value has more bits than a double.
@@ -54,13 +55,15 @@ hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call
 struct Query {
     Memory memory;
     Call call;
-    Query(const hmf_hierarchy* h, hmf_error* error)
-        : memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr, h ? h->memory_limit : 0,
-                 h ? h->memory.used() : 0),
-          call(memory, error, nullptr, nullptr) {}
+    Query(const hmf_hierarchy* h, hmf_error* error) :
+        memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
+               h ? h->memory_limit : 0, h ? h->memory.used() : 0),
+        call(memory, error, nullptr, nullptr) {}
     hmf_status check(const hmf_hierarchy* h, size_t level, const void* out) {
         if (check_level(h, level, call)) return call.status();
-        if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "The output is NULL. Give an array of the size that hmf_level_counts tells.");
+        if (!out)
+            return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
+                             "The output is NULL. Give an array of the size that hmf_level_counts tells.");
         return HMF_OK;
     }
 };

@@ -19,9 +19,9 @@ int64_t now() {
 }
 } // namespace
 
-Memory::Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before)
-    : allocate_(allocate ? allocate : default_allocate), release_(allocate ? release : default_release), user_(user),
-      limit_(limit), used_(used_before), peak_(used_before) {}
+Memory::Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before) :
+    allocate_(allocate ? allocate : default_allocate), release_(allocate ? release : default_release), user_(user),
+    limit_(limit), used_(used_before), peak_(used_before) {}
 
 void* Memory::take(size_t bytes) {
     if (limit_ && (bytes > limit_ || used_ > limit_ - bytes)) {
@@ -54,7 +54,10 @@ void Arena::clear() {
 
 void* Arena::take_bytes(size_t count, size_t size) {
     const size_t header = (sizeof(Block) + 15) / 16 * 16;
-    if (count > (SIZE_MAX / 4) / size) { memory_.take(SIZE_MAX); return nullptr; }
+    if (count > (SIZE_MAX / 4) / size) {
+        memory_.take(SIZE_MAX);
+        return nullptr;
+    }
     const size_t bytes = header + count * size;
     void* block = memory_.take(bytes);
     if (!block) return nullptr;
@@ -62,8 +65,8 @@ void* Arena::take_bytes(size_t count, size_t size) {
     return static_cast<char*>(block) + header;
 }
 
-Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user)
-    : memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
+Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
+    memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 
 hmf_status Call::fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...) {
     if (status_ != HMF_OK) return status_;

@@ -21,8 +21,8 @@ public:
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
 
-    void* take(size_t bytes);             // nullptr on failure; see failure()
-    void give(void* block, size_t bytes); // nullptr is allowed
+    void* take(size_t bytes);                       // nullptr on failure; see failure()
+    void give(void* block, size_t bytes);           // nullptr is allowed
     hmf_status failure() const { return failure_; } // HMF_OK, HMF_ERROR_MEMORY or HMF_ERROR_MEMORY_LIMIT
     uint64_t used() const { return used_; }
     uint64_t peak() const { return peak_; }
@@ -44,14 +44,20 @@ public:
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;
     Array(Array&& other) { swap(other); }
-    Array& operator=(Array&& other) { swap(other); return *this; }
+    Array& operator=(Array&& other) {
+        swap(other);
+        return *this;
+    }
 
     // Sets size and capacity to n; the content is undefined.
     bool allocate(Memory& memory, size_t n) {
         release();
         memory_ = &memory;
         if (n == 0) return true;
-        if (n > SIZE_MAX / sizeof(T)) { memory.take(SIZE_MAX); return false; }
+        if (n > SIZE_MAX / sizeof(T)) {
+            memory.take(SIZE_MAX);
+            return false;
+        }
         data_ = static_cast<T*>(memory.take(n * sizeof(T)));
         if (!data_) return false;
         size_ = capacity_ = n;
@@ -63,7 +69,10 @@ public:
         return true;
     }
     // An empty array that grows by push.
-    void start(Memory& memory) { release(); memory_ = &memory; }
+    void start(Memory& memory) {
+        release();
+        memory_ = &memory;
+    }
     bool push(T value) {
         if (size_ == capacity_ && !reserve(capacity_ ? 2 * capacity_ : 16)) return false;
         data_[size_++] = value;
@@ -79,7 +88,10 @@ public:
         capacity_ = n;
         return true;
     }
-    void pop() { assert(size_); --size_; }
+    void pop() {
+        assert(size_);
+        --size_;
+    }
     void clear() { size_ = 0; }
     void release() {
         if (data_) memory_->give(data_, capacity_ * sizeof(T));
@@ -87,14 +99,31 @@ public:
         size_ = capacity_ = 0;
     }
     void swap(Array& other) {
-        T* d = data_; data_ = other.data_; other.data_ = d;
-        size_t s = size_; size_ = other.size_; other.size_ = s;
-        size_t c = capacity_; capacity_ = other.capacity_; other.capacity_ = c;
-        Memory* m = memory_; memory_ = other.memory_; other.memory_ = m;
+        T* d = data_;
+        data_ = other.data_;
+        other.data_ = d;
+        size_t s = size_;
+        size_ = other.size_;
+        other.size_ = s;
+        size_t c = capacity_;
+        capacity_ = other.capacity_;
+        other.capacity_ = c;
+        Memory* m = memory_;
+        memory_ = other.memory_;
+        other.memory_ = m;
     }
-    T& operator[](size_t i) { assert(i < size_); return data_[i]; }
-    const T& operator[](size_t i) const { assert(i < size_); return data_[i]; }
-    T& back() { assert(size_); return data_[size_ - 1]; }
+    T& operator[](size_t i) {
+        assert(i < size_);
+        return data_[i];
+    }
+    const T& operator[](size_t i) const {
+        assert(i < size_);
+        return data_[i];
+    }
+    T& back() {
+        assert(size_);
+        return data_[size_ - 1];
+    }
     T* data() { return data_; }
     const T* data() const { return data_; }
     size_t size() const { return size_; }
@@ -120,10 +149,15 @@ public:
     Arena& operator=(const Arena&) = delete;
 
     template <class T>
-    T* take(size_t n) { return static_cast<T*>(take_bytes(n, sizeof(T))); }
+    T* take(size_t n) {
+        return static_cast<T*>(take_bytes(n, sizeof(T)));
+    }
 
 private:
-    struct Block { Block* next; size_t bytes; };
+    struct Block {
+        Block* next;
+        size_t bytes;
+    };
     void* take_bytes(size_t count, size_t size); // never nullptr for count 0 unless out of memory
     Memory& memory_;
     Block* blocks_ = nullptr;
@@ -149,7 +183,10 @@ public:
     // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
     // Cheap enough for every few thousand elementary steps.
     bool tick(double fraction, bool can_finish = false);
-    void range(double from, double to) { from_ = from; to_ = to; } // where the fractions 0 and 1 of tick lie
+    void range(double from, double to) {
+        from_ = from;
+        to_ = to;
+    } // where the fractions 0 and 1 of tick lie
     bool cancelled() const { return cancelled_; }
     bool finishing() const { return finishing_; } // the callback asked to stop improving
 

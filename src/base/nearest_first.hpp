@@ -45,7 +45,9 @@ public:
 
 private:
     // Without branches: which child comes first cannot be foreseen.
-    static bool before(const Entry& a, const Entry& b) { return (a.distance < b.distance) | ((a.distance == b.distance) & (a.item < b.item)); }
+    static bool before(const Entry& a, const Entry& b) {
+        return (a.distance < b.distance) | ((a.distance == b.distance) & (a.item < b.item));
+    }
 
     Array<Entry> heap_;
 };

@@ -17,7 +17,8 @@ struct KeyedItems {
     Array<uint32_t> item, key; // to be filled
 
     bool allocate(Memory& memory, size_t n) {
-        return item.allocate(memory, n) && key.allocate(memory, n) && other_item_.allocate(memory, n) && other_key_.allocate(memory, n);
+        return item.allocate(memory, n) && key.allocate(memory, n) && other_item_.allocate(memory, n)
+            && other_key_.allocate(memory, n);
     }
 
     void sort_falling() {
@@ -27,7 +28,11 @@ struct KeyedItems {
             for (uint32_t& c : count) c = 0;
             for (const uint32_t k : key) ++count[last - ((k >> shift) & last)];
             uint32_t sum = 0;
-            for (uint32_t& c : count) { const uint32_t here = c; c = sum; sum += here; }
+            for (uint32_t& c : count) {
+                const uint32_t here = c;
+                c = sum;
+                sum += here;
+            }
             for (size_t i = 0; i < item.size(); ++i) {
                 const uint32_t to = count[last - ((key[i] >> shift) & last)]++;
                 other_item_[to] = item[i];

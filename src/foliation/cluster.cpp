@@ -9,7 +9,10 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, uint32_t without, uint32_
     const Mesh& mesh = f.mesh;
     Cluster result;
     f.members.clear();
-    if (!f.members.push(vertex)) { f.out_of_memory = true; return result; }
+    if (!f.members.push(vertex)) {
+        f.out_of_memory = true;
+        return result;
+    }
     const uint32_t mark = ++f.epoch;
     f.stamp[vertex] = mark;
     // Zero edges are met from both ends, zero triangles from three sides.
@@ -29,7 +32,10 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, uint32_t without, uint32_
                     ++zero_sides;
                 if (f.stamp[w] != mark) {
                     f.stamp[w] = mark;
-                    if (!f.members.push(w)) { f.out_of_memory = true; return result; }
+                    if (!f.members.push(w)) {
+                        f.out_of_memory = true;
+                        return result;
+                    }
                 }
             } else if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) {
                 if (++result.closed_corners == closed_limit) return result;
@@ -70,9 +76,13 @@ SingularityCount count_singularities(Foliation& f, int32_t* vertex_index, uint32
         const uint32_t n = mesh.next[h], p = mesh.next[n];
         if (h > n || h > p) continue;
         const int64_t a = f.corner2(h), b = f.corner2(n), c = f.corner2(p);
-        if (a < 0 || b < 0 || c < 0 || ((a | b | c) & 1) || f.at(h) < 0 || f.at(n) < 0 || f.at(p) < 0) ++count.broken_triangles;
+        if (a < 0 || b < 0 || c < 0 || ((a | b | c) & 1) || f.at(h) < 0 || f.at(n) < 0 || f.at(p) < 0)
+            ++count.broken_triangles;
         const bool tripod = a > 0 && b > 0 && c > 0;
-        if (tripod) { ++count.zeros; --count.index_sum; }
+        if (tripod) {
+            ++count.zeros;
+            --count.index_sum;
+        }
         if (face_index) face_index[mesh.face[h]] = tripod ? -1 : 0;
     }
     // Clusters are found from their lowest vertex; stamps of this call stay.

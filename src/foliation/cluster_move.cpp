@@ -48,7 +48,8 @@ int sign_in_move(const Foliation& f, const Rings::Side* side, const Star& star, 
 template <class Visit>
 void for_half_edges(const Foliation& f, const Rings::Side* side, const Star& star, Visit visit) {
     for (uint32_t t = 0; t < star.degree; ++t)
-        if (star.step[t] != 0) visit(side[t].half_edge, star.step[t], sign_in_move(f, side, star, twin(side[t].half_edge)));
+        if (star.step[t] != 0)
+            visit(side[t].half_edge, star.step[t], sign_in_move(f, side, star, twin(side[t].half_edge)));
     for (uint32_t u : star.pushed) {
         const uint32_t first = f.mesh.out[u];
         uint32_t h = first;
@@ -93,17 +94,26 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
             const Cluster part = explore_cluster(f, neighbour, NONE, v, NONE, 2, star.budget);
             if (f.out_of_memory) return false;
             if (part.closed_corners >= 2) continue;
-            if (!part.complete) { known = false; continue; }
+            if (!part.complete) {
+                known = false;
+                continue;
+            }
             if (part.euler != 1) continue;
             const uint32_t corners = part.closed_corners + corners_towards(f, side, star, v);
             if (corners >= 2) continue;
-            if (corners == 1) { known = false; continue; } // no distances in a tree
+            if (corners == 1) {
+                known = false;
+                continue;
+            } // no distances in a tree
             for (uint32_t s = 0; s < degree; ++s) {
                 const uint32_t w = mesh.target(side[s].half_edge);
                 if (star.F[s] == 0 && w != v && f.stamp[w] == f.epoch) star.step[s] = 0;
             }
             for (uint32_t w : f.members)
-                if (!star.pushed.push(w)) { f.out_of_memory = true; return false; }
+                if (!star.pushed.push(w)) {
+                    f.out_of_memory = true;
+                    return false;
+                }
         }
     }
     star.moving = ++f.epoch;
@@ -114,14 +124,17 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
 
 int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star) {
     int64_t room = INT64_MAX;
-    const auto at_most = [&](int64_t x) { if (x < room) room = x; };
+    const auto at_most = [&](int64_t x) {
+        if (x < room) room = x;
+    };
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         if (own + other < 0) at_most(f.at(h) / -(own + other));
     });
     // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
     for (uint32_t t = 0; t < star.degree; ++t) {
         const uint32_t u = side_after(t, star.degree);
-        const bool inside = star.F[t] != 0 && star.F[u] != 0 && star.group[t] == star.best && star.group[u] == star.best;
+        const bool inside =
+            star.F[t] != 0 && star.F[u] != 0 && star.group[t] == star.best && star.group[u] == star.best;
         if (inside && star.corner2[t] > 0) at_most(star.corner2[t] / 2);
     }
     for (uint32_t u : star.pushed) {
@@ -140,7 +153,8 @@ void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t
     for_half_edges(f, side, star, [&](uint32_t h, int own, int) { f.value[edge_of(h)] += own * mu; });
 }
 
-bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change) {
+bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands,
+                   double& energy_change) {
     double excess = 0, curvature = 0;
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         const double w = weight[edge_of(h)], rate = own + other;

@@ -34,7 +34,7 @@ struct Foliation {
     // Scratch of cluster searches; its size is the largest mesh of the call.
     uint32_t* stamp = nullptr; // vertex_count
     uint32_t epoch = 0;
-    Array<uint32_t> members;   // vertices of the cluster found last
+    Array<uint32_t> members; // vertices of the cluster found last
     bool out_of_memory = false;
 
     int64_t at(uint32_t h) const { return value[edge_of(h)]; }
@@ -45,10 +45,10 @@ struct Foliation {
 // What a search round a cluster found.  The search may stop early, as soon as
 // the closed corners reach a limit or the vertices exceed a budget.
 struct Cluster {
-    int64_t euler = 0;          // vertices - zero edges + zero triangles; valid if complete
+    int64_t euler = 0; // vertices - zero edges + zero triangles; valid if complete
     uint32_t closed_corners = 0;
-    bool complete = false;      // false: stopped at a limit
-    bool reached = false;       // the vertex `target` belongs to the cluster
+    bool complete = false; // false: stopped at a limit
+    bool reached = false;  // the vertex `target` belongs to the cluster
     bool is_pole() const { return complete && euler == 1 && closed_corners < 2; }
 };
 

@@ -41,7 +41,10 @@ uint32_t read_sides(const Mesh& mesh, uint32_t v, RestrictionScratch& scratch) {
 // up to the next branch point, neighbour, or the target.
 void move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
     const uint32_t degree = read_sides(f.mesh, f.mesh.origin[g], scratch);
-    if (degree == 0) { f.out_of_memory = true; return; }
+    if (degree == 0) {
+        f.out_of_memory = true;
+        return;
+    }
     Star& star = scratch.star;
     const Rings::Side* side = scratch.side.data();
     star.budget = NONE;

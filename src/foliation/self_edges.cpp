@@ -32,8 +32,8 @@ namespace {
 
 class ZeroSelfEdges {
 public:
-    ZeroSelfEdges(Foliation& f, const Rings::Side* side, Star& star)
-        : f_(f), side_(side), star_(star), degree_(star.degree), v_(f.mesh.origin[side[0].half_edge]) {}
+    ZeroSelfEdges(Foliation& f, const Rings::Side* side, Star& star) :
+        f_(f), side_(side), star_(star), degree_(star.degree), v_(f.mesh.origin[side[0].half_edge]) {}
 
     bool decide() {
         for (uint32_t t = 0; t < degree_; ++t)
@@ -106,7 +106,8 @@ private:
     bool decide(uint32_t t) {
         uint32_t u = 0;
         while (side_[u].half_edge != twin(side_[t].half_edge)) u = side_after(u, degree_);
-        const uint32_t pair[2][2] = {{side_before(t, degree_), side_after(u, degree_)}, {side_after(t, degree_), side_before(u, degree_)}};
+        const uint32_t pair[2][2] = {{side_before(t, degree_), side_after(u, degree_)},
+                                     {side_after(t, degree_), side_before(u, degree_)}};
         bool changed = false;
         if (way(t) == OPEN) {
             const uint8_t one = across(pair[0][0], pair[0][1]), two = across(pair[1][0], pair[1][1]);
@@ -119,7 +120,8 @@ private:
         for (const auto& ends : pair)
             for (uint32_t k = 0; k < 2; ++k) {
                 const uint32_t from = ends[k], to = ends[1 - k];
-                if (!is_part(to) || way(to) != OPEN || (way(from) != SAME && (way(from) != OTHER || way(t) == OTHER))) continue;
+                if (!is_part(to) || way(to) != OPEN || (way(from) != SAME && (way(from) != OTHER || way(t) == OTHER)))
+                    continue;
                 set_row(to, way(t) == SAME ? way(from) : uint8_t{OTHER});
                 changed = true;
             }
@@ -134,6 +136,8 @@ private:
 
 } // namespace
 
-bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star) { return ZeroSelfEdges(f, side, star).decide(); }
+bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star) {
+    return ZeroSelfEdges(f, side, star).decide();
+}
 
 } // namespace hmf

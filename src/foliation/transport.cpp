@@ -124,11 +124,15 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
     else flip(mesh, edge);
     f.value[edge] = result;
     assert(f.corner2(2 * edge) >= 0 && f.corner2(mesh.next[2 * edge]) >= 0 && f.corner2(mesh.prev(2 * edge)) >= 0);
-    assert(f.corner2(2 * edge + 1) >= 0 && f.corner2(mesh.next[2 * edge + 1]) >= 0 && f.corner2(mesh.prev(2 * edge + 1)) >= 0);
+    assert(f.corner2(2 * edge + 1) >= 0 && f.corner2(mesh.next[2 * edge + 1]) >= 0
+           && f.corner2(mesh.prev(2 * edge + 1)) >= 0);
     if (moved) {
         const uint32_t quad[4] = {ki, il, lj, jk}; // they start at k, i, l and j
         for (uint32_t h : quad)
-            if (explore_cluster(f, mesh.origin[h], NONE, NONE, NONE, 2, 0).is_pole()) { ++statistics.bad_flips_left; break; }
+            if (explore_cluster(f, mesh.origin[h], NONE, NONE, NONE, 2, 0).is_pole()) {
+                ++statistics.bad_flips_left;
+                break;
+            }
     }
 }
 

@@ -58,9 +58,9 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
 
 bool Star::allocate(Memory& memory, uint32_t max_degree) {
     pushed.start(memory);
-    return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree)
-        && group.allocate(memory, max_degree) && group_pull.allocate(memory, max_degree)
-        && step.allocate(memory, max_degree) && way.allocate(memory, max_degree);
+    return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && group.allocate(memory, max_degree)
+        && group_pull.allocate(memory, max_degree) && step.allocate(memory, max_degree)
+        && way.allocate(memory, max_degree);
 }
 
 namespace {
@@ -100,12 +100,13 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
     uint32_t* group = star.group.data();
     // Nearly all vertices are regular and have no zero edge.
     double plain_pull[2] = {0, 0};
-    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
-        F[t] = here;
-        corner2[t] = here + ahead - opposite;
-        group[t] = direction;
-        plain_pull[direction] += (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(here);
-    });
+    const uint32_t closed = walk_plain_star(
+        f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+            F[t] = here;
+            corner2[t] = here + ahead - opposite;
+            group[t] = direction;
+            plain_pull[direction] += (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(here);
+        });
     if (closed == 2) {
         star.group_count = 2;
         star.group_pull[0] = plain_pull[0];
@@ -126,7 +127,11 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         const uint32_t u = side_after(t, degree);
         corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
         rows += F[t] != 0 && F[u] == 0;
-        if (F[t] == 0) { group[t] = NONE; open_run = false; continue; }
+        if (F[t] == 0) {
+            group[t] = NONE;
+            open_run = false;
+            continue;
+        }
         if (!open_run) star.group_pull[groups++] = 0;
         group[t] = groups - 1;
         const double pull = (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(F[t]);
@@ -157,8 +162,12 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             }
             if (group[u] == group[t] || self_edge) continue;
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
-            const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
-            if (!part.complete) { star.decided = false; continue; }
+            const Cluster part =
+                explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
+            if (!part.complete) {
+                star.decided = false;
+                continue;
+            }
             if (part.euler != 1) continue; // goes round a handle: different directions
             bool elsewhere = false;        // the part hangs on v in a second place: round a handle as well
             for (uint32_t s = u; s != first_zero; s = side_after(s, degree))
@@ -177,7 +186,10 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
     }
     star.group_count = groups;
     for (uint32_t k = 0; k < groups; ++k)
-        if (star.group_pull[k] > star.best_pull) { star.best_pull = star.group_pull[k]; star.best = k; }
+        if (star.group_pull[k] > star.best_pull) {
+            star.best_pull = star.group_pull[k];
+            star.best = k;
+        }
 }
 
 namespace {
@@ -186,22 +198,24 @@ enum class Outcome : uint8_t { undecided, rests, moves, lands };
 
 // One move at a vertex without zero edges and with two directions: the
 // general way below in one pass and without branches on the values.
-Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, double weight_sum, SweepResult& result) {
+Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight,
+                           double weight_sum, SweepResult& result) {
     if (degree > 64) return Outcome::undecided;
     double pull = 0, pull_of_second = 0;
     int64_t room = INT64_MAX, room_of_second = INT64_MAX;
     uint64_t second = 0; // sides in the second direction
-    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
-        const int64_t corner = (here + ahead - opposite) / 2;
-        const int64_t along = corner != 0 && corner < here ? corner : here;
-        const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
-        pull += p;
-        pull_of_second += p * static_cast<double>(direction);
-        const int64_t first = direction ? INT64_MAX : along, other = direction ? along : INT64_MAX;
-        room = first < room ? first : room;
-        room_of_second = other < room_of_second ? other : room_of_second;
-        second |= uint64_t{direction} << t;
-    });
+    const uint32_t closed = walk_plain_star(
+        f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+            const int64_t corner = (here + ahead - opposite) / 2;
+            const int64_t along = corner != 0 && corner < here ? corner : here;
+            const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
+            pull += p;
+            pull_of_second += p * static_cast<double>(direction);
+            const int64_t first = direction ? INT64_MAX : along, other = direction ? along : INT64_MAX;
+            room = first < room ? first : room;
+            room_of_second = other < room_of_second ? other : room_of_second;
+            second |= uint64_t{direction} << t;
+        });
     if (closed != 2) return Outcome::undecided;
     const bool to_second = 2 * pull_of_second > pull;
     const double excess = to_second ? 2 * pull_of_second - pull : pull - 2 * pull_of_second;
@@ -211,7 +225,8 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
     else second = ~second;
     const bool lands = distance >= static_cast<double>(room);
     const int64_t mu = lands ? room : static_cast<int64_t>(distance);
-    for (uint32_t t = 0; t < degree; ++t) f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(second >> t & 1);
+    for (uint32_t t = 0; t < degree; ++t)
+        f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(second >> t & 1);
     const double step = static_cast<double>(mu);
     result.energy_change += step * (step * weight_sum - 2 * excess);
     ++result.moves;
@@ -277,7 +292,8 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
     const uint32_t n = f.mesh.vertex_count;
     for (uint32_t i = 0; i < n; ++i) {
         if (i % 8192 == 0 && !call.tick(fraction, true)) return;
-        if (n - i > Rings::ahead) rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
+        if (n - i > Rings::ahead)
+            rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
         relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);
     }
 }
@@ -294,7 +310,8 @@ double residual_at(Foliation& f, const Rings& rings, const double* weight, uint3
     return excess > 0 && scale > 0 ? excess / scale : 0;
 }
 
-ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call) {
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual,
+                         Call& call) {
     const uint32_t n = f.mesh.vertex_count;
     double total = 0;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += weight[e] * static_cast<double>(f.value[e]);
@@ -306,7 +323,10 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
         const double r = residual_at(f, rings, weight, v, floor, star);
         if (residual) residual[v] = r;
         sum += r;
-        if (r > result.max) { result.max = r; result.worst = v; }
+        if (r > result.max) {
+            result.max = r;
+            result.worst = v;
+        }
     }
     result.mean = sum / static_cast<double>(n);
     return result;

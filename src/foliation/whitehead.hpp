@@ -12,7 +12,9 @@ namespace hmf {
 // counter-clockwise.  What lies in a monogon at v is left out, as if its
 // boundary were contracted: all values there are 0 and stay so.
 struct Rings {
-    struct Side { uint32_t half_edge, opposite; };
+    struct Side {
+        uint32_t half_edge, opposite;
+    };
     Array<uint32_t> offset;    // vertex_count + 1
     Array<Side> side;          // 2 * edge_count
     Array<uint32_t> neighbour; // 2 * edge_count: target of each side
@@ -60,19 +62,19 @@ inline uint32_t walk_plain_star(const int64_t* value, const Rings::Side* side, u
 struct Star {
     uint32_t degree = 0;
     uint32_t group_count = 0;
-    uint32_t best = 0;          // group of the largest pull
+    uint32_t best = 0;              // group of the largest pull
     double best_pull = 0, pull = 0; // of that group; of all
     bool has_zero = false, decided = true;
-    uint32_t budget = 512;      // vertices or steps that one move may look at
-    Array<int64_t> F;           // per side
-    Array<int64_t> corner2;     // twice the coordinate of the corner between sides t and t+1
-    Array<uint32_t> group;      // per side: direction, NONE for zero edges
+    uint32_t budget = 512;  // vertices or steps that one move may look at
+    Array<int64_t> F;       // per side
+    Array<int64_t> corner2; // twice the coordinate of the corner between sides t and t+1
+    Array<uint32_t> group;  // per side: direction, NONE for zero edges
     Array<double> group_pull;
     // Of the move into group `best` that plan_move has found.
-    Array<int8_t> step;         // per side: sign of its share of the change of its edge, 0 if it has none
-    Array<uint8_t> way;         // per side: scratch of open_zero_self_edges
-    Array<uint32_t> pushed;     // vertices that move along; all their values shrink
-    uint32_t moving = 0;        // stamp of these and of the vertex itself
+    Array<int8_t> step;     // per side: sign of its share of the change of its edge, 0 if it has none
+    Array<uint8_t> way;     // per side: scratch of open_zero_self_edges
+    Array<uint32_t> pushed; // vertices that move along; all their values shrink
+    uint32_t moving = 0;    // stamp of these and of the vertex itself
     bool allocate(Memory& memory, uint32_t max_degree);
 };
 
@@ -81,9 +83,9 @@ struct Star {
 void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star);
 
 struct SweepResult {
-    double energy_change = 0;  // in squared units, <= 0
+    double energy_change = 0; // in squared units, <= 0
     uint64_t moves = 0;
-    uint64_t blocked = 0;      // vertices that want to move but must wait
+    uint64_t blocked = 0; // vertices that want to move but must wait
 };
 
 // Moves each vertex once to the best point that is legal and reachable in its
@@ -100,7 +102,8 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star);
 int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star);
 void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t mu);
 // As far as is best and there is room; false: not by a unit.  lands: as far as there is room.
-bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands, double& energy_change);
+bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands,
+                   double& energy_change);
 // Fills star.step for edges of value 0 from the vertex to itself: 1 if they
 // open, else 0 (self_edges.cpp).  false: not known for all of them.
 bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star);
@@ -110,8 +113,12 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
 
 // Relative coclosedness residual of each vertex ([W] Eq. 4); residual may be
 // NULL.  Stops early, with what it has, if the call is cancelled.
-struct ResidualResult { double max = 0, mean = 0; uint32_t worst = NONE; };
-ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual, Call& call);
+struct ResidualResult {
+    double max = 0, mean = 0;
+    uint32_t worst = NONE;
+};
+ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual,
+                         Call& call);
 
 // The residual of one vertex; floor: the least pull that it is measured
 // against, from the sum of weight * F over all edges.

@@ -50,8 +50,10 @@ bool take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_
     mesh.vertex_count = vertex_count;
     mesh.edge_count = edge_count;
     mesh.face_count = face_count;
-    return (mesh.origin = arena.take<uint32_t>(size_t{2} * edge_count)) && (mesh.next = arena.take<uint32_t>(size_t{2} * edge_count))
-        && (mesh.face = arena.take<uint32_t>(size_t{2} * edge_count)) && (mesh.out = arena.take<uint32_t>(vertex_count));
+    return (mesh.origin = arena.take<uint32_t>(size_t{2} * edge_count))
+        && (mesh.next = arena.take<uint32_t>(size_t{2} * edge_count))
+        && (mesh.face = arena.take<uint32_t>(size_t{2} * edge_count))
+        && (mesh.out = arena.take<uint32_t>(vertex_count));
 }
 
 // Copies the first elements, as many as the coarser of the two meshes has.
@@ -66,8 +68,8 @@ void copy_prefix(const Mesh& from, const Mesh& to) {
 
 class Builder {
 public:
-    Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call)
-        : h_(h), positions_(positions), stride_(stride), options_(options), call_(call), scratch_(h.memory) {}
+    Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call) :
+        h_(h), positions_(positions), stride_(stride), options_(options), call_(call), scratch_(h.memory) {}
 
     hmf_status run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
 
@@ -91,10 +93,10 @@ private:
     WorkMesh work_;                    // lies in the arrays of h_.input
     Array<Level> levels_;
     Array<uint32_t> flips_;
-    double* weight_ = nullptr;     // of level 0: sums of cotangents first
-    Metric metric_;                // of the input; empty if it is Delaunay
+    double* weight_ = nullptr; // of level 0: sums of cotangents first
+    Metric metric_;            // of the input; empty if it is Delaunay
     bool is_delaunay_ = false;
-    Arena scratch_;              // of the numberings
+    Arena scratch_;               // of the numberings
     Array<Numbering> numberings_; // of all levels but the coarsest: level k -> k + 1 first, then to the final numbers
     size_t collapse_count_ = 0;
 };
@@ -104,14 +106,19 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     vertex_count_ = static_cast<uint32_t>(vertex_count);
     face_count_ = static_cast<uint32_t>(triangle_count);
     edge_count_ = static_cast<uint32_t>(3 * triangle_count / 2);
-    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)) || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
-        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count)) || !(input_position_ = arena.take<double>(3 * vertex_count)))
+    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count))
+        || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
+        || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count))
+        || !(input_position_ = arena.take<double>(3 * vertex_count)))
         return call_.out_of_memory();
     std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
     const Origin origin = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
-    hmf_status status = order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
-    if (!status) status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count, h_.triangle_edges, ordered, call_);
+    hmf_status status =
+        order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
+    if (!status)
+        status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count,
+                                 h_.triangle_edges, ordered, call_);
     if (status) return status;
     if (!take_mesh(arena, vertex_count_, edge_count_, face_count_, h_.input)
         || !work_.allocate(h_.memory, h_.input, options_.collapse == HMF_COLLAPSE_QSLIM))
@@ -123,8 +130,9 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
     if (h_.genus == 0)
-        return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
-                          "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
+        return call_.fail(
+            HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
+            "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
     status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, work_.link.data(), call_);
     if (status) return status;
@@ -145,14 +153,16 @@ hmf_status Builder::measure_input(const Mesh& mesh, const double* position, doub
     if (options_.mollify > 0) mollify(mesh, options_.mollify, metric_, weight_);
     for (const double area : metric_.four_areas)
         if (!(area > 0)) // all points are one
-            return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0, "The mesh has no extent. Check the positions.");
+            return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0,
+                              "The mesh has no extent. Check the positions.");
     return HMF_OK;
 }
 
 // Positions and weights of the level that the working mesh is, in its numbers.
 hmf_status Builder::keep_geometry(Level& level, double fraction) {
     const size_t coordinates = size_t{3} * level.mesh.vertex_count;
-    if (!(level.position = h_.arena.take<double>(coordinates)) || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
+    if (!(level.position = h_.arena.take<double>(coordinates))
+        || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
         return call_.out_of_memory();
     for (size_t n = 0; n < coordinates; ++n) level.position[n] = work_.position[n] / scale_;
     const hmf_status status = cotangent_sums(work_.mesh, work_.position, level.weight, call_, fraction);
@@ -170,7 +180,8 @@ hmf_status Builder::coarsen() {
     level.mesh.edge_count = edge_count_;
     level.mesh.face_count = face_count_;
     if (!levels_.push(level)) return call_.out_of_memory();
-    const uint32_t minimum = schedule.vertices < vertex_count_ ? static_cast<uint32_t>(schedule.vertices) : vertex_count_;
+    const uint32_t minimum =
+        schedule.vertices < vertex_count_ ? static_cast<uint32_t>(schedule.vertices) : vertex_count_;
     if (!(h_.collapses = h_.arena.take<Collapse>(vertex_count_ - minimum))) return call_.out_of_memory();
     const double total = edge_count_;
     while (levels_.size() < MAX_LEVELS) {
@@ -180,13 +191,14 @@ hmf_status Builder::coarsen() {
         const double from = 0.6 - 0.4 * edges_before / total, to = 0.6 - 0.4 * static_cast<double>(target) / total;
         Level& finer = levels_.back();
         finer.collapse_begin = collapse_count_;
-        hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum, h_.collapses, collapse_count_, call_,
-                                           from, 0.5 * (from + to));
+        hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum,
+                                           h_.collapses, collapse_count_, call_, from, 0.5 * (from + to));
         if (status) return status;
         finer.collapse_end = collapse_count_;
         if (work_.mesh.edge_count == edges_before) break;
         Numbering numbering;
-        if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end)) || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
+        if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
+            || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
             || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
             return call_.out_of_memory();
         number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering);
@@ -206,7 +218,8 @@ hmf_status Builder::coarsen() {
     }
     if (levels_.size() > 1) { // the coarsest level has its final numbers
         Mesh& coarsest = levels_.back().mesh;
-        if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest)) return call_.out_of_memory();
+        if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest))
+            return call_.out_of_memory();
         copy_prefix(work_.mesh, coarsest);
     }
     work_ = WorkMesh();
@@ -216,7 +229,8 @@ hmf_status Builder::coarsen() {
 // From the numbers of each level to the final ones, from coarse to fine.
 hmf_status Builder::number() {
     h_.level_count = levels_.size();
-    if (!(h_.levels = h_.arena.take<Level>(levels_.size())) || !(h_.flips = h_.arena.take<uint32_t>(flips_.size()))) return call_.out_of_memory();
+    if (!(h_.levels = h_.arena.take<Level>(levels_.size())) || !(h_.flips = h_.arena.take<uint32_t>(flips_.size())))
+        return call_.out_of_memory();
     for (size_t k = 0; k < levels_.size(); ++k) h_.levels[k] = levels_[k];
     h_.levels[0].weight = weight_;
     if (!flips_.empty()) std::memcpy(h_.flips, flips_.data(), flips_.size() * sizeof(uint32_t));
@@ -263,7 +277,8 @@ hmf_status Builder::replay() {
         Level& level = h_.levels[k];
         const Level& finer = h_.levels[k - 1];
         if (k < last) {
-            if (!take_mesh(h_.arena, level.mesh.vertex_count, level.mesh.edge_count, level.mesh.face_count, level.mesh)) return call_.out_of_memory();
+            if (!take_mesh(h_.arena, level.mesh.vertex_count, level.mesh.edge_count, level.mesh.face_count, level.mesh))
+                return call_.out_of_memory();
             copy_prefix(mesh, level.mesh);
         }
         const double fraction = 0.65 + 0.2 * (1 - static_cast<double>(level.mesh.edge_count) / edge_count_);
@@ -277,7 +292,8 @@ hmf_status Builder::replay() {
         }
     }
     for (size_t v = 0; v < vertex_count_; ++v)
-        for (size_t c = 0; c < 3; ++c) input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+        for (size_t c = 0; c < 3; ++c)
+            input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
     h_.levels[0].position = input_position_;
     return HMF_OK;
 }
@@ -293,7 +309,8 @@ hmf_status Builder::make_delaunay() {
         Array<uint32_t> log;
         if (!log.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
         size_t& count = h_.intrinsic_flip_count;
-        hmf_status status = intrinsic_delaunay(level.mesh, metric_, weight_, log.data(), log.size(), count, call_, 0.9, 0.93);
+        hmf_status status =
+            intrinsic_delaunay(level.mesh, metric_, weight_, log.data(), log.size(), count, call_, 0.9, 0.93);
         if (status) return status;
         if (count <= log.size()) {
             if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(count))) return call_.out_of_memory();
@@ -307,7 +324,9 @@ hmf_status Builder::make_delaunay() {
                 if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(room))) return call_.out_of_memory();
                 copy_prefix(h_.input, level.mesh);
                 status = measure_input(h_.input, level.position, scale_, nullptr);
-                if (!status) status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_, at, at + 0.02);
+                if (!status)
+                    status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_,
+                                                at, at + 0.02);
                 if (status) return status;
             }
         }
@@ -327,8 +346,9 @@ hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t t
 
 } // namespace
 
-hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count, size_t position_stride,
-                           const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call) {
+hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                           size_t position_stride, const uint32_t* triangles, size_t triangle_count,
+                           const BuildOptions& options, Call& call) {
     hmf_status status = validate_arguments(positions, vertex_count, position_stride, triangles, triangle_count, call);
     if (status) return status;
     if (!call.tick(0)) status = HMF_CANCELLED;
@@ -336,7 +356,8 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
         Builder builder(hierarchy, positions, position_stride, options, call);
         status = builder.run(vertex_count, triangles, triangle_count);
     }
-    if (status == HMF_CANCELLED) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    if (status == HMF_CANCELLED)
+        return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
     return status;
 }
 
@@ -373,7 +394,8 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t loading = input + work + 16 * F + 12 * V + metric;
     // The log of flips grows by doubling: three times its length while it does.
     const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh;
-    const uint64_t numbering = input + metric + log + 3 * flips + geometry + numberings + coarse_meshes + mesh + 24 * V + 8 * E;
+    const uint64_t numbering =
+        input + metric + log + 3 * flips + geometry + numberings + coarse_meshes + mesh + 24 * V + 8 * E;
     const uint64_t replaying = input + metric + log + flips + geometry + coarse_meshes + mesh + 24 * V;
     const uint64_t finishing = replaying + mesh + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;

@@ -41,7 +41,9 @@ struct Level {
 struct hmf_hierarchy {
     hmf_hierarchy(hmf_allocate_fn a, hmf_release_fn r, void* user, uint64_t limit)
         // Its own bytes count from the start.
-        : memory(a, r, user, limit, sizeof(hmf_hierarchy)), arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
+        :
+        memory(a, r, user, limit, sizeof(hmf_hierarchy)),
+        arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
 
     hmf::Memory memory;
     hmf::Arena arena;
@@ -51,15 +53,15 @@ struct hmf_hierarchy {
     uint64_t memory_limit;
 
     uint32_t genus = 0;
-    hmf::Mesh input;                      // the caller's triangulation, internal numbers; shares arrays with
-                                          // levels[0].mesh when intrinsic_flip_count is 0
-    uint32_t* intrinsic_flips = nullptr;  // edges, in the order of flipping, from input to levels[0]
+    hmf::Mesh input;                     // the caller's triangulation, internal numbers; shares arrays with
+                                         // levels[0].mesh when intrinsic_flip_count is 0
+    uint32_t* intrinsic_flips = nullptr; // edges, in the order of flipping, from input to levels[0]
     size_t intrinsic_flip_count = 0;
 
-    hmf::Level* levels = nullptr;         // finest first
+    hmf::Level* levels = nullptr; // finest first
     size_t level_count = 0;
-    hmf::Collapse* collapses = nullptr;   // of all levels, finest first
-    uint32_t* flips = nullptr;            // of all levels, finest first
+    hmf::Collapse* collapses = nullptr; // of all levels, finest first
+    uint32_t* flips = nullptr;          // of all levels, finest first
 
     // Between the caller's numbers and the internal ones, on level 0.
     uint32_t* triangle_vertices = nullptr; // 3 * face_count, caller's vertex numbers (a copy of the input)
@@ -71,8 +73,9 @@ struct hmf_hierarchy {
 namespace hmf {
 
 // arrays in -> validated mesh -> hierarchy.  Fills a freshly made hierarchy.
-hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count, size_t position_stride,
-                           const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call);
+hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                           size_t position_stride, const uint32_t* triangles, size_t triangle_count,
+                           const BuildOptions& options, Call& call);
 
 // Upper bound of the peak memory of build_hierarchy.
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options);

@@ -43,7 +43,8 @@ double dot(const double* u, const double* v) { return u[0] * v[0] + u[1] * v[1] 
 // Does a triangle of v with two consecutive neighbours turn by more than about
 // 80 degrees if v moves to p?  others: a bit for each of the neighbours but the
 // first and the last, by the lowest bits of its number.
-bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p, uint64_t& others) {
+bool turns_over(const WorkMesh& work, uint32_t v_number, const uint32_t* neighbour, uint32_t count, const double* p,
+                uint64_t& others) {
     // Two of everything: before and after.
     const double* v = work.at(v_number);
     const double apex[3][2] = {{v[0], p[0]}, {v[1], p[1]}, {v[2], p[2]}};
@@ -181,9 +182,12 @@ bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
         f = mesh.rotate_cw(f);
     }
     uint64_t others_i, others_j;
-    if (turns_over(work, i, round_i + 1, degree_i - 1, p, others_i) || turns_over(work, j, round_j + 1, degree_j - 1, p, others_j)) return false;
+    if (turns_over(work, i, round_i + 1, degree_i - 1, p, others_i)
+        || turns_over(work, j, round_j + 1, degree_j - 1, p, others_j))
+        return false;
     // Without a common bit, k and l are the only common neighbours.
-    return mesh.target(mesh.next[h]) != mesh.target(mesh.next[twin(h)]) && ((others_i & others_j) == 0 || can_collapse(mesh, h, work.marks.data()));
+    return mesh.target(mesh.next[h]) != mesh.target(mesh.next[twin(h)])
+        && ((others_i & others_j) == 0 || can_collapse(mesh, h, work.marks.data()));
 }
 
 void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_quadrics, Collapse& record) {
@@ -230,8 +234,10 @@ bool WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     vertex_end = all.vertex_count;
     edge_end = all.edge_count;
     face_end = all.face_count;
-    return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, edge_end > vertex_end ? edge_end : vertex_end)
-        && marks.allocate_filled(memory, vertex_end, 0) && queue.allocate(memory) && (!with_quadrics || quadrics.allocate(memory, vertex_end));
+    return degree.allocate_filled(memory, vertex_end, 0)
+        && link.allocate(memory, edge_end > vertex_end ? edge_end : vertex_end)
+        && marks.allocate_filled(memory, vertex_end, 0) && queue.allocate(memory)
+        && (!with_quadrics || quadrics.allocate(memory, vertex_end));
 }
 
 void initial_quadrics(WorkMesh& work) {
@@ -256,16 +262,16 @@ void initial_quadrics(WorkMesh& work) {
         // A little of the distance to the vertex itself: a minimum exists on
         // flat parts too, and short edges go first there.
         const double own = 1e-3 * w;
-        const Quadric q = {{w * n[0] * n[0] + own, w * n[0] * n[1], w * n[0] * n[2], w * n[1] * n[1] + own, w * n[1] * n[2],
-                            w * n[2] * n[2] + own},
+        const Quadric q = {{w * n[0] * n[0] + own, w * n[0] * n[1], w * n[0] * n[2], w * n[1] * n[1] + own,
+                            w * n[1] * n[2], w * n[2] * n[2] + own},
                            {w * d * n[0] + own * p[0], w * d * n[1] + own * p[1], w * d * n[2] + own * p[2]},
                            w * d * d + own * dot(p, p)};
         add(work.quadrics[mesh.origin[h]], q);
     }
 }
 
-hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
-                          size_t& log_count, Call& call, double from, double to) {
+hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
+                          Collapse* log, size_t& log_count, Call& call, double from, double to) {
     Mesh& mesh = work.mesh;
     const uint32_t edges_before = mesh.edge_count;
     const bool with_quadrics = strategy == HMF_COLLAPSE_QSLIM;
@@ -286,7 +292,8 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
             scout.step(work, now);
             const uint32_t e = work.queue.take(work.link);
             if (++steps % 8192 == 0) {
-                const double part = static_cast<double>(edges_before - mesh.edge_count) / static_cast<double>(edges_before - edge_target);
+                const double part = static_cast<double>(edges_before - mesh.edge_count)
+                                  / static_cast<double>(edges_before - edge_target);
                 if (!call.tick(from + (to - from) * part)) return HMF_CANCELLED;
             }
             if (work.removed(e)) continue;
@@ -297,7 +304,8 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
                 work.queue.put(e, bucket, work.link);
                 continue;
             }
-            if (strict ? !keeps_shape(work, h, placement.position) : !can_collapse(mesh, h, work.marks.data())) continue;
+            if (strict ? !keeps_shape(work, h, placement.position) : !can_collapse(mesh, h, work.marks.data()))
+                continue;
             apply(work, h, placement, with_quadrics, log[log_count++]);
         }
         work.queue.clear();

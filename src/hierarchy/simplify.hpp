@@ -16,7 +16,7 @@ public:
     bool allocate(Memory& memory);
     static uint32_t bucket(double cost); // cost >= 0, finite
     void clear();
-    bool empty();                        // moves on to the lowest list in use
+    bool empty(); // moves on to the lowest list in use
     uint32_t lowest() const { return low_; }
     uint32_t first(uint32_t list) const { return head_[list]; }
     void put(uint32_t edge, uint32_t at, Array<uint32_t>& link) {
@@ -48,14 +48,14 @@ struct Quadric {
 // The mesh while it is coarsened.  Inside a level, removed elements stay in
 // place: an edge has face NONE then, a vertex has out NONE.
 struct WorkMesh {
-    Mesh mesh;                                       // counts: of what is left; arrays owned elsewhere
-    double* position = nullptr;                      // owned elsewhere
+    Mesh mesh;                                           // counts: of what is left; arrays owned elsewhere
+    double* position = nullptr;                          // owned elsewhere
     uint32_t vertex_end = 0, edge_end = 0, face_end = 0; // numbers in use, with those of removed elements
     Array<uint32_t> degree;
-    Array<uint32_t> link;            // per edge: lists of the queue, stack of the flips; before, scratch of the validation
-    Array<uint8_t> marks;            // per vertex, zeros
-    Array<Quadric> quadrics;         // per vertex, with HMF_COLLAPSE_QSLIM only
-    double centre[3] = {0, 0, 0};    // that the quadrics are about
+    Array<uint32_t> link;         // per edge: lists of the queue, stack of the flips; before, scratch of the validation
+    Array<uint8_t> marks;         // per vertex, zeros
+    Array<Quadric> quadrics;      // per vertex, with HMF_COLLAPSE_QSLIM only
+    double centre[3] = {0, 0, 0}; // that the quadrics are about
     BucketQueue queue;
 
     // For a mesh with room for all its elements.
@@ -71,7 +71,7 @@ void initial_quadrics(WorkMesh& work);
 // Collapses until at most edge_target edges are left or nothing more can be
 // collapsed.  Writes the records to log and counts them; log has room for all
 // vertices but vertex_minimum.
-hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
-                          size_t& log_count, Call& call, double from, double to);
+hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
+                          Collapse* log, size_t& log_count, Call& call, double from, double to);
 
 } // namespace hmf

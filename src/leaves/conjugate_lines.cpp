@@ -28,7 +28,9 @@ double change(const Mesh& mesh, const int64_t* form, uint32_t h, double s, uint3
     return form[opposite] == a + b ? x + y : magnitude(x - y);
 }
 
-double fraction(const Foliation& g, const Crossing& c) { return static_cast<double>(c.at) / static_cast<double>(width(g, c.half_edge)); }
+double fraction(const Foliation& g, const Crossing& c) {
+    return static_cast<double>(c.at) / static_cast<double>(width(g, c.half_edge));
+}
 
 // The function at the corners of the triangle of which h is side 0, up to sign.
 void corners(const Mesh& mesh, const int64_t* form, uint32_t h, double* u) {
@@ -40,8 +42,9 @@ void corners(const Mesh& mesh, const int64_t* form, uint32_t h, double* u) {
 
 class Tracer {
 public:
-    Tracer(Lines& lines, const Foliation& g, const int64_t* du, const double* position, Call& call)
-        : lines_(lines), g_(g), du_(du), position_(position), crossing_limit_(64 * uint64_t{g.mesh.edge_count} + (uint64_t{1} << 20)), call_(call) {}
+    Tracer(Lines& lines, const Foliation& g, const int64_t* du, const double* position, Call& call) :
+        lines_(lines), g_(g), du_(du), position_(position),
+        crossing_limit_(64 * uint64_t{g.mesh.edge_count} + (uint64_t{1} << 20)), call_(call) {}
 
     // The points behind c, until u has changed by `room`, a zero is met or the
     // line is too long; length counts on.
@@ -54,10 +57,12 @@ public:
         for (uint64_t n = 0; n < crossing_limit_; ++n) {
             const Crossing next = follow(g_, c);
             point_at(g_, position_, next, point);
-            const double grown = du_ ? change(g_.mesh, du_, c.half_edge, fraction(g_, c), next.half_edge, fraction(g_, next)) : 0;
+            const double grown =
+                du_ ? change(g_.mesh, du_, c.half_edge, fraction(g_, c), next.half_edge, fraction(g_, next)) : 0;
             const bool arrives = du_ && here + grown >= room;
             if (arrives)
-                for (int k = 0; k < 3; ++k) point[k] = before[k] + (point[k] - before[k]) * (grown > 0 ? (room - here) / grown : 1);
+                for (int k = 0; k < 3; ++k)
+                    point[k] = before[k] + (point[k] - before[k]) * (grown > 0 ? (room - here) / grown : 1);
             const double step = distance(before, point);
             if (lines_.limited(length + step)) return HMF_OK;
             length += step;
@@ -91,16 +96,18 @@ hmf_status read_levels(const Foliation& f, const Cylinders& cylinders, Conjugate
     Curves middle;
     if (middle_leaves(f, cylinders, nullptr, middle, call)) return call.status();
     const size_t n = cylinders.list.size();
-    if (!out.offsets.allocate(call.memory, n + 1) || !out.height.allocate(call.memory, n) || !out.middle.allocate(call.memory, middle.crossings.size()))
+    if (!out.offsets.allocate(call.memory, n + 1) || !out.height.allocate(call.memory, n)
+        || !out.middle.allocate(call.memory, middle.crossings.size()))
         return call.out_of_memory();
     for (size_t c = 0; c <= n; ++c) out.offsets[c] = middle.offsets[c];
     for (size_t c = 0; c < n; ++c) out.height[c] = static_cast<double>(cylinders.list[c].height);
-    for (size_t i = 0; i < out.middle.size(); ++i) out.middle[i] = {middle.crossings[i].half_edge, fraction(f, middle.crossings[i])};
+    for (size_t i = 0; i < out.middle.size(); ++i)
+        out.middle[i] = {middle.crossings[i].half_edge, fraction(f, middle.crossings[i])};
     return HMF_OK;
 }
 
-hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du, const ConjugateLevels& levels, double spacing, double unit,
-                                const double* position, Call& call) {
+hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du, const ConjugateLevels& levels,
+                                double spacing, double unit, const double* position, Call& call) {
     const Mesh& mesh = g.mesh;
     Tracer tracer(lines, g, du, position, call);
     for (uint32_t c = 0; c < levels.height.size(); ++c) {
@@ -112,7 +119,9 @@ hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t*
             whole += change(mesh, g.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
         }
         const double wanted = std::floor(whole * unit / spacing + 0.5);
-        if (wanted > 1 << 20) return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
+        if (wanted > 1 << 20)
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                             "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
         const uint32_t n = wanted < 1 ? 1 : static_cast<uint32_t>(wanted);
         uint64_t at = begin;
         double passed = 0;
@@ -187,7 +196,9 @@ hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* positi
         // Half a unit beside the vertex and its prong.
         const Crossing start{twin(s.last), width(g, s.last) - 1};
         point_at(g, position, start, point);
-        if (!lines.add(point, edge_of(s.last)) || tracer.trace(start, 0, &graph, line.length, line.end) || !lines.end_line(line)) return call.out_of_memory();
+        if (!lines.add(point, edge_of(s.last)) || tracer.trace(start, 0, &graph, line.length, line.end)
+            || !lines.end_line(line))
+            return call.out_of_memory();
     }
     return HMF_OK;
 }

@@ -21,7 +21,8 @@ uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
 
 } // namespace
 
-hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
+                                        Call& call) {
     Memory& memory = call.memory;
     zeros.start(memory);
     sectors.start(memory);
@@ -34,7 +35,8 @@ hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_ord
     // shortest loop.  Integers that belong to no such class can make it longer
     // than any memory.
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
-    if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE)) return call.out_of_memory();
+    if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE))
+        return call.out_of_memory();
     return find_zeros(f, vertex_order, face_order, call);
 }
 
@@ -43,7 +45,8 @@ hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, cons
     for (uint32_t s = 0; s < sectors.size(); ++s) {
         if (sectors[s].boundary != NONE) continue;
         const uint32_t h = sectors[s].last;
-        const Crossing start = zeros[sectors[s].zero].tripod ? Crossing{h, branch(f, h) - 1} : Crossing{twin(h), width(f, h) - 1};
+        const Crossing start =
+            zeros[sectors[s].zero].tripod ? Crossing{h, branch(f, h) - 1} : Crossing{twin(h), width(f, h) - 1};
         if (trace_boundary(f, start, call)) return call.status();
     }
     if (zeros.empty()) {
@@ -59,7 +62,8 @@ hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, cons
     return sort_marks(f, call.memory) ? HMF_OK : call.out_of_memory();
 }
 
-hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
+hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
+                                     Call& call) {
     const Mesh& mesh = f.mesh;
     Array<int32_t> at_vertex, at_face;
     Array<uint32_t> cluster, side_of_face;
@@ -84,7 +88,8 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
         const uint32_t t = face_order ? face_order[i] : i;
         if (at_face[t] == 0) continue;
         const uint32_t zero = static_cast<uint32_t>(zeros.size());
-        if (!zeros.push({true, side_of_face[t], at_face[t], 1}) || !add_sectors_of_tripod(f, zero, side_of_face[t])) return call.out_of_memory();
+        if (!zeros.push({true, side_of_face[t], at_face[t], 1}) || !add_sectors_of_tripod(f, zero, side_of_face[t]))
+            return call.out_of_memory();
     }
     return HMF_OK;
 }
@@ -109,7 +114,8 @@ bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uin
             } while (g != h);
             const uint32_t before = static_cast<uint32_t>(sectors.size()), n = count > 0 ? count : 1;
             for (uint32_t s = 0; s < n; ++s)
-                if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE})) return false;
+                if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE}))
+                    return false;
             uint32_t s = before;
             for (size_t i = 0; i < circle_.size(); ++i) {
                 g = circle_[(start + i) % circle_.size()];
@@ -161,7 +167,9 @@ hmf_status CriticalGraph::trace_boundary(const Foliation& f, Crossing start, Cal
         if (!crossings.push(c)) return call.out_of_memory();
         const uint32_t s = sector_at(f, c);
         if (s != NONE && s != inside) {
-            if (left == NONE) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "A leaf of a surface without zeros passes one. Please report it.");
+            if (left == NONE)
+                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                                 "A leaf of a surface without zeros passes one. Please report it.");
             sectors[left].arc = static_cast<uint32_t>(arcs.size());
             if (!arcs.push({left, s, left_at, index, NONE})) return call.out_of_memory();
             sectors[s].boundary = boundary;
@@ -183,7 +191,8 @@ hmf_status CriticalGraph::pair_arcs(Call& call) {
         const uint32_t other = sectors[sectors[arcs[a].to].previous].arc;
         // Both sides of an arc join the same prongs.
         if (other == NONE || arcs[other].to != sectors[arcs[a].from].next)
-            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, a, "The sides of a critical leaf do not match. Please report it.");
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, a,
+                             "The sides of a critical leaf do not match. Please report it.");
         arcs[a].twin = other;
     }
     return HMF_OK;
@@ -191,7 +200,9 @@ hmf_status CriticalGraph::pair_arcs(Call& call) {
 
 bool CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
     const uint32_t n = f.mesh.edge_count;
-    if (!mark_offset.allocate_filled(memory, n + size_t{1}, 0u) || !marks.allocate(memory, crossings.size() - boundaries.size())) return false;
+    if (!mark_offset.allocate_filled(memory, n + size_t{1}, 0u)
+        || !marks.allocate(memory, crossings.size() - boundaries.size()))
+        return false;
     for (const Boundary& b : boundaries)
         for (uint64_t i = b.begin; i + 1 < b.end; ++i) ++mark_offset[edge_of(crossings[i].half_edge)];
     uint32_t total = 0;
@@ -203,12 +214,16 @@ bool CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
         for (uint64_t i = boundaries[k].begin; i + 1 < boundaries[k].end; ++i) {
             const Crossing& c = crossings[i];
             const bool backwards = c.half_edge & 1u; // then the right side is ahead
-            marks[--mark_offset[edge_of(c.half_edge)]] = {backwards ? width(f, c.half_edge) - c.at : c.at, k, backwards};
+            marks[--mark_offset[edge_of(c.half_edge)]] = {backwards ? width(f, c.half_edge) - c.at : c.at, k,
+                                                          backwards};
         }
     // In a cylinder one unit high both boundary leaves are the same: first the lower one.
-    const auto before = [](const Mark& a, const Mark& b) { return a.at != b.at ? a.at < b.at : a.forward && !b.forward; };
+    const auto before = [](const Mark& a, const Mark& b) {
+        return a.at != b.at ? a.at < b.at : a.forward && !b.forward;
+    };
     for (uint32_t e = 0; e < n; ++e)
-        if (mark_offset[e + 1] - mark_offset[e] > 1) heap_sort(&marks[mark_offset[e]], mark_offset[e + 1] - mark_offset[e], before);
+        if (mark_offset[e + 1] - mark_offset[e] > 1)
+            heap_sort(&marks[mark_offset[e]], mark_offset[e + 1] - mark_offset[e], before);
     return true;
 }
 

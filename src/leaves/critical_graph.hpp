@@ -22,9 +22,9 @@ namespace hmf {
 
 struct Zero {
     bool tripod;
-    uint32_t element;    // vertex (of a cluster the first in the given order); tripod: a half-edge of it
+    uint32_t element; // vertex (of a cluster the first in the given order); tripod: a half-edge of it
     int32_t index;
-    int64_t euler;       // of its cluster; 1 is a disk
+    int64_t euler; // of its cluster; 1 is a disk
 };
 
 struct Sector {
@@ -37,13 +37,13 @@ struct Sector {
 
 // One side of a saddle connection: part of a boundary leaf.
 struct ArcSide {
-    uint32_t from, to;       // sectors
-    uint64_t first, last;    // crossings; of a tripod's sector, `last` is the one after its middle
-    uint32_t twin;           // the other side
+    uint32_t from, to;    // sectors
+    uint64_t first, last; // crossings; of a tripod's sector, `last` is the one after its middle
+    uint32_t twin;        // the other side
 };
 
 struct Boundary {
-    uint64_t begin, end;     // its crossings; the last repeats the first
+    uint64_t begin, end;           // its crossings; the last repeats the first
     uint32_t arcs_begin, arcs_end; // in the order of the leaf
 };
 
@@ -51,7 +51,7 @@ struct Boundary {
 struct Mark {
     int64_t at;
     uint32_t boundary;
-    bool forward;            // its cylinder lies ahead (larger places)
+    bool forward; // its cylinder lies ahead (larger places)
 };
 
 class CriticalGraph {

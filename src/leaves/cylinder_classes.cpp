@@ -9,7 +9,8 @@ namespace {
 
 hmf_status wrong_class(Call& call) {
     return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
-                     "The values do not belong to these loops: heights of cylinders and weights of loops differ, or their classes do. Pass the loops that were solved.");
+                     "The values do not belong to these loops: heights of cylinders and weights of loops differ, or "
+                     "their classes do. Pass the loops that were solved.");
 }
 
 } // namespace
@@ -33,7 +34,8 @@ bool Labels::choose(const Cylinders& cylinders, Memory& memory) {
 void Labels::stretch(const Foliation& f, const Cylinders& cylinders, int64_t* value) const {
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
         int64_t sum = 0;
-        cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) { sum += factor[c] * ((to - from) / 2); });
+        cylinders.visit_parts(f.mesh, f.value, e,
+                              [&](uint32_t c, int64_t from, int64_t to) { sum += factor[c] * ((to - from) / 2); });
         value[e] = sum;
     }
 }
@@ -46,19 +48,21 @@ hmf_status Labels::find(const Cylinders& others, Array<uint32_t>& found, Call& c
             if (height[c] == others.list[d].height) found[c] = d;
     for (size_t c = 0; c < n; ++c)
         if (found[c] == NONE || others.list.size() != n)
-            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c, "A cylinder is lost between two triangulations. Please report it.");
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c,
+                             "A cylinder is lost between two triangulations. Please report it.");
     return HMF_OK;
 }
 
-hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value, const Cylinders& there, Array<uint32_t>& found,
-                          Call& call) {
+hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value,
+                          const Cylinders& there, Array<uint32_t>& found, Call& call) {
     const size_t n = here.list.size();
     Array<uint64_t> votes;
     Array<uint32_t> along, other;
     along.start(call.memory);
     other.start(call.memory);
     if (there.list.size() != n) return wrong_class(call);
-    if (!votes.allocate_filled(call.memory, n * n, uint64_t{0}) || !found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    if (!votes.allocate_filled(call.memory, n * n, uint64_t{0}) || !found.allocate_filled(call.memory, n, NONE))
+        return call.out_of_memory();
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         bool room = true;
         along.clear();
@@ -78,12 +82,15 @@ hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinder
             }
         for (size_t b = 0; b < c; ++b)
             if (found[b] == found[c]) found[c] = NONE;
-        if (found[c] == NONE) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c, "A cylinder is lost between two foliations. Please report it.");
+        if (found[c] == NONE)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c,
+                             "A cylinder is lost between two foliations. Please report it.");
     }
     return HMF_OK;
 }
 
-hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found, Curves& out, Call& call) {
+hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found, Curves& out,
+                         Call& call) {
     Array<Crossing> leaf;
     leaf.start(call.memory);
     out.offsets.start(call.memory);
@@ -91,9 +98,12 @@ hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const A
     if (!out.offsets.push(0)) return call.out_of_memory();
     for (uint32_t i = 0; i < cylinders.list.size(); ++i) {
         const uint32_t c = found ? (*found)[i] : i;
-        if (!closed_leaf(f, cylinders.leaf_at(f, c, cylinders.list[c].height | 1), cylinders.graph.crossing_limit(), leaf))
-            return call.memory.failure() ? call.out_of_memory()
-                                         : call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges. Pass values as the library returned them for loops.");
+        if (!closed_leaf(f, cylinders.leaf_at(f, c, cylinders.list[c].height | 1), cylinders.graph.crossing_limit(),
+                         leaf))
+            return call.memory.failure()
+                     ? call.out_of_memory()
+                     : call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                                 "A leaf crosses too many edges. Pass values as the library returned them for loops.");
         for (const Crossing& crossing : leaf)
             if (!out.crossings.push(crossing)) return call.out_of_memory();
         if (!out.offsets.push(out.crossings.size())) return call.out_of_memory();
@@ -106,7 +116,8 @@ namespace {
 // The harmonic foliation of disjoint curves on the level of the state.  The
 // weights are those of the keys, changed by parts of a million so that heights
 // tell the curves apart; found: cylinder of each curve.
-hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& key, Cylinders& cylinders, Array<uint32_t>& found, Call& call) {
+hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& key, Cylinders& cylinders,
+                    Array<uint32_t>& found, Call& call) {
     Foliation& f = state.foliation;
     const size_t n = key.size();
     Labels labels;
@@ -125,7 +136,8 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     state.load(state.level, state.side);
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] = 0;
     for (size_t c = 0; c < n; ++c)
-        for (uint64_t i = curves.offsets[c]; i < curves.offsets[c + 1]; ++i) f.value[edge_of(curves.crossings[i].half_edge)] += labels.height[c];
+        for (uint64_t i = curves.offsets[c]; i < curves.offsets[c + 1]; ++i)
+            f.value[edge_of(curves.crossings[i].half_edge)] += labels.height[c];
     SolveOptions options;
     options.tolerance = 1e-8;
     options.stop_level = state.level;
@@ -138,8 +150,8 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
 
 } // namespace
 
-hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& key_a, const Curves& b, const Array<int64_t>& key_b,
-                         Array<uint32_t>& found, Call& call) {
+hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& key_a, const Curves& b,
+                         const Array<int64_t>& key_b, Array<uint32_t>& found, Call& call) {
     Foliation& f = state.foliation;
     const size_t n = key_a.size(), edges = f.mesh.edge_count;
     const double* weight = state.hierarchy->levels[state.level].weight;
@@ -147,7 +159,8 @@ hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& ke
     Array<uint32_t> of_a, of_b, on_edges;
     Cylinders in_a, in_b;
     if (key_b.size() != n) return wrong_class(call);
-    if (!value.allocate(call.memory, edges) || !found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    if (!value.allocate(call.memory, edges) || !found.allocate_filled(call.memory, n, NONE))
+        return call.out_of_memory();
     if (minimise(state, a, key_a, in_a, of_a, call)) return call.status();
     std::memcpy(value.data(), f.value, edges * sizeof(int64_t));
     if (minimise(state, b, key_b, in_b, of_b, call)) return call.status();

@@ -29,7 +29,8 @@ hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const ui
         c.path_end = pieces.size();
         if (found.forward || c.upper == b || of_boundary[c.upper] != NONE)
             return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
-                             "The leaves do not form one cylinder for each loop. Pass values as the library returned them for loops.");
+                             "The leaves do not form one cylinder for each loop. Pass values as the library returned "
+                             "them for loops.");
         of_boundary[b] = of_boundary[c.upper] = static_cast<uint32_t>(list.size());
         if (!list.push(c)) return call.out_of_memory();
     }
@@ -44,7 +45,10 @@ uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
     circle_.clear();
     uint32_t g = back;
     do {
-        if (!circle_.push(g)) { f.out_of_memory = true; return NONE; }
+        if (!circle_.push(g)) {
+            f.out_of_memory = true;
+            return NONE;
+        }
         if (closed_corners == 1 && (best == NONE || f.at(g) > f.at(best))) best = g;
         const uint32_t ahead = mesh.rotate_ccw(g);
         if (f.at(ahead) > 0) {
@@ -76,7 +80,8 @@ uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
     return best;
 }
 
-hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance, Call& call) {
+hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found,
+                                  int64_t& distance, Call& call) {
     distance = 0;
     // Each step climbs, and a cylinder has no vertex twice.
     for (uint32_t step = 0; step <= f.mesh.vertex_count; ++step) {
@@ -91,8 +96,9 @@ hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Pi
         if (f.out_of_memory) return call.out_of_memory();
         if (h == NONE) break;
     }
-    return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
-                     "The leaves do not form one cylinder for each loop. Pass values as the library returned them for loops.");
+    return call.fail(
+        HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+        "The leaves do not form one cylinder for each loop. Pass values as the library returned them for loops.");
 }
 
 Crossing Cylinders::leaf_at(const Foliation& f, uint32_t cylinder, int64_t height, uint64_t* piece) const {
@@ -115,7 +121,8 @@ hmf_status Cylinders::locate(Foliation& f, const Crossing& c, uint32_t& cylinder
     // On a boundary leaf the search begins at the leaf itself.
     if (walk_across(f, back.half_edge, back.at - 1, nullptr, found, distance, call)) return call.status();
     --distance;
-    if (found.forward && distance == 0 && walk_across(f, back.half_edge, back.at, nullptr, found, distance, call)) return call.status();
+    if (found.forward && distance == 0 && walk_across(f, back.half_edge, back.at, nullptr, found, distance, call))
+        return call.status();
     cylinder = of_boundary[found.boundary];
     height = list[cylinder].lower == found.boundary ? distance + 1 : 2 * list[cylinder].height - distance - 1;
     return HMF_OK;
@@ -168,7 +175,9 @@ void cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double
     for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
         const double pull = weight[e] * static_cast<double>(f.value[e]);
-        cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) { area[c] += pull * static_cast<double>(to - from) / 2; });
+        cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) {
+            area[c] += pull * static_cast<double>(to - from) / 2;
+        });
     }
 }
 

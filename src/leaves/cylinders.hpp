@@ -14,8 +14,8 @@ struct Piece {
 };
 
 struct Cylinder {
-    uint32_t lower, upper; // boundaries
-    int64_t height;        // units: the distance of the critical leaves
+    uint32_t lower, upper;         // boundaries
+    int64_t height;                // units: the distance of the critical leaves
     uint64_t path_begin, path_end; // a path across, from the lower boundary leaf to the upper one
 };
 
@@ -62,7 +62,8 @@ public:
 private:
     // Across the leaves from place `at` ahead on half-edge h to the first
     // boundary leaf; appends the way to `path` unless that is NULL.
-    hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance, Call& call);
+    hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance,
+                           Call& call);
     uint32_t half_edge_ahead(Foliation& f, uint32_t back);
     Array<uint32_t> circle_, of_vertex_;
 };

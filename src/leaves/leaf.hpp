@@ -37,7 +37,9 @@ inline int64_t width(const Foliation& f, uint32_t h) { return 2 * f.at(h); }
 inline int64_t branch(const Foliation& f, uint32_t h) { return f.corner2(h); }
 
 // The same leaf, run through backwards.
-inline Crossing reversed(const Foliation& f, const Crossing& c) { return {twin(c.half_edge), width(f, c.half_edge) - c.at}; }
+inline Crossing reversed(const Foliation& f, const Crossing& c) {
+    return {twin(c.half_edge), width(f, c.half_edge) - c.at};
+}
 
 // The next crossing of the leaf; for odd places.
 inline Crossing follow(const Foliation& f, const Crossing& c) {
@@ -51,6 +53,8 @@ inline Crossing follow(const Foliation& f, const Crossing& c) {
 }
 
 // Does the leaf, where it comes over c, turn round the corner on its left?
-inline bool turns_left(const Foliation& f, const Crossing& c) { return width(f, c.half_edge) - c.at < branch(f, twin(c.half_edge)); }
+inline bool turns_left(const Foliation& f, const Crossing& c) {
+    return width(f, c.half_edge) - c.at < branch(f, twin(c.half_edge));
+}
 
 } // namespace hmf

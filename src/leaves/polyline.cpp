@@ -56,7 +56,9 @@ bool add_place(const Foliation& f, const Crossing& c, size_t first, Array<Crossi
     const bool vertex = place.at == width(f, place.half_edge);
     if (vertex && places.size() > first) {
         const Crossing& before = places.back();
-        if (before.at == width(f, before.half_edge) && f.mesh.target(before.half_edge) == f.mesh.target(place.half_edge)) return true;
+        if (before.at == width(f, before.half_edge)
+            && f.mesh.target(before.half_edge) == f.mesh.target(place.half_edge))
+            return true;
     }
     return places.push(place);
 }
@@ -81,14 +83,16 @@ bool closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boun
     // The vertex at the end may be the one at the start.
     while (places.size() > first + 1) {
         const Crossing &a = places[first], &z = places.back();
-        if (!(a.at == width(f, a.half_edge) && z.at == width(f, z.half_edge) && f.mesh.target(a.half_edge) == f.mesh.target(z.half_edge))) break;
+        if (!(a.at == width(f, a.half_edge) && z.at == width(f, z.half_edge)
+              && f.mesh.target(a.half_edge) == f.mesh.target(z.half_edge)))
+            break;
         places.pop();
     }
     return true;
 }
 
-Lines::Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call)
-    : f_(f), position_(position), unit_(unit), length_limit_(length_limit), call_(call) {}
+Lines::Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call) :
+    f_(f), position_(position), unit_(unit), length_limit_(length_limit), call_(call) {}
 
 bool Lines::start() {
     list.start(call_.memory);
@@ -158,7 +162,8 @@ hmf_status Lines::add_levels(Cylinders& cylinders, double spacing) {
         const double wanted = std::floor(height * unit_ / spacing + 0.5);
         constexpr double most = 1 << 20;
         if (wanted > most)
-            return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
+            return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                              "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
         const uint32_t n = wanted < 1 ? 1 : static_cast<uint32_t>(wanted);
         for (uint32_t k = 0; k < n; ++k) {
             int64_t at = static_cast<int64_t>((2 * k + 1) * height / n) | 1;

@@ -26,7 +26,9 @@ namespace hmf {
 
 namespace {
 
-struct Vector { double x, y, z; };
+struct Vector {
+    double x, y, z;
+};
 Vector between(const double* a, const double* b) { return {b[0] - a[0], b[1] - a[1], b[2] - a[2]}; }
 double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double cross_length(const Vector& a, const Vector& b) {
@@ -67,7 +69,9 @@ private:
         const bool behind = branch(f_, h) == 0;
         const bool tripod = !behind && branch(f_, f_.mesh.next[h]) > 0 && branch(f_, p) > 0;
         // Of a third corner off the segment, the branch point.
-        const double u = behind ? -static_cast<double>(f_.at(p)) : tripod ? 0.5 * static_cast<double>(branch(f_, h)) : static_cast<double>(f_.at(p));
+        const double u = behind ? -static_cast<double>(f_.at(p))
+                       : tripod ? 0.5 * static_cast<double>(branch(f_, h))
+                                : static_cast<double>(f_.at(p));
         const Vector a = between(at(f_.mesh.origin[h]), at(f_.mesh.target(h)));
         const Vector b = between(at(f_.mesh.origin[h]), at(f_.mesh.origin[p]));
         const double area = cross_length(a, b);
@@ -81,9 +85,17 @@ private:
 // A polyline with v along it, for points at given v.
 struct Ruler {
     Array<double> v, points;
-    void start(Memory& memory) { v.start(memory); points.start(memory); }
-    void clear() { v.clear(); points.clear(); }
-    bool push(double value, const double* p) { return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]); }
+    void start(Memory& memory) {
+        v.start(memory);
+        points.start(memory);
+    }
+    void clear() {
+        v.clear();
+        points.clear();
+    }
+    bool push(double value, const double* p) {
+        return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]);
+    }
     void point(double value, double* p) const {
         size_t low = 0, high = v.size() - 1; // between the last one not above and the next
         while (high - low > 1) {
@@ -100,8 +112,9 @@ struct Ruler {
 
 class QuadBuilder {
 public:
-    QuadBuilder(Foliation& f, const double* position, const Cylinders& cylinders, QuadMesh& out, Call& call)
-        : f_(f), position_(position), cylinders_(cylinders), graph_(cylinders.graph), conjugate_(f, position), out_(out), call_(call) {}
+    QuadBuilder(Foliation& f, const double* position, const Cylinders& cylinders, QuadMesh& out, Call& call) :
+        f_(f), position_(position), cylinders_(cylinders), graph_(cylinders.graph), conjugate_(f, position), out_(out),
+        call_(call) {}
 
     hmf_status run(double step) {
         Memory& memory = call_.memory;
@@ -115,7 +128,8 @@ public:
         lower_.v.start(memory);
         upper_.vertex.start(memory);
         upper_.v.start(memory);
-        if (!v_.allocate(memory, graph_.crossings.size()) || !arc_from_.allocate(memory, arcs) || !arc_to_.allocate(memory, arcs) || !arc_vertex_.allocate(memory, arcs)
+        if (!v_.allocate(memory, graph_.crossings.size()) || !arc_from_.allocate(memory, arcs)
+            || !arc_to_.allocate(memory, arcs) || !arc_vertex_.allocate(memory, arcs)
             || !length_.allocate(memory, arcs))
             return call_.out_of_memory();
         if (refuse_wide_zeros()) return call_.status();
@@ -127,7 +141,9 @@ public:
         if (graph_.zeros.empty()) {
             const double wanted = std::floor(v_[graph_.boundaries[0].end - 1] / step + 0.5);
             ring_ = wanted < 3 ? 3 : wanted < (1 << 24) ? static_cast<int64_t>(wanted) : 0;
-            if (ring_ == 0) return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is too small for the surface. Choose a larger one.");
+            if (ring_ == 0)
+                return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                                  "edge_length is too small for the surface. Choose a larger one.");
             if (!place_ring()) return call_.out_of_memory();
         } else
             for (uint32_t a = 0; a < arcs; ++a)
@@ -139,13 +155,18 @@ public:
 
 private:
     // The columns of a boundary in the direction of its leaf, with v from its first crossing.
-    struct Row { Array<uint32_t> vertex; Array<double> v; };
+    struct Row {
+        Array<uint32_t> vertex;
+        Array<double> v;
+    };
 
     hmf_status refuse_wide_zeros() {
         for (uint32_t z = 0; z < graph_.zeros.size(); ++z)
             if (graph_.zeros[z].euler != 1)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, z,
-                                  "Zero %u goes round a part of the surface with a handle that no leaf crosses. Give loops for all handles.", static_cast<unsigned>(z));
+                                  "Zero %u goes round a part of the surface with a handle that no leaf crosses. Give "
+                                  "loops for all handles.",
+                                  static_cast<unsigned>(z));
         return HMF_OK;
     }
 
@@ -169,7 +190,9 @@ private:
 
     bool tripod(uint32_t sector) const { return graph_.zeros[graph_.sectors[sector].zero].tripod; }
     uint32_t vertex_count() const { return static_cast<uint32_t>(out_.positions.size() / 3); }
-    bool add_vertex(const double* p) { return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2]); }
+    bool add_vertex(const double* p) {
+        return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2]);
+    }
 
     void zero_point(uint32_t zero, double* p) const {
         const Zero& z = graph_.zeros[zero];
@@ -188,21 +211,25 @@ private:
             return z;
         };
         const auto refuse = [&] {
-            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
+                              "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
         };
         for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
             if (columns_[a] != 0 || a > graph_.arcs[a].twin) continue;
-            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero), y = lead(graph_.sectors[graph_.arcs[a].to].zero);
+            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero),
+                           y = lead(graph_.sectors[graph_.arcs[a].to].zero);
             if (x == y) return refuse(); // a circle would vanish
             zero_vertex_[x > y ? x : y] = x > y ? y : x;
         }
         // No two edges with the same ends.
         for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
-            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero), y = lead(graph_.sectors[graph_.arcs[a].to].zero);
+            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero),
+                           y = lead(graph_.sectors[graph_.arcs[a].to].zero);
             if (columns_[a] > 0 && columns_[a] < 3 && x == y) return refuse();
             for (uint32_t b = 0; columns_[a] == 1 && b < a; ++b) {
                 if (columns_[b] != 1 || b == graph_.arcs[a].twin) continue;
-                const uint32_t u = lead(graph_.sectors[graph_.arcs[b].from].zero), v = lead(graph_.sectors[graph_.arcs[b].to].zero);
+                const uint32_t u = lead(graph_.sectors[graph_.arcs[b].from].zero),
+                               v = lead(graph_.sectors[graph_.arcs[b].to].zero);
                 if ((u == x && v == y) || (u == y && v == x)) return refuse();
             }
         }
@@ -278,8 +305,11 @@ private:
             const int64_t n = columns_[a];
             const bool first = a < graph_.arcs[a].twin;
             for (int64_t i = 0; i < n; ++i) {
-                const uint32_t vertex = i == 0 ? zero_vertex_[graph_.sectors[graph_.arcs[a].from].zero] : arc_vertex_[a] + static_cast<uint32_t>((first ? i : n - i) - 1);
-                if (!row.vertex.push(vertex) || !row.v.push(arc_from_[a] + length_[a] * static_cast<double>(i) / static_cast<double>(n))) return false;
+                const uint32_t vertex = i == 0 ? zero_vertex_[graph_.sectors[graph_.arcs[a].from].zero]
+                                               : arc_vertex_[a] + static_cast<uint32_t>((first ? i : n - i) - 1);
+                if (!row.vertex.push(vertex)
+                    || !row.v.push(arc_from_[a] + length_[a] * static_cast<double>(i) / static_cast<double>(n)))
+                    return false;
             }
         }
         return true;
@@ -293,14 +323,16 @@ private:
         for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
             const Piece& p = cylinders_.pieces[i];
             if (!twist_.push(v)) return false;
-            v += conjugate_.along(p.half_edge) * static_cast<double>(p.to - p.from) / static_cast<double>(width(f_, p.half_edge));
+            v += conjugate_.along(p.half_edge) * static_cast<double>(p.to - p.from)
+               / static_cast<double>(width(f_, p.half_edge));
         }
         return twist_.push(v);
     }
 
     double twist_at(const Cylinder& c, uint64_t piece, int64_t height) const {
         const Piece& p = cylinders_.pieces[piece];
-        const double t = p.to > p.from ? static_cast<double>(height - p.height) / static_cast<double>(p.to - p.from) : 0;
+        const double t =
+            p.to > p.from ? static_cast<double>(height - p.height) / static_cast<double>(p.to - p.from) : 0;
         const size_t i = static_cast<size_t>(piece - c.path_begin);
         return twist_[i] + t * (twist_[i + 1] - twist_[i]);
     }
@@ -318,12 +350,16 @@ private:
     hmf_status read_leaf(uint32_t cylinder, int64_t k, double& twist) {
         const Cylinder& c = cylinders_.list[cylinder];
         const int64_t most = 2 * c.height - 1;
-        int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k) / static_cast<double>(rows_[cylinder])) | 1;
+        int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k)
+                                              / static_cast<double>(rows_[cylinder]))
+                       | 1;
         if (height > most) height = most;
         uint64_t piece = 0;
         const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
         if (!closed_leaf(f_, start, graph_.crossing_limit(), leaf_))
-            return call_.memory.failure() ? call_.out_of_memory() : call_.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges.");
+            return call_.memory.failure()
+                     ? call_.out_of_memory()
+                     : call_.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0, "A leaf crosses too many edges.");
         ruler_.clear();
         double v = 0, p[3];
         for (size_t i = 0; i <= leaf_.size(); ++i) {
@@ -343,10 +379,14 @@ private:
     template <class Low>
     hmf_status align_rows(uint32_t cylinder, double whole, double& turn, const Low& low) {
         const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
-        if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !before_.allocate(call_.memory, static_cast<size_t>(3 * n))) return call_.out_of_memory();
+        if (!here_.allocate(call_.memory, static_cast<size_t>(m))
+            || !before_.allocate(call_.memory, static_cast<size_t>(3 * n)))
+            return call_.out_of_memory();
         double path_before = 0, here = 0;
         for (int64_t j = 0; j < n; ++j)
-            for (size_t k = 0; k < 3; ++k) before_[static_cast<size_t>(3 * j) + k] = out_.positions[size_t{3} * lower_.vertex[static_cast<size_t>(j)] + k];
+            for (size_t k = 0; k < 3; ++k)
+                before_[static_cast<size_t>(3 * j) + k] =
+                    out_.positions[size_t{3} * lower_.vertex[static_cast<size_t>(j)] + k];
         for (int64_t k = 1; k < m; ++k) {
             double path = 0;
             if (read_leaf(cylinder, k, path)) return call_.status();
@@ -389,10 +429,13 @@ private:
         if (!read_row(c.lower, lower_) || !read_row(c.upper, upper_) || !read_path(c)) return call_.out_of_memory();
         const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
         if (n < 3)
-            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "A cylinder would have less than 3 columns. Choose a smaller edge_length.");
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
+                              "A cylinder would have less than 3 columns. Choose a smaller edge_length.");
         if (static_cast<int64_t>(upper_.vertex.size()) != n)
-            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder, "The boundaries of a cylinder have different numbers of columns. Please report it.");
-        const double lower_length = v_[graph_.boundaries[c.lower].end - 1], upper_length = v_[graph_.boundaries[c.upper].end - 1];
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder,
+                              "The boundaries of a cylinder have different numbers of columns. Please report it.");
+        const double lower_length = v_[graph_.boundaries[c.lower].end - 1],
+                     upper_length = v_[graph_.boundaries[c.upper].end - 1];
         const double arrived = arrival(c);
         // The flat cylinder is as long as both are in the mean; places in parts of it.
         const double whole = (lower_length + upper_length) / 2;
@@ -401,7 +444,8 @@ private:
         if (align_rows(cylinder, whole, turn, low)) return call_.status();
         const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
             const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
-            return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length - static_cast<double>(wraps);
+            return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length
+                 - static_cast<double>(wraps);
         };
         double shift = 0;
         for (int64_t j = 0; j < n; ++j) shift += high(-j) - low(j);
@@ -429,7 +473,8 @@ private:
         // The cylinder lies right of its lower leaf.
         for (int64_t k = 0; k < m; ++k)
             for (int64_t j = 0; j < n; ++j)
-                if (!out_.quads.push(vertex(k, j)) || !out_.quads.push(vertex(k + 1, j)) || !out_.quads.push(vertex(k + 1, j + 1)) || !out_.quads.push(vertex(k, j + 1)))
+                if (!out_.quads.push(vertex(k, j)) || !out_.quads.push(vertex(k + 1, j))
+                    || !out_.quads.push(vertex(k + 1, j + 1)) || !out_.quads.push(vertex(k, j + 1)))
                     return call_.out_of_memory();
         return HMF_OK;
     }
@@ -441,28 +486,30 @@ private:
     Conjugate conjugate_;
     QuadMesh& out_;
     Call& call_;
-    Array<double> v_;                   // per crossing of the boundary leaves
-    Array<double> arc_from_, arc_to_;   // v of the ends of an arc on its boundary leaf
+    Array<double> v_;                 // per crossing of the boundary leaves
+    Array<double> arc_from_, arc_to_; // v of the ends of an arc on its boundary leaf
     Array<double> length_;
-    Array<uint32_t> zero_vertex_;       // per zero
-    Array<uint32_t> leads_;             // zeros that have a vertex of their own
-    Array<uint32_t> arc_vertex_;        // first vertex within an arc
+    Array<uint32_t> zero_vertex_; // per zero
+    Array<uint32_t> leads_;       // zeros that have a vertex of their own
+    Array<uint32_t> arc_vertex_;  // first vertex within an arc
     Array<int64_t> columns_, rows_;
     int64_t ring_ = 0;
     Ruler ruler_;
     Array<Crossing> leaf_;
-    Array<double> twist_;               // v along the path across a cylinder, per piece
-    Array<double> here_, before_;       // per row: where the path meets it; points of the row before
+    Array<double> twist_;         // v along the path across a cylinder, per piece
+    Array<double> here_, before_; // per row: where the path meets it; points of the row before
     Row lower_, upper_;
 };
 
 } // namespace
 
-hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step, QuadMesh& out, Call& call) {
+hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step, QuadMesh& out,
+                      Call& call) {
     return QuadBuilder(f, position, cylinders, out, call).run(step);
 }
 
-hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out, Call& call) {
+hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,
+                       Call& call) {
     const Conjugate conjugate(f, position);
     out = {};
     Curves middle;

@@ -28,13 +28,13 @@ constexpr double MOST = 1 << 24;
 class Balance {
 public:
     // shrinks: per arc side, not 0 where an arc may vanish if there is no other way.
-    Balance(const Cylinders& cylinders, const Array<uint8_t>& shrinks, Array<int64_t>& columns)
-        : cylinders_(cylinders), graph_(cylinders.graph), shrinks_(shrinks), columns_(columns) {}
+    Balance(const Cylinders& cylinders, const Array<uint8_t>& shrinks, Array<int64_t>& columns) :
+        cylinders_(cylinders), graph_(cylinders.graph), shrinks_(shrinks), columns_(columns) {}
 
     hmf_status run(Call& call) {
         const size_t n = cylinders_.list.size();
-        if (!off_.allocate_filled(call.memory, n, int64_t{0}) || !from_.allocate(call.memory, 2 * n) || !queue_.allocate(call.memory, 2 * n)
-            || !held_.allocate(call.memory, graph_.arcs.size()))
+        if (!off_.allocate_filled(call.memory, n, int64_t{0}) || !from_.allocate(call.memory, 2 * n)
+            || !queue_.allocate(call.memory, 2 * n) || !held_.allocate(call.memory, graph_.arcs.size()))
             return call.out_of_memory();
         for (uint32_t a = 0; a < graph_.arcs.size(); ++a) off_[cylinder(a)] += sign(a) * columns_[a];
         for (uint32_t c = 0; c < n; ++c)
@@ -51,21 +51,28 @@ public:
                     if (vanishing_) break;
                 }
                 if (!found)
-                    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0, "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
+                    return call.fail(
+                        HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
+                        "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
             }
         return HMF_OK;
     }
 
     static int64_t least(const CriticalGraph& graph, uint32_t a) {
-        return graph.sectors[graph.arcs[a].from].zero == graph.sectors[graph.arcs[a].to].zero ? LEAST_ON_LOOP : LEAST_COLUMNS;
+        return graph.sectors[graph.arcs[a].from].zero == graph.sectors[graph.arcs[a].to].zero ? LEAST_ON_LOOP
+                                                                                              : LEAST_COLUMNS;
     }
 
 private:
     int64_t least_now(uint32_t a) const { return vanishing_ && shrinks_[a] ? 0 : least(graph_, a); }
     uint32_t cylinder(uint32_t a) const { return cylinders_.of_boundary[graph_.sectors[graph_.arcs[a].from].boundary]; }
-    int64_t sign(uint32_t a) const { return cylinders_.list[cylinder(a)].lower == graph_.sectors[graph_.arcs[a].from].boundary ? 1 : -1; }
+    int64_t sign(uint32_t a) const {
+        return cylinders_.list[cylinder(a)].lower == graph_.sectors[graph_.arcs[a].from].boundary ? 1 : -1;
+    }
 
-    struct Step { uint32_t state, arc; }; // how a state was reached
+    struct Step {
+        uint32_t state, arc;
+    }; // how a state was reached
 
     // States: 2 * cylinder + 1 if it needs +1, + 0 if it needs -1.  Returns the
     // last arc of a path that mends two balances, reached from last_state_.
@@ -81,7 +88,8 @@ private:
             const int64_t wanted = state % 2 ? 1 : -1;
             const uint32_t boundaries[2] = {cylinders_.list[c].lower, cylinders_.list[c].upper};
             for (const uint32_t boundary : boundaries)
-                for (uint32_t a = graph_.boundaries[boundary].arcs_begin; a < graph_.boundaries[boundary].arcs_end; ++a) {
+                for (uint32_t a = graph_.boundaries[boundary].arcs_begin; a < graph_.boundaries[boundary].arcs_end;
+                     ++a) {
                     const int64_t change = wanted * sign(a);
                     if (change < 0 && (held_[a] || columns_[a] <= least_now(a))) continue;
                     const uint32_t other = graph_.arcs[a].twin, d = cylinder(other);
@@ -132,7 +140,7 @@ private:
     const CriticalGraph& graph_;
     const Array<uint8_t>& shrinks_;
     Array<int64_t>& columns_;
-    Array<int64_t> off_;  // columns of the lower boundary minus those of the upper one
+    Array<int64_t> off_; // columns of the lower boundary minus those of the upper one
     Array<Step> from_;
     Array<uint32_t> queue_;
     Array<uint8_t> held_;
@@ -142,9 +150,11 @@ private:
 
 } // namespace
 
-hmf_status quad_sizes(const Cylinders& cylinders, const Array<double>& conjugate_length, double step, Array<int64_t>& columns, Array<int64_t>& rows, Call& call) {
+hmf_status quad_sizes(const Cylinders& cylinders, const Array<double>& conjugate_length, double step,
+                      Array<int64_t>& columns, Array<int64_t>& rows, Call& call) {
     const CriticalGraph& graph = cylinders.graph;
-    if (!columns.allocate(call.memory, graph.arcs.size()) || !rows.allocate(call.memory, cylinders.list.size())) return call.out_of_memory();
+    if (!columns.allocate(call.memory, graph.arcs.size()) || !rows.allocate(call.memory, cylinders.list.size()))
+        return call.out_of_memory();
     double total = 0;
     for (size_t c = 0; c < rows.size(); ++c) {
         const double wanted = std::floor(static_cast<double>(cylinders.list[c].height) / step + 0.5);
@@ -152,16 +162,20 @@ hmf_status quad_sizes(const Cylinders& cylinders, const Array<double>& conjugate
         rows[c] = wanted < LEAST_ROWS ? LEAST_ROWS : wanted < MOST ? static_cast<int64_t>(wanted) : 0;
     }
     for (uint32_t a = 0; a < columns.size(); ++a) {
-        const double wanted = std::floor((conjugate_length[a] + conjugate_length[graph.arcs[a].twin]) / (2 * step) + 0.5);
+        const double wanted =
+            std::floor((conjugate_length[a] + conjugate_length[graph.arcs[a].twin]) / (2 * step) + 0.5);
         total += wanted;
         const int64_t least = Balance::least(graph, a);
         columns[a] = wanted < static_cast<double>(least) ? least : wanted < MOST ? static_cast<int64_t>(wanted) : 0;
     }
-    if (!(total < MOST)) return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is too small for the surface. Choose a larger one.");
+    if (!(total < MOST))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "edge_length is too small for the surface. Choose a larger one.");
     Array<uint8_t> shrinks;
     if (!shrinks.allocate(call.memory, graph.arcs.size())) return call.out_of_memory();
     for (uint32_t a = 0; a < shrinks.size(); ++a)
-        shrinks[a] = Balance::least(graph, a) == LEAST_COLUMNS && conjugate_length[a] + conjugate_length[graph.arcs[a].twin] < 3 * step;
+        shrinks[a] = Balance::least(graph, a) == LEAST_COLUMNS
+                  && conjugate_length[a] + conjugate_length[graph.arcs[a].twin] < 3 * step;
     return Balance(cylinders, shrinks, columns).run(call);
 }
 

@@ -15,7 +15,8 @@ constexpr uint32_t TURNS = 4, FIRST_TURN = 1;
 bool Annulus::add_copy(Place entry, double distance) {
     const uint32_t h = entry.half_edge, k = mesh_.next[h], l = mesh_.next[k];
     const uint64_t n = count(h), m = count(k), q = count(l);
-    const uint32_t at_origin = static_cast<uint32_t>((n + q - m) / 2), at_target = static_cast<uint32_t>((n + m - q) / 2);
+    const uint32_t at_origin = static_cast<uint32_t>((n + q - m) / 2),
+                   at_target = static_cast<uint32_t>((n + m - q) / 2);
     const uint32_t at_apex = static_cast<uint32_t>((m + q - n) / 2);
     Copy copy{};
     copy.side[0] = entry;
@@ -36,7 +37,9 @@ bool Annulus::add_copy(Place entry, double distance) {
     return copies_.push(copy);
 }
 
-bool Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) { return border_.push({link, before, after}); }
+bool Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) {
+    return border_.push({link, before, after});
+}
 
 // Copy i is the region between the places i and i + 1 of the loop.
 bool Annulus::build_strip(const Array<Place>& loop) {
@@ -49,7 +52,8 @@ bool Annulus::build_strip(const Array<Place>& loop) {
         const Place leave = loop[i + 1 < n ? i + 1 : 0];
         exit[i] = NONE;
         for (uint32_t s = 1; s < copies_[i].sides; ++s)
-            if (copies_[i].side[s].half_edge == leave.half_edge && copies_[i].side[s].position == leave.position) exit[i] = s;
+            if (copies_[i].side[s].half_edge == leave.half_edge && copies_[i].side[s].position == leave.position)
+                exit[i] = s;
         assert(exit[i] != NONE);
         if (exit[i] == NONE) return false;
     }
@@ -85,7 +89,9 @@ void Annulus::close_up(uint32_t a) {
         if (b == a || border_[b].after == a) return;
         const uint32_t link_a = border_[a].link, link_b = border_[b].link;
         const Place place_a = copies_[link_a / 4].side[link_a % 4], place_b = copies_[link_b / 4].side[link_b % 4];
-        if (place_b.half_edge != twin(place_a.half_edge) || place_b.position != 0 || place_a.position != count(place_a.half_edge)) return;
+        if (place_b.half_edge != twin(place_a.half_edge) || place_b.position != 0
+            || place_a.position != count(place_a.half_edge))
+            return;
         int turns = 0;
         uint32_t at = link_a;
         for (;;) { // round the vertex, from a to b
@@ -199,7 +205,8 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
     uint32_t epoch = 0, work = 0;
     for (uint32_t root = 0; root < copies_.size(); ++root) {
         bool counts = false;
-        for (uint32_t s = 0; s < copies_[root].sides; ++s) counts |= copies_[root].to[s] != NONE && copies_[root].turns[s] > 0;
+        for (uint32_t s = 0; s < copies_[root].sides; ++s)
+            counts |= copies_[root].to[s] != NONE && copies_[root].turns[s] > 0;
         if (!counts) continue;
         // State copy * TURNS + FIRST_TURN + turn; stamp 2 epoch: reached, 2 epoch + 1: settled.
         const bool first = ++epoch == 1;
@@ -207,7 +214,9 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
         const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
         const double goal_distance = state_[goal].landmark;
         const auto left = [&](uint32_t state) { // at least, to the goal
-            const double bound = first || goal_distance == HUGE_VAL || state_[state].landmark == HUGE_VAL ? 0 : goal_distance - state_[state].landmark;
+            const double bound = first || goal_distance == HUGE_VAL || state_[state].landmark == HUGE_VAL
+                                   ? 0
+                                   : goal_distance - state_[state].landmark;
             return bound > 0 ? bound : 0;
         };
         state_[start].distance = 0;
@@ -234,7 +243,8 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
                 if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
                 const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
                 const double d = s == 3 ? state_[state].distance : state_[state].distance + copy.length[s];
-                if (state_[to].stamp == 2 * epoch + 1 || (state_[to].stamp == 2 * epoch && !(d < state_[to].distance))) continue;
+                if (state_[to].stamp == 2 * epoch + 1 || (state_[to].stamp == 2 * epoch && !(d < state_[to].distance)))
+                    continue;
                 const double whole = d + left(to);
                 if (!first && whole >= best) continue;
                 state_[to].stamp = 2 * epoch;
@@ -262,7 +272,8 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
     return true;
 }
 
-bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit, Array<uint32_t>& out) {
+bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
+                       Array<uint32_t>& out) {
     count_ = &count;
     copies_.clear();
     border_.clear();

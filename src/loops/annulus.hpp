@@ -35,28 +35,36 @@ public:
     }
 
     // A place on an edge: between two of the curves, from the origin of the half-edge.
-    struct Place { uint32_t half_edge, position; };
+    struct Place {
+        uint32_t half_edge, position;
+    };
 
     // The surface is cut along the curves with `count` crossings per edge; the
     // loop leaves regions at the given places.  Copies are at most `capacity`
     // (at least those of the loop).  On success `out` is a shortest loop within
     // the strip, in the same direction, if it is shorter than limit; else it is
     // empty.  It may go back and forth.  False: out of memory or cancelled.
-    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit, Array<uint32_t>& out);
+    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
+                  Array<uint32_t>& out);
 
 private:
     struct Copy {
-        Place side[3];      // counter-clockwise
-        double length[3];   // to the region beyond
-        uint32_t to[3];     // 4 * copy + side, or NONE at the border
+        Place side[3];    // counter-clockwise
+        double length[3]; // to the region beyond
+        uint32_t to[3];   // 4 * copy + side, or NONE at the border
         int32_t turns[4];
         uint32_t sides;
-        uint32_t same;      // a copy that is the same region, or NONE; its turns are turns[3]
-        double distance;    // from the loop
+        uint32_t same;   // a copy that is the same region, or NONE; its turns are turns[3]
+        double distance; // from the loop
     };
-    struct Border { uint32_t link, before, after; }; // link: 4 * copy + side
-    struct Wedge { uint32_t copy; int32_t turns; }; // of a fan, turns since its first
-    struct State {                                  // of the search, a copy with a turn
+    struct Border {
+        uint32_t link, before, after;
+    }; // link: 4 * copy + side
+    struct Wedge {
+        uint32_t copy;
+        int32_t turns;
+    };             // of a fan, turns since its first
+    struct State { // of the search, a copy with a turn
         double distance, landmark;
         uint32_t from, stamp; // from: 4 * copy + side
     };

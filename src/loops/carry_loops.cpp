@@ -4,7 +4,8 @@
 
 namespace hmf {
 
-bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops, Memory& memory) {
+bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops,
+                       Memory& memory) {
     hierarchy_ = &hierarchy;
     level_ = level;
     const Mesh& from = level == 0 ? hierarchy.input : hierarchy.levels[level].mesh;
@@ -12,9 +13,9 @@ bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t fine
     entries_.start(memory);
     scratch_.start(memory);
     free_ = NONE;
-    if (!origin_.allocate(memory, size_t{2} * room.edge_count) || !next_.allocate(memory, size_t{2} * room.edge_count) ||
-        !face_.allocate(memory, size_t{2} * room.edge_count) || !out_.allocate(memory, room.vertex_count) ||
-        !head_.allocate_filled(memory, room.edge_count, NONE))
+    if (!origin_.allocate(memory, size_t{2} * room.edge_count) || !next_.allocate(memory, size_t{2} * room.edge_count)
+        || !face_.allocate(memory, size_t{2} * room.edge_count) || !out_.allocate(memory, room.vertex_count)
+        || !head_.allocate_filled(memory, room.edge_count, NONE))
         return false;
     std::memcpy(origin_.data(), from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
     std::memcpy(next_.data(), from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
@@ -78,7 +79,8 @@ void LoopCarrier::drop_edge(uint32_t edge) {
 void LoopCarrier::copy_edge(uint32_t from, uint32_t to, bool reversed) {
     for (uint32_t i = head_[from]; i != NONE;) {
         const Entry entry = entries_[i]; // the array may move
-        if (!add(to, entry.loop, entry.count, reversed ? -entry.signed_count : entry.signed_count)) out_of_memory_ = true;
+        if (!add(to, entry.loop, entry.count, reversed ? -entry.signed_count : entry.signed_count))
+            out_of_memory_ = true;
         i = entry.next;
     }
 }
@@ -89,19 +91,28 @@ void LoopCarrier::unflip_edge(uint32_t edge) {
     const uint32_t around[5] = {edge, edge_of(a), edge_of(b), edge_of(c), edge_of(d)};
     bool any = false;
     for (uint32_t e : around) any |= head_[e] != NONE;
-    if (!any) { unflip(mesh_, edge); return; }
+    if (!any) {
+        unflip(mesh_, edge);
+        return;
+    }
     scratch_.clear();
     for (uint32_t e : around)
         for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) {
             bool known = false;
             for (const Entry& entry : scratch_) known |= entry.loop == entries_[i].loop;
-            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) { out_of_memory_ = true; return; }
+            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) {
+                out_of_memory_ = true;
+                return;
+            }
         }
     // After the reversal h is followed by d and a (as seen from the right, see mesh.hpp).
     unflip(mesh_, edge);
     const uint32_t left[2] = {mesh_.next[h], mesh_.prev(h)};
     for (Entry& entry : scratch_) {
-        const auto count = [&](uint32_t e) -> int64_t { const Entry* f = find(e, entry.loop); return f ? f->count : 0; };
+        const auto count = [&](uint32_t e) -> int64_t {
+            const Entry* f = find(e, entry.loop);
+            return f ? f->count : 0;
+        };
         const auto flow = [&](uint32_t side) -> int32_t { // out of the triangle of the side
             const Entry* f = find(edge_of(side), entry.loop);
             return f ? (side & 1u ? -f->signed_count : f->signed_count) : 0;
@@ -112,7 +123,8 @@ void LoopCarrier::unflip_edge(uint32_t edge) {
     }
     drop_edge(edge);
     for (const Entry& entry : scratch_)
-        if ((entry.count || entry.signed_count) && !add(edge, entry.loop, entry.count, entry.signed_count)) out_of_memory_ = true;
+        if ((entry.count || entry.signed_count) && !add(edge, entry.loop, entry.count, entry.signed_count))
+            out_of_memory_ = true;
 }
 
 bool LoopCarrier::refine(Call& call) {
@@ -168,7 +180,9 @@ bool LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
         const bool reversed = oriented != NONE && sum != find(oriented, static_cast<uint32_t>(c))->signed_count;
         const size_t n = curve.components.crossings.size();
         for (size_t i = 0; i < n; ++i)
-            if (!out.crossings.push(reversed ? twin(curve.components.crossings[n - 1 - i]) : curve.components.crossings[i])) return false;
+            if (!out.crossings.push(reversed ? twin(curve.components.crossings[n - 1 - i])
+                                             : curve.components.crossings[i]))
+                return false;
         if (!out.offsets.push(out.crossings.size())) return false;
     }
     return true;

@@ -53,7 +53,8 @@ uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& mem
 
 // Names the first loop that meets itself or, if there is none, the first one
 // that crosses an earlier one.
-hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const GivenLoops* given, Call& call) {
+hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curves, const GivenLoops* given,
+                         Call& call) {
     const char* const word = given && given->element_kind == HMF_LOOP_TRIANGLES ? "triangle" : "vertex";
     for (size_t c = 0; c < loops.count(); ++c) {
         if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
@@ -62,8 +63,10 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         if (answer == Answer::yes) continue;
         const uint32_t at = common_element(given, c, c, call.memory);
         if (at == NONE)
-            return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c, "Loop %llu crosses itself. Give a loop that does not.", static_cast<Long>(c));
-        return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c, "Loop %llu crosses itself; it passes %s %llu twice. Give a loop that does not.",
+            return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c,
+                             "Loop %llu crosses itself. Give a loop that does not.", static_cast<Long>(c));
+        return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c,
+                         "Loop %llu crosses itself; it passes %s %llu twice. Give a loop that does not.",
                          static_cast<Long>(c), word, static_cast<Long>(at));
     }
     // Loops 0 .. good - 1 are disjoint, loops 0 .. bad - 1 are not.
@@ -97,12 +100,17 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
         if (answer == Answer::yes) continue;
         const uint32_t at = common_element(given, c, d, call.memory);
         if (at == NONE)
-            return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses loop %llu. Loops must be disjoint; they may touch.",
+            return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d,
+                             "Loop %llu crosses loop %llu. Loops must be disjoint; they may touch.",
                              static_cast<Long>(d), static_cast<Long>(c));
-        return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses loop %llu, which it meets at %s %llu. Loops must be disjoint; they may touch.",
-                         static_cast<Long>(d), static_cast<Long>(c), word, static_cast<Long>(at));
+        return call.fail(
+            HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d,
+            "Loop %llu crosses loop %llu, which it meets at %s %llu. Loops must be disjoint; they may touch.",
+            static_cast<Long>(d), static_cast<Long>(c), word, static_cast<Long>(at));
     }
-    return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d, "Loop %llu crosses an earlier loop. Loops must be disjoint; they may touch.", static_cast<Long>(d));
+    return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d,
+                     "Loop %llu crosses an earlier loop. Loops must be disjoint; they may touch.",
+                     static_cast<Long>(d));
 }
 
 // Disks and annuli among the pieces that the curves leave.
@@ -112,8 +120,9 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     Array<uint32_t> parent, component_of, border;
     Array<int64_t> euler;
     const size_t n = loop_of.size();
-    if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count) || !component_of.allocate(memory, n) ||
-        !border.allocate_filled(memory, cut.region_count, NONE) || !euler.allocate_filled(memory, cut.region_count, int64_t{0}))
+    if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count)
+        || !component_of.allocate(memory, n) || !border.allocate_filled(memory, cut.region_count, NONE)
+        || !euler.allocate_filled(memory, cut.region_count, int64_t{0}))
         return call.out_of_memory();
     if (!call.tick(0, true)) return cancelled(call);
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
@@ -123,7 +132,8 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         // The segment that begins at the vertex is the first or last of its edge.
         const uint32_t h = mesh.out[v], e = edge_of(h);
-        ++euler[find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}])];
+        ++euler[find_root(parent.data(),
+                          cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}])];
     }
     if (!call.tick(0, true)) return cancelled(call);
     for (size_t k = 0; k < n; ++k) component_of[loop_of[k]] = static_cast<uint32_t>(k);
@@ -133,14 +143,19 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
             const uint32_t e = edge_of(crossed);
             const uint32_t j = curves.begin[component_of[c]] - curves.first[e];
             for (uint32_t side = 0; side < 2; ++side) {
-                const uint32_t piece = find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + j + side}]);
+                const uint32_t piece =
+                    find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + j + side}]);
                 if (round == 0 && euler[piece] == 1)
-                    return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c, "Loop %llu bounds a disk. Give one that goes round a handle.", static_cast<Long>(c));
+                    return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
+                                     "Loop %llu bounds a disk. Give one that goes round a handle.",
+                                     static_cast<Long>(c));
                 if (round == 0 || euler[piece] != 0) continue;
                 if (border[piece] == NONE) border[piece] = static_cast<uint32_t>(c);
                 else if (border[piece] != c)
-                    return call.fail(HMF_ERROR_LOOP_PARALLEL, HMF_ELEMENT_LOOP, c, "Loops %llu and %llu are freely homotopic. Give one of them, with the sum of their weights.",
-                                     static_cast<Long>(border[piece]), static_cast<Long>(c));
+                    return call.fail(
+                        HMF_ERROR_LOOP_PARALLEL, HMF_ELEMENT_LOOP, c,
+                        "Loops %llu and %llu are freely homotopic. Give one of them, with the sum of their weights.",
+                        static_cast<Long>(border[piece]), static_cast<Long>(c));
             }
         }
     return HMF_OK;
@@ -150,12 +165,16 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
 
 hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given) {
     const size_t count = loops.count();
-    if (count == 0) return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
+    if (count == 0)
+        return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
     for (size_t c = 0; c < count; ++c)
         if (loops.offsets[c] == loops.offsets[c + 1])
-            return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c, "Loop %llu goes back the way it came. Give one that goes round a handle.", static_cast<Long>(c));
+            return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
+                             "Loop %llu goes back the way it came. Give one that goes round a handle.",
+                             static_cast<Long>(c));
     if (loops.offsets[count] >= MULTICURVE_LIMIT)
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, 0, "The loops cross more than 2^29 edges. Give shorter ones.");
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, 0,
+                         "The loops cross more than 2^29 edges. Give shorter ones.");
     Multicurve curves;
     Array<uint32_t> loop_of;
     if (!curves.allocate(mesh, call.memory)) return call.out_of_memory();

@@ -7,9 +7,9 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
     segment_count = mesh.edge_count + static_cast<uint32_t>(curves.total);
     point_count = mesh.vertex_count + 2 * static_cast<uint32_t>(curves.components.count());
     Array<uint32_t> side; // first half-edge of each face
-    if (!side.allocate_filled(memory, mesh.face_count, NONE) || !segment_first.allocate(memory, mesh.edge_count) ||
-        !segment_edge.allocate(memory, segment_count) || !region_first.allocate(memory, mesh.face_count) ||
-        !region.allocate(memory, 2 * size_t{segment_count}) || !point.allocate(memory, 2 * size_t{segment_count}))
+    if (!side.allocate_filled(memory, mesh.face_count, NONE) || !segment_first.allocate(memory, mesh.edge_count)
+        || !segment_edge.allocate(memory, segment_count) || !region_first.allocate(memory, mesh.face_count)
+        || !region.allocate(memory, 2 * size_t{segment_count}) || !point.allocate(memory, 2 * size_t{segment_count}))
         return false;
     uint32_t s = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
@@ -18,8 +18,10 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
         for (uint32_t q = 0; q <= n; ++q, ++s) {
             segment_edge[s] = e;
             // The end of half-edge 2e lies on the left of a curve that leaves through it.
-            point[2 * size_t{s}] = q == 0 ? mesh.origin[2 * e] : mesh.vertex_count + curves.strand[curves.first[e] + q - 1];
-            point[2 * size_t{s} + 1] = q == n ? mesh.origin[2 * e + 1] : mesh.vertex_count + (curves.strand[curves.first[e] + q] ^ 1u);
+            point[2 * size_t{s}] =
+                q == 0 ? mesh.origin[2 * e] : mesh.vertex_count + curves.strand[curves.first[e] + q - 1];
+            point[2 * size_t{s} + 1] =
+                q == n ? mesh.origin[2 * e + 1] : mesh.vertex_count + (curves.strand[curves.first[e] + q] ^ 1u);
         }
     }
     for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
@@ -27,7 +29,9 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
     for (uint32_t f = 0; f < mesh.face_count; ++f) {
         region_first[f] = r;
         const uint32_t h = side[f], k = mesh.next[h], l = mesh.next[k];
-        r += 1 + static_cast<uint32_t>((uint64_t{curves.count[edge_of(h)]} + curves.count[edge_of(k)] + curves.count[edge_of(l)]) / 2);
+        r += 1
+           + static_cast<uint32_t>(
+                 (uint64_t{curves.count[edge_of(h)]} + curves.count[edge_of(k)] + curves.count[edge_of(l)]) / 2);
     }
     region_count = r;
     if (with_links && !link.allocate_filled(memory, 3 * size_t{region_count}, NONE)) return false;
@@ -48,7 +52,8 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
                 const bool at_origin = q < round_origin, at_middle = q == round_origin;
                 const uint32_t into = at_origin ? corner[i] + q : at_middle ? region_first[f] : target + n[i] - q;
                 region[half_segment] = into;
-                if (with_links) link[3 * size_t{into} + static_cast<size_t>(at_middle ? i : at_origin ? 0 : 1)] = half_segment;
+                if (with_links)
+                    link[3 * size_t{into} + static_cast<size_t>(at_middle ? i : at_origin ? 0 : 1)] = half_segment;
             }
         }
     }

@@ -22,15 +22,17 @@ struct CutSurface {
     uint32_t region_count = 0, segment_count = 0, point_count = 0;
     Array<uint32_t> segment_first; // per edge; segments from the origin of half-edge 2e
     Array<uint32_t> segment_edge;
-    Array<uint32_t> region_first;  // per face: its middle region
-    Array<uint32_t> region;        // per half-segment
-    Array<uint32_t> point;         // per segment two: its beginning and end.  Vertices, then
-                                   // vertex_count + 2 * component + (0: left, 1: right side)
-    Array<uint32_t> link;          // three per region: its half-segments, or NONE
+    Array<uint32_t> region_first; // per face: its middle region
+    Array<uint32_t> region;       // per half-segment
+    Array<uint32_t> point;        // per segment two: its beginning and end.  Vertices, then
+                                  // vertex_count + 2 * component + (0: left, 1: right side)
+    Array<uint32_t> link;         // three per region: its half-segments, or NONE
 
     // curves: traced.  False: out of memory.
     bool build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory);
-    uint32_t half_edge(uint32_t half_segment) const { return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u); }
+    uint32_t half_edge(uint32_t half_segment) const {
+        return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u);
+    }
 };
 
 } // namespace hmf

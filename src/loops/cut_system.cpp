@@ -33,8 +33,9 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const Restriction* restriction, Call& call)
-        : mesh_(mesh), restriction_(restriction), call_(call), memory_(call.memory), search_(cut_, length_, restriction ? restriction->label : nullptr, call) {}
+    CutSystem(const Mesh& mesh, const Restriction* restriction, Call& call) :
+        mesh_(mesh), restriction_(restriction), call_(call), memory_(call.memory),
+        search_(cut_, length_, restriction ? restriction->label : nullptr, call) {}
 
     hmf_status run(const double* position, Loops& out) {
         const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
@@ -43,8 +44,9 @@ public:
         out.crossings.start(memory_);
         loop_.start(memory_);
         try_.start(memory_);
-        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) ||
-            !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0) || (restriction_ && !test_.allocate(mesh_, memory_)))
+        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
+            || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
+            || (restriction_ && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -53,30 +55,38 @@ public:
         const double wanted = faces * (400 + 6.0 * genus), budget = wanted < most ? wanted : most;
         uint32_t k = 0;
         for (; k < genus && is_permitted(k); ++k)
-            if (!add(restriction_->free->crossings.data() + restriction_->free->offsets[k], restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
+            if (!add(restriction_->free->crossings.data() + restriction_->free->offsets[k],
+                     restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
                 return call_.out_of_memory();
         for (; k < genus; ++k) {
             if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
-            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_) || !signatures_.build(cut_, call_) || !prepare())
+            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_)
+                || !signatures_.build(cut_, call_) || !prepare())
                 return stopped();
             const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
             if (status) return status;
             // Labels of a surface that meets itself may leave no loop without crossings.
             if (!found_ && restriction_)
                 return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                                  "There are no such loops: the surface meets itself. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
-            if (!found_) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k, "No further loop was found. Please report this.");
+                                  "There are no such loops: the surface meets itself. Repair the mesh, or use "
+                                  "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+            if (!found_)
+                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
+                                  "No further loop was found. Please report this.");
             for (uint32_t& half_segment : loop_) half_segment = cut_.half_edge(half_segment);
             if (!add(loop_.data(), loop_.size())) return call_.out_of_memory();
             if (curves_.total >= MULTICURVE_LIMIT)
-                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k, "The loops cross more than 2^29 edges. Use a coarser level.");
+                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
+                                  "The loops cross more than 2^29 edges. Use a coarser level.");
             keep_bounds();
         }
         return HMF_OK;
     }
 
 private:
-    hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+    hmf_status cancelled() {
+        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    }
     hmf_status stopped() { return call_.cancelled() ? cancelled() : call_.out_of_memory(); }
 
     bool add(const uint32_t* loop, size_t n) {
@@ -100,7 +110,9 @@ private:
 
     // Searches in the new cut surface, with the bounds of the earlier ones.
     bool prepare() {
-        if (!search_.prepare(signatures_, states_per_region_) || !visited_.allocate_filled(memory_, cut_.region_count, 0u)) return false;
+        if (!search_.prepare(signatures_, states_per_region_)
+            || !visited_.allocate_filled(memory_, cut_.region_count, 0u))
+            return false;
         visit_ = 0;
         for (uint32_t f = 0; f < mesh_.face_count; ++f) {
             const uint32_t end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
@@ -127,7 +139,8 @@ private:
         gate_.start(memory_);
         ++visit_;
         for (const uint32_t h : gates.crossings) {
-            const uint32_t f = mesh_.face[h], end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
+            const uint32_t f = mesh_.face[h],
+                           end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
             for (uint32_t r = cut_.region_first[f]; r < end; ++r) {
                 if (visited_[r] == visit_) continue;
                 visited_[r] = visit_;
@@ -148,7 +161,9 @@ private:
             visited_[r] = visit_;
             if (!roots_.push({signatures_.cycle(cut_, s, length_), r})) return false;
         }
-        heap_sort(roots_.data(), roots_.size(), [](const Root& a, const Root& b) { return a.known < b.known || (a.known == b.known && a.region < b.region); });
+        heap_sort(roots_.data(), roots_.size(), [](const Root& a, const Root& b) {
+            return a.known < b.known || (a.known == b.known && a.region < b.region);
+        });
         return true;
     }
 
@@ -202,7 +217,8 @@ private:
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= best_) continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
-            if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES)) return true;
+            if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
+                return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
             if (!look_from(roots_[i].region)) return false;
         }
@@ -245,7 +261,8 @@ private:
             if (!all.crossings.push(h)) return false;
         for (const uint32_t link : try_)
             if (!all.crossings.push(cut_.half_edge(link))) return false;
-        return all.offsets.push(all.crossings.size()) && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_) == Answer::yes;
+        return all.offsets.push(all.crossings.size())
+            && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_) == Answer::yes;
     }
 
     const Mesh& mesh_;
@@ -256,13 +273,13 @@ private:
     Multicurve curves_, test_;
     CutSurface cut_;
     Signatures signatures_;
-    Array<double> length_;       // per edge
+    Array<double> length_; // per edge
     LoopSearch search_;
     size_t states_per_region_ = 4;
     bool by_count_ = false;
-    Array<double> face_bound_;   // of the loops through a face
+    Array<double> face_bound_; // of the loops through a face
     Array<Root> roots_, gate_;
-    Array<uint32_t> visited_;    // per region
+    Array<uint32_t> visited_; // per region
     uint32_t visit_ = 0;
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
@@ -271,7 +288,8 @@ private:
 
 } // namespace
 
-hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call, Loops& out) {
+hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call,
+                      Loops& out) {
     CutSystem system(mesh, restriction, call);
     return system.run(position, out);
 }

@@ -11,7 +11,10 @@ size_t least_rotation(const uint32_t* s, size_t n) {
     size_t i = 0, j = 1, k = 0;
     while (i < n && j < n && k < n) {
         const size_t p = i + k < n ? i + k : i + k - n, q = j + k < n ? j + k : j + k - n;
-        if (s[p] == s[q]) { ++k; continue; }
+        if (s[p] == s[q]) {
+            ++k;
+            continue;
+        }
         if (s[p] > s[q]) i += k + 1;
         else j += k + 1;
         if (i == j) ++j;
@@ -49,8 +52,8 @@ struct Canonical {
     bool build(const Loops& loops, size_t first, size_t last, Memory& memory) {
         const uint64_t begin = loops.offsets[first], total = loops.offsets[last] - begin;
         Array<uint32_t> reversed;
-        if (!sequence.allocate(memory, total) || !reversed.allocate(memory, total) || !offsets.allocate(memory, last - first + 1) ||
-            !order.allocate(memory, last - first))
+        if (!sequence.allocate(memory, total) || !reversed.allocate(memory, total)
+            || !offsets.allocate(memory, last - first + 1) || !order.allocate(memory, last - first))
             return false;
         offsets[0] = 0;
         for (size_t c = first; c < last; ++c) {
@@ -62,7 +65,10 @@ struct Canonical {
             bool forward = true;
             for (size_t i = 0; i < n; ++i) {
                 const uint32_t x = s[(at_s + i) % n], y = r[(at_r + i) % n];
-                if (x != y) { forward = x < y; break; }
+                if (x != y) {
+                    forward = x < y;
+                    break;
+                }
             }
             const uint32_t* const chosen = forward ? s : r;
             const size_t at = forward ? at_s : at_r;
@@ -86,15 +92,18 @@ struct Canonical {
 
 } // namespace
 
-Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves, Array<uint32_t>* loop_of, Memory& memory) {
+Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
+                Array<uint32_t>* loop_of, Memory& memory) {
     curves.clear();
-    if (!curves.add(loops.crossings.data() + loops.offsets[first], loops.offsets[last] - loops.offsets[first])) return Answer::out_of_memory;
+    if (!curves.add(loops.crossings.data() + loops.offsets[first], loops.offsets[last] - loops.offsets[first]))
+        return Answer::out_of_memory;
     if (!curves.is_normal(mesh)) return Answer::no;
     if (!curves.trace(mesh, memory)) return Answer::out_of_memory;
     const size_t n = last - first;
     if (curves.components.count() != n) return Answer::no;
     Canonical given, traced;
-    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory)) return Answer::out_of_memory;
+    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory))
+        return Answer::out_of_memory;
     if (loop_of && !loop_of->allocate(memory, n)) return Answer::out_of_memory;
     for (size_t i = 0; i < n; ++i) {
         if (!given.same(given.order[i], traced, traced.order[i])) return Answer::no;

@@ -10,7 +10,8 @@ enum class Answer { yes, no, out_of_memory };
 // Are loops first .. last - 1 simple and disjoint?  Leaves their multicurve,
 // traced, in `curves` (allocated), and the loop (from 0) of each component in
 // loop_of, if wanted.
-Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves, Array<uint32_t>* loop_of, Memory& memory);
+Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
+                Array<uint32_t>* loop_of, Memory& memory);
 
 // Where the least rotation of a cyclic sequence begins; linear time.
 size_t least_rotation(const uint32_t* sequence, size_t n);

@@ -4,7 +4,8 @@
 
 namespace hmf {
 
-DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguous) : mesh_(mesh), position_(position), ambiguous_(ambiguous) {
+DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguous) :
+    mesh_(mesh), position_(position), ambiguous_(ambiguous) {
     for (size_t i = 0; i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest_) largest_ = x;
@@ -16,7 +17,9 @@ double DualLength::operator()(uint32_t edge) const {
     const uint32_t h = 2 * edge;
     double middle[3], sum = 0;
     for (uint32_t a = 0; a < 3; ++a)
-        middle[a] = (position_[3 * size_t{mesh_.origin[h]} + a] / largest_ + position_[3 * size_t{mesh_.origin[h + 1]} + a] / largest_) / 2;
+        middle[a] = (position_[3 * size_t{mesh_.origin[h]} + a] / largest_
+                     + position_[3 * size_t{mesh_.origin[h + 1]} + a] / largest_)
+                  / 2;
     for (uint32_t side = h; side < h + 2; ++side) {
         const uint32_t corner = mesh_.origin[mesh_.prev(side)];
         double square = 0;

@@ -45,7 +45,8 @@ void add_left_path(const Mesh& mesh, const uint32_t* crossings, size_t n, Number
 template <class Number>
 Number crossing_sum(const uint32_t* crossings, size_t n, const Number* chain) {
     Number sum = 0;
-    for (size_t i = 0; i < n; ++i) sum += crossings[i] & 1u ? Number{0} - chain[edge_of(crossings[i])] : chain[edge_of(crossings[i])];
+    for (size_t i = 0; i < n; ++i)
+        sum += crossings[i] & 1u ? Number{0} - chain[edge_of(crossings[i])] : chain[edge_of(crossings[i])];
     return sum;
 }
 
@@ -58,8 +59,8 @@ double signed_volume(const Mesh& mesh, const double* position) {
         double u[3][3];
         for (uint32_t i = 0, k = h; i < 3; ++i, k = mesh.next[k])
             for (uint32_t c = 0; c < 3; ++c) u[i][c] = position[3 * size_t{mesh.origin[k]} + c] / 2 - o[c] / 2;
-        sum += u[0][0] * (u[1][1] * u[2][2] - u[1][2] * u[2][1]) + u[0][1] * (u[1][2] * u[2][0] - u[1][0] * u[2][2]) +
-               u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
+        sum += u[0][0] * (u[1][1] * u[2][2] - u[1][2] * u[2][1]) + u[0][1] * (u[1][2] * u[2][0] - u[1][0] * u[2][2])
+             + u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
     }
     return sum;
 }
@@ -109,8 +110,9 @@ private:
 
 class HandleSystem {
 public:
-    HandleSystem(const hmf_hierarchy& h, bool inside, Call& call)
-        : h_(h), mesh_(loop_mesh(h, h.level_count - 1)), position_(h.levels[h.level_count - 1].position), call_(call), inside_(inside) {}
+    HandleSystem(const hmf_hierarchy& h, bool inside, Call& call) :
+        h_(h), mesh_(loop_mesh(h, h.level_count - 1)), position_(h.levels[h.level_count - 1].position), call_(call),
+        inside_(inside) {}
 
     hmf_status run(Loops& out) {
         Loops a, b;
@@ -127,10 +129,13 @@ public:
     }
 
 private:
-    hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+    hmf_status cancelled() {
+        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    }
     hmf_status not_embedded() {
-        return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                          "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+        return call_.fail(
+            HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+            "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
     }
 
     // Step 2.
@@ -150,7 +155,8 @@ private:
         if (!carrier.load(h_, h_.level_count - 1, 0, both, call_.memory)) return call_.out_of_memory();
         while (carrier.level() > 0)
             if (!carrier.refine(call_)) return cancelled();
-        if (!carrier.read(0, g, fine_a, call_.memory) || !carrier.read(g, 2 * g, fine_b, call_.memory)) return call_.out_of_memory();
+        if (!carrier.read(0, g, fine_a, call_.memory) || !carrier.read(g, 2 * g, fine_b, call_.memory))
+            return call_.out_of_memory();
         return seifert_form(h_.input, h_.levels[0].position, fine_a, fine_b, call_, form_);
     }
 
@@ -160,12 +166,16 @@ private:
     hmf_status make_conditions() {
         const size_t n = form_.size, g = n / 2;
         const bool transposed = inside_ != (signed_volume(h_.input, h_.levels[0].position) > 0);
-        const auto V = [&](size_t i, size_t j) { return static_cast<uint64_t>(form_.linking[transposed ? n * j + i : n * i + j]); };
+        const auto V = [&](size_t i, size_t j) {
+            return static_cast<uint64_t>(form_.linking[transposed ? n * j + i : n * i + j]);
+        };
         const auto T = [&](size_t i, size_t j) { return static_cast<uint64_t>(form_.intersection[n * i + g + j]); };
         for (size_t j = 0; j < g; ++j)
             for (size_t i = j; i < g; ++i) {
                 const int64_t t = form_.intersection[n * i + g + j];
-                if (i == j ? t != 1 && t != -1 : t != 0) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Loops and partners do not fit. Please report this.");
+                if (i == j ? t != 1 && t != -1 : t != 0)
+                    return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j,
+                                      "Loops and partners do not fit. Please report this.");
             }
         // g on both sides of a surface that does not meet itself.
         Echelon rows;
@@ -218,7 +228,8 @@ private:
             for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random_word(seed);
             const Loops& loops = k < g ? a : b;
             const uint64_t first = loops.offsets[k % g];
-            add_left_path(mesh_, loops.crossings.data() + first, static_cast<size_t>(loops.offsets[k % g + 1] - first), factor, label_.data());
+            add_left_path(mesh_, loops.crossings.data() + first, static_cast<size_t>(loops.offsets[k % g + 1] - first),
+                          factor, label_.data());
         }
         return HMF_OK;
     }
@@ -227,7 +238,9 @@ private:
     hmf_status verify(const Loops& a, const Loops& b, const Loops& found) {
         const size_t n = form_.size, g = n / 2;
         Array<uint64_t> chain, number; // number: n for each loop
-        if (!chain.allocate_filled(call_.memory, mesh_.edge_count, uint64_t{0}) || !number.allocate(call_.memory, n * g)) return call_.out_of_memory();
+        if (!chain.allocate_filled(call_.memory, mesh_.edge_count, uint64_t{0})
+            || !number.allocate(call_.memory, n * g))
+            return call_.out_of_memory();
         for (size_t k = 0; k < n; ++k) {
             if (!call_.tick(0, true)) return cancelled();
             const Loops& loops = k < g ? a : b;
@@ -235,14 +248,18 @@ private:
             const size_t length = static_cast<size_t>(loops.offsets[k % g + 1] - loops.offsets[k % g]);
             add_left_path(mesh_, path, length, uint64_t{1}, chain.data());
             for (size_t c = 0; c < g; ++c)
-                number[n * c + k] = crossing_sum(found.crossings.data() + found.offsets[c], static_cast<size_t>(found.offsets[c + 1] - found.offsets[c]), chain.data());
+                number[n * c + k] =
+                    crossing_sum(found.crossings.data() + found.offsets[c],
+                                 static_cast<size_t>(found.offsets[c + 1] - found.offsets[c]), chain.data());
             add_left_path(mesh_, path, length, ~uint64_t{0}, chain.data());
         }
         for (size_t c = 0; c < g; ++c)
             for (size_t j = 0; j < n; ++j) {
                 uint64_t sum = 0;
                 for (size_t k = 0; k < n; ++k) sum += number[n * c + k] * condition_[n * k + j];
-                if (sum) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, c, "A loop bounds on neither side. Please report this.");
+                if (sum)
+                    return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, c,
+                                      "A loop bounds on neither side. Please report this.");
             }
         return HMF_OK;
     }

@@ -22,7 +22,9 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
     case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);
     case HMF_LOOPS_TUNNEL: return handle_system(h, false, call, out);
     case HMF_LOOPS_PANTS: return pants_decomposition(mesh, position, call, out);
-    default: return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.", static_cast<int>(kind));
+    default:
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.",
+                         static_cast<int>(kind));
     }
 }
 
@@ -36,7 +38,8 @@ hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Cal
     LoopCarrier carrier;
     if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
-        if (!carrier.refine(call)) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        if (!carrier.refine(call))
+            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
         if (!carrier.read(0, out.count(), out, call.memory)) return call.out_of_memory();
         status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
         if (status) return status;
@@ -60,14 +63,17 @@ hmf_status name_by_triangles(const hmf_hierarchy& h, size_t level, Call& call, L
     for (size_t i = 0; i < faces.size(); ++i) faces[i] = mesh.face[loops.crossings[i]];
     if (!ambiguous) return HMF_OK;
     Loops again;
-    const hmf_status status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
+    const hmf_status status =
+        read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
     if (status) return status;
     for (size_t c = 0; c < loops.count(); ++c) {
         const size_t n = static_cast<size_t>(loops.offsets[c + 1] - loops.offsets[c]);
-        if (again.offsets[c + 1] - again.offsets[c] == n &&
-            same_cycle(again.crossings.data() + again.offsets[c], loops.crossings.data() + loops.offsets[c], n))
+        if (again.offsets[c + 1] - again.offsets[c] == n
+            && same_cycle(again.crossings.data() + again.offsets[c], loops.crossings.data() + loops.offsets[c], n))
             continue;
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, c, "Loop %llu passes triangles of level %llu that share several edges, so triangles do not name it. Use a finer level.",
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, c,
+                         "Loop %llu passes triangles of level %llu that share several edges, so triangles do not name "
+                         "it. Use a finer level.",
                          static_cast<unsigned long long>(c), static_cast<unsigned long long>(level));
     }
     return HMF_OK;

@@ -54,7 +54,9 @@ public:
     }
 
 private:
-    static uint64_t magnitude(int64_t x) { return x < 0 ? uint64_t{0} - static_cast<uint64_t>(x) : static_cast<uint64_t>(x); }
+    static uint64_t magnitude(int64_t x) {
+        return x < 0 ? uint64_t{0} - static_cast<uint64_t>(x) : static_cast<uint64_t>(x);
+    }
     static void multiply(uint64_t a, uint64_t b, uint64_t& low, uint64_t& high) {
         const uint64_t mask = 0xffffffffu, a0 = a & mask, a1 = a >> 32, b0 = b & mask, b1 = b >> 32;
         const uint64_t middle = a1 * b0 + (a0 * b0 >> 32), other = a0 * b1 + (middle & mask);
@@ -64,14 +66,17 @@ private:
     uint64_t word_[4] = {0, 0, 0, 0};
 };
 
-struct Point { int64_t x, y, z; }; // z towards the eye
+struct Point {
+    int64_t x, y, z;
+}; // z towards the eye
 
 Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 double magnitude(double x) { return x < 0 ? -x : x; }
 
 // Sign of the plane determinant of u and v.
 int turn(const Point& u, const Point& v) {
-    const double p = static_cast<double>(u.x) * static_cast<double>(v.y), q = static_cast<double>(u.y) * static_cast<double>(v.x);
+    const double p = static_cast<double>(u.x) * static_cast<double>(v.y),
+                 q = static_cast<double>(u.y) * static_cast<double>(v.x);
     const double d = p - q, bound = 0x1p-50 * (magnitude(p) + magnitude(q));
     if (d > bound) return 1;
     if (d < -bound) return -1;
@@ -125,13 +130,16 @@ public:
     hmf_status run(const Loops& a, const Loops& b, SeifertForm& out) {
         const size_t g = a.count(), n = 2 * g;
         out.size = n;
-        if (!round_positions() || !out.linking.allocate(call_.memory, n * n) || !out.intersection.allocate(call_.memory, n * n)) return call_.out_of_memory();
+        if (!round_positions() || !out.linking.allocate(call_.memory, n * n)
+            || !out.intersection.allocate(call_.memory, n * n))
+            return call_.out_of_memory();
         const Loops* const given[2] = {&a, &b};
         for (int s = 0; s < 2; ++s)
             if (load(*given[s], set_[s])) return call_.status();
         uint64_t seed = 1;
         for (int view = 0; view < VIEWS; ++view) {
-            if (!call_.tick(0, true)) return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (!call_.tick(0, true))
+                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             for (int64_t& factor : view_) {
                 seed = seed * 6364136223846793005u + 1442695040888963407u;
                 factor = static_cast<int64_t>(seed >> (64 - VIEW_BITS)) - (int64_t{1} << (VIEW_BITS - 1));
@@ -140,8 +148,9 @@ public:
             if (!look(g, out, usable)) return call_.out_of_memory();
             if (usable) return HMF_OK;
         }
-        return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                          "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+        return call_.fail(
+            HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+            "The surface meets itself, so it has no inside. Repair the mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
     }
 
 private:
@@ -169,8 +178,11 @@ private:
     hmf_status load(const Loops& loops, LoopSet& set) {
         if (!set.curves.allocate(mesh_, call_.memory)) return call_.out_of_memory();
         const Answer answer = disjoint(mesh_, loops, 0, loops.count(), set.curves, &set.loop_of, call_.memory);
-        if (answer == Answer::out_of_memory || !set.reversed.allocate(call_.memory, loops.count())) return call_.out_of_memory();
-        if (answer == Answer::no) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "Carried loops are not disjoint. Please report this.");
+        if (answer == Answer::out_of_memory || !set.reversed.allocate(call_.memory, loops.count()))
+            return call_.out_of_memory();
+        if (answer == Answer::no)
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
+                              "Carried loops are not disjoint. Please report this.");
         for (size_t k = 0; k < loops.count(); ++k) {
             const uint64_t first = set.curves.components.offsets[k];
             const size_t m = static_cast<size_t>(set.curves.components.offsets[k + 1] - first);
@@ -190,10 +202,12 @@ private:
         const uint32_t strand = set.curves.strand[set.curves.first[e] + j];
         const bool left_is_end = ((strand & 1u) != 0) == (set.reversed[strand / 2] != 0);
         const uint64_t slot = (s ? 2 * uint64_t{n} : 0) + 2 * uint64_t{j} + (left_is_end == parallel);
-        const int64_t whole = int64_t{1} << EDGE_BITS, f = static_cast<int64_t>((slot + 1) * static_cast<uint64_t>(whole) / (places + 1));
+        const int64_t whole = int64_t{1} << EDGE_BITS,
+                      f = static_cast<int64_t>((slot + 1) * static_cast<uint64_t>(whole) / (places + 1));
         const int64_t* const p = rounded_.data() + 3 * size_t{mesh_.origin[2 * e]};
         const int64_t* const q = rounded_.data() + 3 * size_t{mesh_.origin[2 * e + 1]};
-        const int64_t x = (whole - f) * p[0] + f * q[0], y = (whole - f) * p[1] + f * q[1], z = (whole - f) * p[2] + f * q[2];
+        const int64_t x = (whole - f) * p[0] + f * q[0], y = (whole - f) * p[1] + f * q[1],
+                      z = (whole - f) * p[2] + f * q[2];
         out = {x * (int64_t{1} << VIEW_BITS) - view_[0] * z, y * (int64_t{1} << VIEW_BITS) - view_[1] * z, z};
         return true;
     }
@@ -207,7 +221,9 @@ private:
             const uint64_t first = curves.components.offsets[k], end = curves.components.offsets[k + 1];
             uint32_t h = curves.components.crossings[first], p = curves.begin[k] - curves.first[edge_of(h)];
             if (h & 1u) p = curves.count[edge_of(h)] - 1 - p;
-            const auto here = [&](Point& at) { return point(edge_of(h), s, h & 1u ? curves.count[edge_of(h)] - 1 - p : p, parallel, at); };
+            const auto here = [&](Point& at) {
+                return point(edge_of(h), s, h & 1u ? curves.count[edge_of(h)] - 1 - p : p, parallel, at);
+            };
             Segment segment{};
             segment.loop = set.loop_of[k];
             usable = usable && here(segment.from);
@@ -239,7 +255,8 @@ private:
         uint32_t k = h;
         for (Point& c : corner) {
             const int64_t* const p = rounded_.data() + 3 * size_t{mesh_.origin[k]};
-            c = {p[0] * (int64_t{1} << VIEW_BITS) - view_[0] * p[2], p[1] * (int64_t{1} << VIEW_BITS) - view_[1] * p[2], p[2]};
+            c = {p[0] * (int64_t{1} << VIEW_BITS) - view_[0] * p[2], p[1] * (int64_t{1} << VIEW_BITS) - view_[1] * p[2],
+                 p[2]};
             k = mesh_.next[k];
         }
         return turn(corner[1] - corner[0], corner[2] - corner[0]);
@@ -248,11 +265,12 @@ private:
     // Adds what the crossings of the segments say; tables are g x g, first loop
     // of s.  With `meet` they belong to different sets and may meet in a triangle.
     struct Tables {
-        Array<int64_t> top, below;               // lk by the crossings with s on top, and below
-        Array<int64_t> local_front, local_back;  // intersections in triangles seen from the front, and from the back
+        Array<int64_t> top, below;              // lk by the crossings with s on top, and below
+        Array<int64_t> local_front, local_back; // intersections in triangles seen from the front, and from the back
         bool allocate(Memory& memory, size_t n) {
-            return top.allocate_filled(memory, n, int64_t{0}) && below.allocate_filled(memory, n, int64_t{0}) &&
-                   local_front.allocate_filled(memory, n, int64_t{0}) && local_back.allocate_filled(memory, n, int64_t{0});
+            return top.allocate_filled(memory, n, int64_t{0}) && below.allocate_filled(memory, n, int64_t{0})
+                && local_front.allocate_filled(memory, n, int64_t{0})
+                && local_back.allocate_filled(memory, n, int64_t{0});
         }
     };
     bool count_crossings(const Array<Segment>& s, const Array<Segment>& t, size_t g, Tables& tables) {
@@ -265,8 +283,10 @@ private:
             for (size_t i = begin; i < t.size() && t[i].low <= a.high; ++i) {
                 const Segment& b = t[i];
                 if (b.high < a.low) continue;
-                const int64_t a_low = a.from.y < a.to.y ? a.from.y : a.to.y, a_high = a.from.y < a.to.y ? a.to.y : a.from.y;
-                const int64_t b_low = b.from.y < b.to.y ? b.from.y : b.to.y, b_high = b.from.y < b.to.y ? b.to.y : b.from.y;
+                const int64_t a_low = a.from.y < a.to.y ? a.from.y : a.to.y,
+                              a_high = a.from.y < a.to.y ? a.to.y : a.from.y;
+                const int64_t b_low = b.from.y < b.to.y ? b.from.y : b.to.y,
+                              b_high = b.from.y < b.to.y ? b.to.y : b.from.y;
                 if (b_high < a_low || a_high < b_low) continue;
                 const Point u = a.to - a.from, v = b.to - b.from;
                 const int o1 = turn(u, b.from - a.from), o2 = turn(u, b.to - a.from);
@@ -341,7 +361,8 @@ private:
 
 } // namespace
 
-hmf_status seifert_form(const Mesh& mesh, const double* position, const Loops& a, const Loops& b, Call& call, SeifertForm& out) {
+hmf_status seifert_form(const Mesh& mesh, const double* position, const Loops& a, const Loops& b, Call& call,
+                        SeifertForm& out) {
     Linking linking(mesh, position, call);
     return linking.run(a, b, out);
 }

@@ -11,14 +11,16 @@ bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     starved_ = false;
     size_t places = edge_label_ ? 2 : 0;
     for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
-    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states) ||
-        !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE) || !order_.reserve(states) ||
-        !heap_.reserve(3 * states + 1))
+    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states)
+        || !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE)
+        || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
         return false;
     state_count_ = 0;
     for (size_t i = 0; i < 3 * n; ++i) {
         const uint32_t link = cut_.link[i], segment = link >> 1;
-        arc_[i] = link == NONE ? Arc{0, 0, NONE, NONE} : Arc{edge_length_[cut_.segment_edge[segment]], signatures.of[segment], cut_.region[link ^ 1u], link};
+        arc_[i] = link == NONE ? Arc{0, 0, NONE, NONE}
+                               : Arc{edge_length_[cut_.segment_edge[segment]], signatures.of[segment],
+                                     cut_.region[link ^ 1u], link};
     }
     for (uint32_t s = 0; s < states; ++s) state_[s] = {0, 0, 0, s, NONE, NONE};
     return true;

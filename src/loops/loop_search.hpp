@@ -23,8 +23,8 @@ namespace hmf {
 class LoopSearch {
 public:
     // edge_length: per edge.  edge_label: of a Restriction, or NULL.
-    LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call)
-        : cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
+    LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call) :
+        cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
 
     static constexpr size_t MOST_STATES = 256; // per region
 
@@ -38,9 +38,11 @@ public:
     bool search(uint32_t root, double limit, Array<uint32_t>& found);
 
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
-    void raise_bound(uint32_t region, double length) { if (length > bound_[region]) bound_[region] = length; }
-    uint64_t work() const { return work_; }     // regions settled
-    bool starved() const { return starved_; }   // the states did not suffice, since prepare
+    void raise_bound(uint32_t region, double length) {
+        if (length > bound_[region]) bound_[region] = length;
+    }
+    uint64_t work() const { return work_; }   // regions settled
+    bool starved() const { return starved_; } // the states did not suffice, since prepare
 
 private:
     struct Arc { // from a region; in the order of its links
@@ -50,14 +52,14 @@ private:
     };
     struct State {
         double distance;
-        uint64_t signature;      // sum on the way from the root
+        uint64_t signature; // sum on the way from the root
         uint32_t stamp;
         uint32_t region;
         uint32_t before, through; // the state before and the half-segment, seen from there
     };
-    struct Covered { // with labels, of a state
-        uint64_t label;  // sum on the way from the root
-        uint32_t place;  // in table_
+    struct Covered {    // with labels, of a state
+        uint64_t label; // sum on the way from the root
+        uint32_t place; // in table_
     };
 
     uint32_t find_state(uint32_t region, uint64_t label, bool make);
@@ -75,13 +77,13 @@ private:
     const Array<double>& edge_length_;
     const uint64_t* edge_label_;
     Call& call_;
-    Array<Arc> arc_;         // three per region
-    Array<double> bound_;    // per region
+    Array<Arc> arc_;      // three per region
+    Array<double> bound_; // per region
     Array<State> state_;
     Array<Covered> covered_; // per state
     Array<uint32_t> table_;  // states by region and label, NONE: free
     uint32_t table_shift_ = 0;
-    Array<uint32_t> order_;  // states as they were settled
+    Array<uint32_t> order_; // states as they were settled
     uint32_t state_count_ = 0, epoch_ = 0;
     bool starved_ = false, starved_here_ = false;
     uint64_t work_ = 0;

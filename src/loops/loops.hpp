@@ -11,8 +11,8 @@
 namespace hmf {
 
 struct Loops {
-    Array<uint64_t> offsets;    // count + 1
-    Array<uint32_t> crossings;  // half-edges
+    Array<uint64_t> offsets;   // count + 1
+    Array<uint32_t> crossings; // half-edges
     size_t count() const { return offsets.empty() ? 0 : offsets.size() - 1; }
 };
 
@@ -40,7 +40,8 @@ hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& c
 // Shortens simple disjoint loops within their classes, but those before
 // `first`; they stay disjoint, in their order and with their directions.
 // The search reaches `width` times as far as usual.  ambiguous: see dual_length.hpp.
-hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous, Call& call, Loops& loops);
+hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous,
+                         Call& call, Loops& loops);
 
 // Takes the fingers off essential disjoint loops, so that their initial
 // foliation has no poles.  Classes, order and directions stay.

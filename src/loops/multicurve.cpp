@@ -52,7 +52,9 @@ bool Multicurve::trace(const Mesh& mesh, Memory& memory) {
     components.offsets.start(memory);
     components.crossings.start(memory);
     begin.start(memory);
-    if (!strand.allocate_filled(memory, total, NONE) || !components.crossings.reserve(total) || !components.offsets.push(0)) return false;
+    if (!strand.allocate_filled(memory, total, NONE) || !components.crossings.reserve(total)
+        || !components.offsets.push(0))
+        return false;
     uint32_t component = 0;
     for (uint32_t start : edges)
         for (uint32_t j = 0; j < count[start]; ++j) {

@@ -20,20 +20,20 @@ namespace hmf {
 constexpr uint64_t MULTICURVE_LIMIT = uint64_t{1} << 29;
 
 struct Multicurve {
-    Array<uint32_t> count;  // per edge
-    Array<uint32_t> first;  // per edge; after trace, where count > 0
-    Array<uint32_t> edges;  // those with count > 0
-    uint64_t total = 0;     // crossings
+    Array<uint32_t> count; // per edge
+    Array<uint32_t> first; // per edge; after trace, where count > 0
+    Array<uint32_t> edges; // those with count > 0
+    uint64_t total = 0;    // crossings
     // After trace.
     Array<uint32_t> strand; // per crossing: 2 * component, + 1 if it leaves through half-edge 2e + 1
     Loops components;
-    Array<uint32_t> begin;  // per component: its first crossing, left through half-edge 2e
+    Array<uint32_t> begin; // per component: its first crossing, left through half-edge 2e
 
     bool allocate(const Mesh& mesh, Memory& memory);
     bool add(const uint32_t* half_edges, size_t n); // false: out of memory
     void clear();
-    bool is_normal(const Mesh& mesh) const;         // corner counts are integers >= 0
-    bool trace(const Mesh& mesh, Memory& memory);   // needs is_normal; false: out of memory
+    bool is_normal(const Mesh& mesh) const;       // corner counts are integers >= 0
+    bool trace(const Mesh& mesh, Memory& memory); // needs is_normal; false: out of memory
     // From the crossing at place p (from the origin of half-edge h) that leaves through h to the next one.
     void step(const Mesh& mesh, uint32_t& h, uint32_t& p) const;
 };

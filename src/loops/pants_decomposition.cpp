@@ -24,11 +24,12 @@ namespace {
 
 class Pants {
 public:
-    Pants(const Mesh& mesh, const double* position, Loops& loops, Call& call)
-        : mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory) {}
+    Pants(const Mesh& mesh, const double* position, Loops& loops, Call& call) :
+        mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
-        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)) return call_.out_of_memory();
+        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count))
+            return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         const size_t genus = loops_.count();
@@ -36,7 +37,9 @@ public:
             if (!call_.tick(static_cast<double>(loops_.count()) / (3.0 * static_cast<double>(genus)), true))
                 return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             if (!cut() || !spread()) return call_.out_of_memory();
-            if (!choose()) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(), "No further loop was found. Please report this.");
+            if (!choose())
+                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
+                                  "No further loop was found. Please report this.");
             if (!join()) return call_.out_of_memory();
             const hmf_status status = shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
             if (status) return status;
@@ -46,17 +49,26 @@ public:
 
 private:
     // A side of a loop (2 * component, + 1 for the right one), after one of its crossings: the region there.
-    struct Seed { uint32_t side, crossing, region; };
-    struct Pair { uint32_t a, b; }; // of seeds
+    struct Seed {
+        uint32_t side, crossing, region;
+    };
+    struct Pair {
+        uint32_t a, b;
+    }; // of seeds
     bool cut() {
-        if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes || !cut_.build(mesh_, curves_, true, memory_)) return false;
+        if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes
+            || !cut_.build(mesh_, curves_, true, memory_))
+            return false;
         const size_t n = loops_.count();
-        if (!piece_.allocate(memory_, cut_.region_count) || !holes_.allocate_filled(memory_, cut_.region_count, 0u) || !around_.allocate_filled(memory_, n, 0.0))
+        if (!piece_.allocate(memory_, cut_.region_count) || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
+            || !around_.allocate_filled(memory_, n, 0.0))
             return false;
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
-        for (size_t s = 0; s < cut_.segment_count; ++s) unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
+        for (size_t s = 0; s < cut_.segment_count; ++s)
+            unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
         for (size_t k = 0; k < n; ++k)
-            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i) around_[k] += length_[edge_of(curves_.components.crossings[i])];
+            for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i)
+                around_[k] += length_[edge_of(curves_.components.crossings[i])];
         return true;
     }
 
@@ -66,7 +78,9 @@ private:
         seeds_.start(memory_);
         heap_.start(memory_);
         pairs_.start(memory_);
-        if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE) || !from_.allocate_filled(memory_, n, NONE)) return false;
+        if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE)
+            || !from_.allocate_filled(memory_, n, NONE))
+            return false;
         for (uint32_t k = 0; k < curves_.components.count(); ++k) {
             const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
             uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
@@ -127,7 +141,9 @@ private:
         return true;
     }
 
-    double estimate(uint32_t a, uint32_t b, double way) const { return around_[seeds_[a].side / 2] + around_[seeds_[b].side / 2] + 2 * way; }
+    double estimate(uint32_t a, uint32_t b, double way) const {
+        return around_[seeds_[a].side / 2] + around_[seeds_[b].side / 2] + 2 * way;
+    }
 
     // The pair of holes, and the link that their way crosses in the middle
     // (NONE: they meet in one region).
@@ -144,7 +160,8 @@ private:
             const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
             if (seed_[r] == NONE || seed_[q] == NONE || seeds_[seed_[r]].side == seeds_[seed_[q]].side) continue;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double length = estimate(seed_[r], seed_[q], distance_[r] + length_[cut_.segment_edge[s]] + distance_[q]);
+            const double length =
+                estimate(seed_[r], seed_[q], distance_[r] + length_[cut_.segment_edge[s]] + distance_[q]);
             if (!(length < best)) continue;
             best = length;
             chosen_ = {seed_[r], seed_[q]};
@@ -200,14 +217,14 @@ private:
     Loops& loops_;
     Call& call_;
     Memory& memory_;
-    Array<double> length_;          // per edge
+    Array<double> length_; // per edge
     Multicurve curves_;
     CutSurface cut_;
     Array<uint32_t> piece_, holes_; // per region; number of holes at the root of a piece
     Array<double> around_;          // length per component
     Array<Seed> seeds_;
-    Array<Pair> pairs_;             // that meet in one region
-    Array<double> distance_;        // per region
+    Array<Pair> pairs_;      // that meet in one region
+    Array<double> distance_; // per region
     Array<uint32_t> seed_, from_;
     NearestFirst heap_;
     Pair chosen_{NONE, NONE};

@@ -18,7 +18,9 @@ bool append(Loops& to, const uint32_t* crossings, size_t n) {
 
 bool append(Loops& to, const Loops& from, size_t first, size_t last) {
     for (size_t c = first; c < last; ++c)
-        if (!append(to, from.crossings.data() + from.offsets[c], static_cast<size_t>(from.offsets[c + 1] - from.offsets[c]))) return false;
+        if (!append(to, from.crossings.data() + from.offsets[c],
+                    static_cast<size_t>(from.offsets[c + 1] - from.offsets[c])))
+            return false;
     return true;
 }
 
@@ -29,13 +31,16 @@ bool start(Loops& loops, Memory& memory) {
 }
 
 // The shortest way from the left of a component to its right, as crossings.
-bool cross_once(const CutSurface& cut, const Multicurve& curves, size_t component, Memory& memory, Array<uint32_t>& path) {
+bool cross_once(const CutSurface& cut, const Multicurve& curves, size_t component, Memory& memory,
+                Array<uint32_t>& path) {
     // At its first crossing, on the side where it comes in.
-    const uint32_t crossing = curves.begin[component], e = edge_of(curves.components.crossings[curves.components.offsets[component]]);
+    const uint32_t crossing = curves.begin[component],
+                   e = edge_of(curves.components.crossings[curves.components.offsets[component]]);
     const size_t segment = cut.segment_first[e] + (crossing - curves.first[e]);
     const uint32_t from = cut.region[2 * segment + 1], to = cut.region[2 * segment + 3];
     Array<uint32_t> reached, queue;
-    if (!reached.allocate_filled(memory, cut.region_count, NONE) || !queue.allocate(memory, cut.region_count)) return false;
+    if (!reached.allocate_filled(memory, cut.region_count, NONE) || !queue.allocate(memory, cut.region_count))
+        return false;
     size_t begin = 0, end = 0;
     queue[end++] = from;
     path.start(memory);
@@ -71,7 +76,8 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
     Multicurve curves;
     if (!start(out, memory) || !curves.allocate(mesh, memory)) return call.out_of_memory();
     for (size_t j = 0; j < g; ++j) {
-        if (!call.tick(0, true)) return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        if (!call.tick(0, true))
+            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
         Loops all;
         Array<uint32_t> loop_of, path;
         CutSurface cut;
@@ -80,11 +86,14 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
         if (answer == Answer::out_of_memory || !cut.build(mesh, curves, true, memory)) return call.out_of_memory();
         size_t component = 0;
         while (component < g && loop_of[component] != j) ++component;
-        if (answer == Answer::no) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
+        if (answer == Answer::no)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
         if (!cross_once(cut, curves, component, memory, path)) return call.out_of_memory();
         size_t begin = 0, end = 0;
         remove_backtracking(path, begin, end);
-        if (begin == end) return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "No partner of a loop was found. Please report this.");
+        if (begin == end)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j,
+                             "No partner of a loop was found. Please report this.");
         if (!append(out, path.data() + begin, end - begin)) return call.out_of_memory();
     }
     return HMF_OK;

@@ -26,11 +26,12 @@ namespace {
 
 class Tightener {
 public:
-    Tightener(const Mesh& mesh, Loops& loops, Call& call) : mesh_(mesh), loops_(loops), call_(call), memory_(call.memory) {}
+    Tightener(const Mesh& mesh, Loops& loops, Call& call) :
+        mesh_(mesh), loops_(loops), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
-        if (!weight_.allocate_filled(memory_, loops_.count(), int64_t{2}) || !value_.allocate(memory_, mesh_.edge_count) ||
-            !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u))
+        if (!weight_.allocate_filled(memory_, loops_.count(), int64_t{2}) || !value_.allocate(memory_, mesh_.edge_count)
+            || !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u))
             return call_.out_of_memory();
         foliation_.mesh = mesh_;
         foliation_.value = value_.data();
@@ -40,7 +41,8 @@ public:
         finger_.start(memory_);
         loop_.start(memory_);
         for (;;) {
-            if (!call_.tick(0, true)) return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (!call_.tick(0, true))
+                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             initial_foliation(mesh_, loops_, weight_.data(), value_.data());
             if (!find_poles()) return call_.out_of_memory();
             if (poles_.empty()) return HMF_OK;
@@ -50,7 +52,9 @@ public:
                 if (!trace_finger(v) || !remove_finger(found)) return call_.out_of_memory();
                 removed |= found;
             }
-            if (!removed) return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "The loops could not be pulled tight. Please report this.");
+            if (!removed)
+                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
+                                  "The loops could not be pulled tight. Please report this.");
         }
     }
 
@@ -64,7 +68,9 @@ private:
             const uint32_t both[2] = {crossing, twin(crossing)};
             for (const uint32_t h : both) {
                 const uint32_t g = mesh_.prev(h), v = mesh_.origin[g];
-                if (foliation_.at(g) == 0 || foliation_.at(mesh_.next[h]) == 0 || foliation_.corner2(g) != 0 || stamp_[v] > before) continue;
+                if (foliation_.at(g) == 0 || foliation_.at(mesh_.next[h]) == 0 || foliation_.corner2(g) != 0
+                    || stamp_[v] > before)
+                    continue;
                 const Cluster cluster = explore_cluster(foliation_, v, NONE, NONE, NONE, 2, 0);
                 if (foliation_.out_of_memory) return false;
                 if (!cluster.is_pole()) continue;
@@ -125,7 +131,8 @@ private:
                 // Shorter, so the others move up.
                 const uint64_t gap = n - (end - begin);
                 for (size_t k = begin; k < end; ++k) loops_.crossings[loops_.offsets[c] + (k - begin)] = loop_[k];
-                for (uint64_t at = loops_.offsets[c + 1]; at < loops_.offsets[loops_.count()]; ++at) loops_.crossings[at - gap] = loops_.crossings[at];
+                for (uint64_t at = loops_.offsets[c + 1]; at < loops_.offsets[loops_.count()]; ++at)
+                    loops_.crossings[at - gap] = loops_.crossings[at];
                 for (uint64_t k = 0; k < gap; ++k) loops_.crossings.pop();
                 for (size_t k = c + 1; k <= loops_.count(); ++k) loops_.offsets[k] -= gap;
                 found = true;

@@ -31,7 +31,10 @@ void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) 
     }
     begin = 0;
     end = n;
-    while (end - begin >= 2 && sequence[begin] == twin(sequence[end - 1])) { ++begin; --end; }
+    while (end - begin >= 2 && sequence[begin] == twin(sequence[end - 1])) {
+        ++begin;
+        --end;
+    }
 }
 
 namespace {
@@ -41,8 +44,14 @@ using Long = unsigned long long;
 // Two consecutive path edges as fewer: 0, 1 (in `one`), or 2 if nothing is to gain.
 int shorten(const Mesh& mesh, uint32_t g, uint32_t h, uint32_t& one) {
     if (h == twin(g)) return 0;
-    if (h == mesh.next[g]) { one = twin(mesh.prev(g)); return 1; }
-    if (twin(h) == mesh.prev(twin(g))) { one = mesh.next[twin(g)]; return 1; }
+    if (h == mesh.next[g]) {
+        one = twin(mesh.prev(g));
+        return 1;
+    }
+    if (twin(h) == mesh.prev(twin(g))) {
+        one = mesh.next[twin(g)];
+        return 1;
+    }
     return 2;
 }
 
@@ -105,7 +114,11 @@ bool push_off(const Mesh& mesh, uint32_t a, uint32_t b, Array<uint32_t>& strip) 
     uint32_t low = a, high = b;
     for (uint32_t h = mesh.out[mesh.origin[a]];; h = mesh.rotate_ccw(h)) {
         if (h == a) break;
-        if (h == b) { low = b; high = a; break; }
+        if (h == b) {
+            low = b;
+            high = a;
+            break;
+        }
     }
     const auto crossed = [&](uint32_t h) { return h == low ? (h & 1u) != 0 : h != high || (h & 1u) == 0; };
     const size_t begin = strip.size();
@@ -141,8 +154,11 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
         return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, 0, "There are no loops. Give at least one.");
     for (size_t c = 0; c < count; ++c)
         if (offsets[c + 1] <= offsets[c])
-            return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
-                             static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1, static_cast<Long>(offsets[c + 1]));
+            return call.fail(
+                HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c,
+                "Loop %llu has no elements: offsets[%llu] is %llu and offsets[%llu] is %llu. Offsets must increase.",
+                static_cast<Long>(c), static_cast<Long>(c), static_cast<Long>(offsets[c]), static_cast<Long>(c) + 1,
+                static_cast<Long>(offsets[c + 1]));
     const bool triangles = element_kind == HMF_LOOP_TRIANGLES;
     // Elements are named by their place: the caller may number them otherwise.
     const char* const word = triangles ? "triangle" : "vertex";
@@ -162,16 +178,21 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
         path.clear();
         for (uint64_t i = first; i < end; ++i)
             if (elements[i] >= limit)
-                return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c, "Element %llu of loop %llu is no %s of the level, which has %llu.",
+                return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c,
+                                 "Element %llu of loop %llu is no %s of the level, which has %llu.",
                                  static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(limit));
         for (uint64_t i = first; i < end; ++i) {
             if (i % 8192 == 0 && !call.tick(0, true))
                 return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
-            const uint32_t h = triangles ? shared_side(mesh, side[here], there, path.empty() ? NONE : twin(path.back())) : shared_edge(mesh, here, there);
+            const uint32_t h = triangles ? shared_side(mesh, side[here], there, path.empty() ? NONE : twin(path.back()))
+                                         : shared_edge(mesh, here, there);
             if (h == NONE)
-                return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c, "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next, and the last the first.",
-                                 static_cast<Long>(i - first), static_cast<Long>(i + 1 < end ? i + 1 - first : 0), static_cast<Long>(c), word);
+                return call.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
+                                 "Elements %llu and %llu of loop %llu share no edge. Each %s must neighbour the next, "
+                                 "and the last the first.",
+                                 static_cast<Long>(i - first), static_cast<Long>(i + 1 < end ? i + 1 - first : 0),
+                                 static_cast<Long>(c), word);
             if (!path.push(h)) return call.out_of_memory();
         }
         if (!triangles) {

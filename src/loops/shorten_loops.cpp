@@ -7,15 +7,16 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIP = 10;     // triangles across the strip
-constexpr int ROUNDS = 6;        // strips for one loop
-constexpr double GAIN = 1e-9;    // relative, what counts as shorter
-constexpr double LITTLE = 2e-3;  // relative, what is not worth another strip
+constexpr size_t STRIP = 10;    // triangles across the strip
+constexpr int ROUNDS = 6;       // strips for one loop
+constexpr double GAIN = 1e-9;   // relative, what counts as shorter
+constexpr double LITTLE = 2e-3; // relative, what is not worth another strip
 
 class Shortener {
 public:
-    Shortener(const Mesh& mesh, const double* position, size_t width, double ambiguous, Loops& loops, Call& call)
-        : mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position, ambiguous), annulus_(mesh, length_, call) {}
+    Shortener(const Mesh& mesh, const double* position, size_t width, double ambiguous, Loops& loops, Call& call) :
+        mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position, ambiguous),
+        annulus_(mesh, length_, call) {}
 
     hmf_status run(size_t first) {
         const size_t n = loops_.count();
@@ -23,7 +24,8 @@ public:
         const Answer answer = disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory);
         if (answer == Answer::out_of_memory) return call_.out_of_memory();
         if (answer == Answer::no)
-            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0, "Carried loops are not disjoint. Please report this.");
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
+                              "Carried loops are not disjoint. Please report this.");
         for (size_t c = first; c < n; ++c)
             for (int round = 0; round < ROUNDS; ++round) {
                 bool again = false;
@@ -36,7 +38,8 @@ public:
 
 private:
     hmf_status stopped() {
-        return call_.cancelled() ? call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.") : call_.out_of_memory();
+        return call_.cancelled() ? call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
+                                 : call_.out_of_memory();
     }
 
     // Where loop c passes between the other loops, in its own direction.
@@ -77,7 +80,8 @@ private:
         if (!find_places(c)) return call_.out_of_memory();
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
         const double before = length(loops_.crossings.data() + first, n);
-        const bool searched = annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), before * (1 - GAIN), found_);
+        const bool searched =
+            annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), before * (1 - GAIN), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
         if (!searched) return stopped();
         size_t from = 0, to = 0;
@@ -90,7 +94,8 @@ private:
         changed.crossings.start(call_.memory);
         if (!changed.offsets.push(0)) return call_.out_of_memory();
         for (size_t k = 0; k < loops_.count(); ++k) {
-            const uint32_t* const crossings = k == c ? found_.data() + from : loops_.crossings.data() + loops_.offsets[k];
+            const uint32_t* const crossings =
+                k == c ? found_.data() + from : loops_.crossings.data() + loops_.offsets[k];
             const size_t m = k == c ? to - from : static_cast<size_t>(loops_.offsets[k + 1] - loops_.offsets[k]);
             for (size_t i = 0; i < m; ++i)
                 if (!changed.crossings.push(crossings[i])) return call_.out_of_memory();
@@ -120,7 +125,8 @@ private:
 
 } // namespace
 
-hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous, Call& call, Loops& loops) {
+hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous,
+                         Call& call, Loops& loops) {
     Shortener shortener(mesh, position, width, ambiguous, loops, call);
     return shortener.run(first);
 }

@@ -11,10 +11,11 @@ bool Signatures::build(const CutSurface& cut, Call& call) {
     Array<uint32_t> queue, parent, degree, last;
     Array<uint8_t> in_tree; // of the regions
     Array<uint64_t> value;
-    if (!of.allocate_filled(memory, segments, uint64_t{0}) || !reached.allocate(memory, regions) || !rank.allocate_filled(memory, regions, NONE) ||
-        !queue.allocate(memory, regions > points ? regions : points) || !parent.allocate(memory, points) ||
-        !degree.allocate_filled(memory, points, 0u) || !last.allocate_filled(memory, points, 0u) ||
-        !in_tree.allocate_filled(memory, segments, uint8_t{0}) || !value.allocate_filled(memory, points, uint64_t{0}))
+    if (!of.allocate_filled(memory, segments, uint64_t{0}) || !reached.allocate(memory, regions)
+        || !rank.allocate_filled(memory, regions, NONE) || !queue.allocate(memory, regions > points ? regions : points)
+        || !parent.allocate(memory, points) || !degree.allocate_filled(memory, points, 0u)
+        || !last.allocate_filled(memory, points, 0u) || !in_tree.allocate_filled(memory, segments, uint8_t{0})
+        || !value.allocate_filled(memory, points, uint64_t{0}))
         return false;
     size_t begin = 0, end = 0;
     reached[0] = NONE;

@@ -17,7 +17,7 @@
 namespace hmf {
 
 struct Signatures {
-    Array<uint64_t> of;      // per segment; 0: on no cycle
+    Array<uint64_t> of; // per segment; 0: on no cycle
     // The tree of the regions, breadth first.
     Array<uint32_t> reached; // per region: the half-segment it was reached through, seen from there; NONE: the root
     Array<uint32_t> rank;    // per region: its place in the order of the search

@@ -55,17 +55,22 @@ struct Quad {
         area_k = metric.four_areas[mesh.face[h]];
         area_l = metric.four_areas[mesh.face[t]];
     }
-    double cotangent_sum() const { return opposite_product(ij, jk, ki) / area_k + opposite_product(ij, il, lj) / area_l; }
+    double cotangent_sum() const {
+        return opposite_product(ij, jk, ki) / area_k + opposite_product(ij, il, lj) / area_l;
+    }
 };
 
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
-bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) { return sum[edge] < TOLERANCE && !one_triangle(mesh, edge); }
+bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) {
+    return sum[edge] < TOLERANCE && !one_triangle(mesh, edge);
+}
 
 // The other diagonal and the areas at i and j; false if it would be no gain.
 bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
     // Feet of k and l on ij, measured from i and from j; heights.
-    const double shift_k = 0.5 * (q.ki - q.jk) * ((q.ki + q.jk) / q.ij), shift_l = 0.5 * (q.il - q.lj) * ((q.il + q.lj) / q.ij);
+    const double shift_k = 0.5 * (q.ki - q.jk) * ((q.ki + q.jk) / q.ij),
+                 shift_l = 0.5 * (q.il - q.lj) * ((q.il + q.lj) / q.ij);
     const double half = 0.5 * q.ij, y_k = q.area_k / (2 * q.ij), y_l = q.area_l / (2 * q.ij);
     const double x = shift_k - shift_l, y = y_k + y_l;
     kl = std::sqrt(x * x + y * y);
@@ -73,7 +78,8 @@ bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
     area_j = 2 * ((half - shift_k) * y_l + (half - shift_l) * y_k);
     if (!(kl > 0 && area_i > 0 && area_j > 0)) return false;
     const double ij = q.ij * q.ij, jk = q.jk * q.jk, ki = q.ki * q.ki, il = q.il * q.il, lj = q.lj * q.lj;
-    return (kl * kl + ki + il) / area_i + (kl * kl + lj + jk) / area_j < GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
+    return (kl * kl + ki + il) / area_i + (kl * kl + lj + jk) / area_j
+         < GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
 }
 
 // Flips if that is needed and possible.
@@ -90,9 +96,21 @@ bool flip_if_needed(Mesh& mesh, Metric& metric, const double* sum, uint32_t edge
 
 // Four times the area, by the formula that does not cancel [Kahan 2000].
 double four_areas(double a, double b, double c) {
-    if (a < b) { const double x = a; a = b; b = x; }
-    if (b < c) { const double x = b; b = c; c = x; }
-    if (a < b) { const double x = a; a = b; b = x; }
+    if (a < b) {
+        const double x = a;
+        a = b;
+        b = x;
+    }
+    if (b < c) {
+        const double x = b;
+        b = c;
+        c = x;
+    }
+    if (a < b) {
+        const double x = a;
+        a = b;
+        b = x;
+    }
     return std::sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)));
 }
 
@@ -110,8 +128,10 @@ void add_cotangents(const uint32_t* half_edges, const double* length, double fou
 
 } // namespace
 
-bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory, Metric& metric, double* sum) {
-    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count)) return false;
+bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
+             Metric& metric, double* sum) {
+    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count))
+        return false;
     clear(mesh, sum);
     const auto visit = [&](uint32_t ij, uint32_t jk, uint32_t ki) {
         const uint32_t half_edges[3] = {ij, jk, ki};
@@ -124,7 +144,8 @@ bool measure(const Mesh& mesh, const double* position, double scale, const uint3
         }
         // Both triangles of an edge give it the same length.
         double length[3];
-        for (int s = 0; s < 3; ++s) length[s] = std::sqrt(side[s][0] * side[s][0] + side[s][1] * side[s][1] + side[s][2] * side[s][2]);
+        for (int s = 0; s < 3; ++s)
+            length[s] = std::sqrt(side[s][0] * side[s][0] + side[s][1] * side[s][1] + side[s][2] * side[s][2]);
         const double *u = side[0], *v = side[1];
         const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
         const double four_areas = 2 * std::sqrt(x * x + y * y + z * z);
@@ -138,7 +159,8 @@ bool measure(const Mesh& mesh, const double* position, double scale, const uint3
     }
     for (uint32_t face = 0; face < mesh.face_count; ++face) { // by its lowest half-edge, as there
         const uint32_t* h = sides + size_t{4} * face;
-        const uint32_t lowest = ((h[1] < h[0]) & (h[1] < h[2])) + 2u * ((h[2] < h[0]) & (h[2] < h[1])), second = lowest == 2 ? 0 : lowest + 1;
+        const uint32_t lowest = ((h[1] < h[0]) & (h[1] < h[2])) + 2u * ((h[2] < h[0]) & (h[2] < h[1])),
+                       second = lowest == 2 ? 0 : lowest + 1;
         visit(h[lowest], h[second], h[3 - lowest - second]);
     }
     return true;
@@ -171,8 +193,8 @@ bool is_delaunay(const Mesh& mesh, const double* sum) {
     return true;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity, size_t& flip_count,
-                              Call& call, double from, double to) {
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
+                              size_t& flip_count, Call& call, double from, double to) {
     Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
     if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
     uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
@@ -211,7 +233,9 @@ uint64_t intrinsic_weights(const Mesh& mesh, double* sum) {
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         const double w = 0.5 * sum[e];
         raised += w < FAILURE;
-        sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR : w > INTRINSIC_WEIGHT_CAP ? INTRINSIC_WEIGHT_CAP : w;
+        sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR
+               : w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP
+                                               : w;
     }
     return raised;
 }

@@ -41,11 +41,11 @@ struct Mesh {
 // What a collapse removed and where to put it back (hmf/src/mesh/collapse.cpp).
 // All members are half-edges, but vertex (j) and the two faces.
 struct Collapse {
-    uint32_t h;  // i -> j, removed with its edge
-    uint32_t jk; // next h, removed with its edge
-    uint32_t lj; // previous of twin h, removed with its edge
-    uint32_t ki; // stays, takes the place of k -> j
-    uint32_t il; // stays, takes the place of j -> l
+    uint32_t h;                             // i -> j, removed with its edge
+    uint32_t jk;                            // next h, removed with its edge
+    uint32_t lj;                            // previous of twin h, removed with its edge
+    uint32_t ki;                            // stays, takes the place of k -> j
+    uint32_t il;                            // stays, takes the place of j -> l
     uint32_t vertex, face_left, face_right; // removed
 };
 

@@ -23,10 +23,10 @@ namespace {
 bool joins_itself(const Mesh& mesh, uint32_t edge) { return mesh.origin[2 * edge] == mesh.origin[2 * edge + 1]; }
 
 struct Piece {
-    int32_t euler;        // of the interior
-    uint32_t sides;       // of edges at the boundary that are left
-    uint32_t edge;        // these edges, by exclusive or: the edge itself if there is one
-    bool inside;          // of a monogon
+    int32_t euler;  // of the interior
+    uint32_t sides; // of edges at the boundary that are left
+    uint32_t edge;  // these edges, by exclusive or: the edge itself if there is one
+    bool inside;    // of a monogon
 };
 
 } // namespace
@@ -37,8 +37,10 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
     if (!any) return true;
     Array<uint32_t> parent, self_edges, queue; // union-find of the faces; edges to itself at each vertex that are left
     Array<Piece> piece;                        // at the root of its faces
-    if (!parent.allocate(memory, mesh.face_count) || !piece.allocate_filled(memory, mesh.face_count, Piece{0, 0, 0, false})
-        || !self_edges.allocate_filled(memory, mesh.vertex_count, 0) || !edge.allocate_filled(memory, mesh.edge_count, 0)
+    if (!parent.allocate(memory, mesh.face_count)
+        || !piece.allocate_filled(memory, mesh.face_count, Piece{0, 0, 0, false})
+        || !self_edges.allocate_filled(memory, mesh.vertex_count, 0)
+        || !edge.allocate_filled(memory, mesh.edge_count, 0)
         || !vertex.allocate_filled(memory, mesh.vertex_count, INSIDE))
         return false;
     edges.start(memory);

@@ -34,9 +34,10 @@ hmf_status find_bounds(const double* positions, size_t vertex_count, size_t stri
         const double* x = position_at(positions, stride, v);
         for (int c = 0; c < 3; ++c) {
             if (!finite(x[c]))
-                return call.fail(HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
-                                 "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
-                                 static_cast<unsigned long long>(v));
+                return call.fail(
+                    HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
+                    "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
+                    static_cast<unsigned long long>(v));
             bounds.low[c] = x[c] < bounds.low[c] ? x[c] : bounds.low[c];
             bounds.high[c] = x[c] > bounds.high[c] ? x[c] : bounds.high[c];
         }
@@ -88,7 +89,8 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
     for (size_t v = 0; v < vertex_count; ++v) {
         const double* x = position_at(positions, stride, v);
         uint32_t cell = 0;
-        for (int c = 0; c < 3; ++c) cell |= spread(static_cast<uint32_t>((scale * x[c] - scale * bounds.low[c]) * cells)) << c;
+        for (int c = 0; c < 3; ++c)
+            cell |= spread(static_cast<uint32_t>((scale * x[c] - scale * bounds.low[c]) * cells)) << c;
         list[v] = uint64_t{cell} << 32 | v;
         for (uint32_t d = 0; d < DIGITS; ++d) ++begin[d * DIGIT_SIZE + (cell >> (d * AXIS_BITS)) % DIGIT_SIZE];
     }
@@ -100,7 +102,8 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
             begin[n] = total;
             total += size;
         }
-        for (const uint64_t entry : list) other[begin[d * DIGIT_SIZE + (entry >> (32 + d * AXIS_BITS)) % DIGIT_SIZE]++] = entry;
+        for (const uint64_t entry : list)
+            other[begin[d * DIGIT_SIZE + (entry >> (32 + d * AXIS_BITS)) % DIGIT_SIZE]++] = entry;
         list.swap(other);
     }
     for (size_t n = 0; n < vertex_count; ++n) {
@@ -113,28 +116,30 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
     return HMF_OK;
 }
 
-hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal, size_t vertex_count,
-                           uint32_t* sides, OrderedTriangles& out, Call& call) {
+hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal,
+                           size_t vertex_count, uint32_t* sides, OrderedTriangles& out, Call& call) {
     Array<uint32_t> begin;
-    if (!begin.allocate_filled(call.memory, vertex_count, 0) || !out.words.allocate(call.memory, 4 * triangle_count)) return call.out_of_memory();
+    if (!begin.allocate_filled(call.memory, vertex_count, 0) || !out.words.allocate(call.memory, 4 * triangle_count))
+        return call.out_of_memory();
     constexpr size_t ahead = 16;
     const auto lowest = [](const uint32_t* v) {
         const uint32_t low = v[0] < v[1] ? v[0] : v[1];
         return low < v[2] ? low : v[2];
     };
     for (size_t t = 0; t < triangle_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count))) return HMF_CANCELLED;
+        if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))
+            return HMF_CANCELLED;
         const uint32_t* corner = triangles + 3 * t;
         const unsigned long long number = t;
         for (int s = 0; s < 3; ++s)
             if (corner[s] >= vertex_count)
                 return call.fail(HMF_ERROR_MESH_INDEX, HMF_ELEMENT_TRIANGLE, t,
-                                 "Triangle %llu names vertex %u, but there are %llu vertices. Indices start at 0.", number,
-                                 corner[s], static_cast<unsigned long long>(vertex_count));
+                                 "Triangle %llu names vertex %u, but there are %llu vertices. Indices start at 0.",
+                                 number, corner[s], static_cast<unsigned long long>(vertex_count));
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
             return call.fail(HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, t,
-                             "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.", number, corner[0],
-                             corner[1], corner[2]);
+                             "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.",
+                             number, corner[0], corner[1], corner[2]);
         uint32_t* internal = sides + 3 * t;
         for (int s = 0; s < 3; ++s) internal[s] = vertex_internal[corner[s]];
         ++begin[lowest(internal)];
@@ -146,7 +151,8 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
         total += size;
     }
     for (size_t t = 0; t < triangle_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.03 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count))) return HMF_CANCELLED;
+        if (t % TICK == 0 && !call.tick(0.03 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))
+            return HMF_CANCELLED;
         if (triangle_count - t > 2 * ahead) prefetch(&begin[lowest(sides + 3 * (t + 2 * ahead))]);
         if (triangle_count - t > ahead) prefetch(&out.words[size_t{4} * begin[lowest(sides + 3 * (t + ahead))]]);
         uint32_t* internal = sides + 3 * t;

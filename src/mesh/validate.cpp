@@ -96,7 +96,8 @@ struct Pairs {
 // Messages about one triangle or bucket.
 class Report {
 public:
-    Report(const OrderedTriangles& ordered, const Origin& origin, Call& call) : ordered_(ordered), origin_(origin), call_(call) {}
+    Report(const OrderedTriangles& ordered, const Origin& origin, Call& call) :
+        ordered_(ordered), origin_(origin), call_(call) {}
 
     // The third triangle at the edge, by the caller's numbers.
     hmf_status third(const Side* bucket, uint32_t size, uint32_t high) const {
@@ -111,25 +112,32 @@ public:
                     here = moved;
                 }
         }
-        return call_.fail(HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(lowest[2]->place),
-                          "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
-                          "duplicate the vertices to separate the sheets.", number(lowest[2]->place), from(lowest[2]->place), to(lowest[2]->place));
+        return call_.fail(
+            HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(lowest[2]->place),
+            "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "
+            "duplicate the vertices to separate the sheets.",
+            number(lowest[2]->place), from(lowest[2]->place), to(lowest[2]->place));
     }
     hmf_status flat(uint32_t triangle) const {
         const uint32_t* corner = origin_.triangles + size_t{3} * triangle;
         return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, triangle,
-                          "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or set mollify in the build options.",
+                          "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or set "
+                          "mollify in the build options.",
                           triangle, corner[0], corner[1], corner[2]);
     }
     hmf_status alone(uint32_t side) const {
-        return call_.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
-                          "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
-                          "the hole, or join duplicate vertices.", number(side), from(side), to(side));
+        return call_.fail(
+            HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
+            "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
+            "the hole, or join duplicate vertices.",
+            number(side), from(side), to(side));
     }
     hmf_status turned(uint32_t a, uint32_t b) const {
-        return call_.fail(HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, number(a),
-                          "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
-                          "possible, the surface is not orientable.", number(a), number(b), from(a), to(a));
+        return call_.fail(
+            HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, number(a),
+            "The triangles %u and %u both run from vertex %u to vertex %u. Reverse one of them; if that is not "
+            "possible, the surface is not orientable.",
+            number(a), number(b), from(a), to(a));
     }
 
 private:
@@ -146,8 +154,11 @@ private:
 
 hmf_status validate_arguments(const double* positions, size_t vertex_count, size_t position_stride,
                               const uint32_t* triangles, size_t triangle_count, Call& call) {
-    if (!positions) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "positions is NULL. Give three coordinates per vertex.");
-    if (!triangles) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "triangles is NULL. Give three vertex indices per triangle.");
+    if (!positions)
+        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "positions is NULL. Give three coordinates per vertex.");
+    if (!triangles)
+        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
+                         "triangles is NULL. Give three vertex indices per triangle.");
     if (position_stride != 0 && (position_stride < 24 || position_stride % 8 != 0))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, position_stride,
                          "position_stride is %llu. Give 0, or a multiple of 8 that is at least 24.",
@@ -157,7 +168,8 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
         return call.fail(HMF_ERROR_MESH_COUNTS, HMF_ELEMENT_NONE, 0, "The mesh has no %s. Check the counts.",
                          vertex_count == 0 ? "vertices" : "triangles");
     if (vertex_count > limit || triangle_count > limit)
-        return call.fail(HMF_ERROR_MESH_COUNTS, HMF_ELEMENT_NONE, 0, "The mesh has more than 2^31 / 3 %s. Simplify or divide it.",
+        return call.fail(HMF_ERROR_MESH_COUNTS, HMF_ELEMENT_NONE, 0,
+                         "The mesh has more than 2^31 / 3 %s. Simplify or divide it.",
                          vertex_count > limit ? "vertices" : "triangles");
     return HMF_OK;
 }
@@ -172,14 +184,18 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
         const uint32_t* v = &words[place];
         for (int s = 0; s < 3; ++s) ++degree[v[s]];
-        if (!origin.flat_allowed && !has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2]) && v[3] < flat) flat = v[3];
+        if (!origin.flat_allowed
+            && !has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2])
+            && v[3] < flat)
+            flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
     Array<Mark> marks;
     Array<Side> bucket;
     uint32_t largest = 0;
     for (const uint32_t d : degree) largest = d > largest ? d : largest;
-    if (!marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE}) || !bucket.allocate(call.memory, size_t{2} * largest))
+    if (!marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE})
+        || !bucket.allocate(call.memory, size_t{2} * largest))
         return call.out_of_memory();
     const Waiting waiting = {mesh.out, mesh.next, mesh.face};
     for (uint32_t v = 0; v < vertex_count; ++v) waiting.first[v] = NONE;
@@ -201,7 +217,8 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
             waiting.next[place / 4] = waiting.first[lower];
             waiting.first[lower] = next;
         }
-        for (uint32_t third = waiting.first[low]; third != NONE; third = waiting.next[third / 4]) bucket[size++] = {waiting.high[third / 4], third};
+        for (uint32_t third = waiting.first[low]; third != NONE; third = waiting.next[third / 4])
+            bucket[size++] = {waiting.high[third / 4], third};
         // Which sides find another one cannot be predicted, so no branch depends
         // on it: what is written for the others is overwritten.
         uint32_t matched = 0, turned[2] = {NONE, NONE};
@@ -242,7 +259,8 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
     return HMF_OK;
 }
 
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part, Call& call) {
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part,
+                            Call& call) {
     const auto callers_vertex = [&](uint32_t internal) {
         uint32_t v = 0;
         while (origin.vertex_internal[v] != internal) ++v;
@@ -268,7 +286,8 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
         if ((returns == 1) & (h == mesh.out[v])) continue;
         const uint32_t number = callers_vertex(v);
         return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
-                         "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.", number);
+                         "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.",
+                         number);
     }
     for (uint32_t e = 0; e < mesh.edge_count && parts > 1; ++e) {
         if (e % TICK == 0 && !call.tick(0.13 + 0.01 * e / mesh.edge_count)) return HMF_CANCELLED;
@@ -285,8 +304,8 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
                      "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
 }
 
-hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges, uint32_t* edge_internal,
-                        uint32_t* scratch, Call& call) {
+hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges,
+                        uint32_t* edge_internal, uint32_t* scratch, Call& call) {
     uint32_t* const number = scratch;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) number[e] = NONE;
     // Memory is read in the order of the caller, which may have nothing to do

@@ -27,12 +27,13 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
                           Array<uint32_t>& degree, uint32_t* part, Call& call);
 
 // Refuses unused vertices, vertices with several fans, and several components.
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part, Call& call);
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part,
+                            Call& call);
 
 // Numbers edges by their first appearance in the caller's triangles: fills
 // triangle_edges (3 * triangle_count), which is as order_triangles left it, and
 // edge_internal.  scratch: edge_count.
-hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges, uint32_t* edge_internal,
-                        uint32_t* scratch, Call& call);
+hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges,
+                        uint32_t* edge_internal, uint32_t* scratch, Call& call);
 
 } // namespace hmf

@@ -40,7 +40,9 @@ struct Corners {
         const double double_area = std::sqrt(x * x + y * y + z * z);
         if (!(double_area > 0)) return;
         const double inverse = 1 / double_area;
-        const auto bounded = [](double cot) { return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot; };
+        const auto bounded = [](double cot) {
+            return cot > MAX_COTANGENT ? MAX_COTANGENT : cot < -MAX_COTANGENT ? -MAX_COTANGENT : cot;
+        };
         cot_i = bounded(inverse * (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]));
         cot_j = bounded(-inverse * (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]));
         cot_k = bounded(inverse * (v[0] * w[0] + v[1] * w[1] + v[2] * w[2]));
@@ -77,7 +79,8 @@ hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum,
         if (!call.tick(fraction)) return HMF_CANCELLED;
         const uint32_t size = left < step ? left : step;
         for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-            const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk], position + size_t{3} * mesh.origin[ki]);
+            const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
+                                  position + size_t{3} * mesh.origin[ki]);
             sum[edge_of(ij)] += corners.cot_k;
             sum[edge_of(jk)] += corners.cot_i;
             sum[edge_of(ki)] += corners.cot_j;

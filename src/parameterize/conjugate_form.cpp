@@ -23,8 +23,8 @@ namespace {
 
 class Fluxes {
 public:
-    Fluxes(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, TwistedForm& flux)
-        : mesh_(mesh), bundle_(bundle), charts_(charts), flux_(flux) {}
+    Fluxes(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, TwistedForm& flux) :
+        mesh_(mesh), bundle_(bundle), charts_(charts), flux_(flux) {}
 
     // Multiples of 4, so that halves of what is missing are even.
     bool round(const double* weight, const TwistedForm& du) {
@@ -42,16 +42,25 @@ public:
         if (!parent_.allocate_filled(memory, n, unseen) || !order_.allocate(memory, n)) return false;
         uint32_t size = 0;
         for (uint32_t v = 0; v < n; ++v)
-            if (charts_.odd[v]) { parent_[v] = NONE; order_[size++] = v; }
+            if (charts_.odd[v]) {
+                parent_[v] = NONE;
+                order_[size++] = v;
+            }
         const bool has_odd = size > 0;
-        if (!has_odd) { parent_[0] = NONE; order_[size++] = 0; }
+        if (!has_odd) {
+            parent_[0] = NONE;
+            order_[size++] = 0;
+        }
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
             const uint32_t first = mesh_.out[order_[i]];
             uint32_t h = first;
             do {
                 const uint32_t w = mesh_.target(h);
-                if (parent_[w] == unseen) { parent_[w] = twin(h); order_[size++] = w; }
+                if (parent_[w] == unseen) {
+                    parent_[w] = twin(h);
+                    order_[size++] = w;
+                }
                 h = mesh_.rotate_ccw(h);
             } while (h != first);
         }
@@ -83,7 +92,9 @@ private:
         if (!gauge.allocate(memory, mesh_.vertex_count)) return false;
         gauge[0] = 1;
         // The chart of w in that of v, for h from v to w.
-        const auto relative = [&](uint32_t h) { return static_cast<int8_t>(charts_.chart[h] * charts_.chart[mesh_.next[h]]); };
+        const auto relative = [&](uint32_t h) {
+            return static_cast<int8_t>(charts_.chart[h] * charts_.chart[mesh_.next[h]]);
+        };
         for (uint32_t i = 1; i < size; ++i) {
             const uint32_t v = order_[i];
             gauge[v] = static_cast<int8_t>(gauge[mesh_.target(parent_[v])] * relative(parent_[v]));
@@ -117,7 +128,9 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
         return call.out_of_memory();
     Fluxes fluxes(mesh, bundle, charts, flux);
     if (!fluxes.round(weight, du))
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0, "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
+        return call.fail(
+            HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+            "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
     if (!call.tick(0)) return HMF_CANCELLED;
     if (!fluxes.balance(call.memory)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {

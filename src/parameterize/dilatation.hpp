@@ -9,10 +9,10 @@ constexpr double LARGEST_DILATATION = 1000;
 // Of the map (x, y) -> (u, v), in a frame of the triangle: x along its first
 // side, y to the left of it.
 struct AffineMap {
-    double area = 0;                  // of the triangle in space
-    double dilatation = 1;            // ratio of the singular values, >= 1; infinite if degenerate
-    double determinant = 0;           // of the derivative; negative: flipped
-    double differential[2] = {0, 0};  // (d(u + i v) / dz)^2, z = x + i y
+    double area = 0;                 // of the triangle in space
+    double dilatation = 1;           // ratio of the singular values, >= 1; infinite if degenerate
+    double determinant = 0;          // of the derivative; negative: flipped
+    double differential[2] = {0, 0}; // (d(u + i v) / dz)^2, z = x + i y
 };
 
 // p: corners in space; u, v: their images.

@@ -15,16 +15,20 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     constexpr double tolerance = 1e-9;
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
-    const auto cancelled = [&] { return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); };
+    const auto cancelled = [&] {
+        return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    };
     if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
     if (!call.tick(0.05)) return cancelled();
     VertexCharts charts;
     if (!charts.build(f.mesh, flat.bundle, call.memory)) return call.out_of_memory();
     TwistedLaplacian laplacian;
-    if (laplacian.build(f.mesh, flat.bundle, charts, weight, call)) return call.cancelled() ? cancelled() : call.status();
+    if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
+        return call.cancelled() ? cancelled() : call.status();
     if (!call.tick(0.3)) return cancelled();
     if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return cancelled();
-    if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call)) return call.cancelled() ? cancelled() : call.status();
+    if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call))
+        return call.cancelled() ? cancelled() : call.status();
     if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8)) return cancelled();
     flat.iterations = laplacian.iterations();
     return HMF_OK;
@@ -40,7 +44,8 @@ bool flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
         }
         state.side = Side::input;
     }
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
+        f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
     return true;
 }
 
@@ -53,7 +58,9 @@ void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone) {
         const uint32_t corner[3] = {mesh.origin[h], mesh.origin[n], mesh.origin[p]};
         const int64_t u[3] = {0, flat.du.at(flat.bundle, h), -flat.du.at(flat.bundle, p)};
         const int64_t v[3] = {0, flat.dv.at(flat.bundle, h), -flat.dv.at(flat.bundle, p)};
-        const auto before = [&](int a, int b) { return u[a] != u[b] ? u[a] < u[b] : v[a] != v[b] ? v[a] < v[b] : corner[a] < corner[b]; };
+        const auto before = [&](int a, int b) {
+            return u[a] != u[b] ? u[a] < u[b] : v[a] != v[b] ? v[a] < v[b] : corner[a] < corner[b];
+        };
         for (int c = 0; c < 3; ++c)
             if (before((c + 1) % 3, c) != before((c + 2) % 3, c)) ++cone[corner[c]];
     }

@@ -11,14 +11,16 @@ constexpr uint32_t STRIDE = 65536; // vertices between two calls of the progress
 
 } // namespace
 
-hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight, Call& call) {
+hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
+                                   const double* weight, Call& call) {
     mesh_ = &mesh;
     bundle_ = &bundle;
     charts_ = &charts;
     weight_ = weight;
     const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
-    if (!offset_.allocate(call.memory, n + size_t{1}) || !column_.allocate(call.memory, size_t{2} * m) || !entry_.allocate(call.memory, size_t{2} * m)
-        || !diagonal_.allocate(call.memory, n) || !right_.allocate(call.memory, n) || !w_.allocate(call.memory, n))
+    if (!offset_.allocate(call.memory, n + size_t{1}) || !column_.allocate(call.memory, size_t{2} * m)
+        || !entry_.allocate(call.memory, size_t{2} * m) || !diagonal_.allocate(call.memory, n)
+        || !right_.allocate(call.memory, n) || !w_.allocate(call.memory, n))
         return call.out_of_memory();
     uint32_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
@@ -28,19 +30,19 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
         const uint32_t first = mesh.out[v];
         uint32_t h = first;
         if (!charts.odd[v]) do {
-            const uint32_t u = mesh.target(h);
-            const double alpha = weight[edge_of(h)];
-            // Both charts against that of the face left of h.
-            const double entry = -alpha * charts.chart[h] * charts.chart[mesh.next[h]];
-            sum += alpha;
-            if (u == v) {
-                sum += entry;
-            } else if (!charts.odd[u]) {
-                column_[at] = u;
-                entry_[at++] = entry;
-            }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+                const uint32_t u = mesh.target(h);
+                const double alpha = weight[edge_of(h)];
+                // Both charts against that of the face left of h.
+                const double entry = -alpha * charts.chart[h] * charts.chart[mesh.next[h]];
+                sum += alpha;
+                if (u == v) {
+                    sum += entry;
+                } else if (!charts.odd[u]) {
+                    column_[at] = u;
+                    entry_[at++] = entry;
+                }
+                h = mesh.rotate_ccw(h);
+            } while (h != first);
         diagonal_[v] = sum;
     }
     offset_[n] = at;
@@ -75,7 +77,8 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
     if (relative_tolerance < noise) relative_tolerance = noise;
     const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
     constexpr uint32_t iteration_limit = 300;
-    iterations_ += multigrid_.solve(matrix, right_.data(), w_.data(), relative_tolerance, iteration_limit, call).iterations;
+    iterations_ +=
+        multigrid_.solve(matrix, right_.data(), w_.data(), relative_tolerance, iteration_limit, call).iterations;
     if (call.cancelled()) return HMF_CANCELLED;
     for (uint32_t v = 0; v < n; ++v) {
         if (charts_->odd[v] || !(w_[v] > -4e18 && w_[v] < 4e18)) continue;

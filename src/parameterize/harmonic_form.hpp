@@ -11,7 +11,8 @@ namespace hmf {
 // vertices where the chart comes back with the opposite sign are held.
 class TwistedLaplacian {
 public:
-    hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight, Call& call);
+    hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight,
+                     Call& call);
     // form += d(w) with the w that makes it coclosed, to relative_tolerance of
     // the divergence that it had.
     hmf_status make_harmonic(TwistedForm& form, double relative_tolerance, Call& call);

@@ -30,7 +30,9 @@ public:
         Memory& memory = call.memory;
         heap_.start(memory);
         const uint32_t n = mesh.vertex_count;
-        if (!distance.allocate_filled(memory, n, HUGE_VAL) || !parent.allocate_filled(memory, n, NONE) || !heap_.reserve(n)) return false;
+        if (!distance.allocate_filled(memory, n, HUGE_VAL) || !parent.allocate_filled(memory, n, NONE)
+            || !heap_.reserve(n))
+            return false;
         bool any = false;
         for (uint32_t v = 0; v < n; ++v)
             if (is_cone[v]) {
@@ -87,7 +89,8 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
         for (uint32_t e = 0; e < m; ++e) {
             if (seams.tree[e] == 2) continue;
             edges.item[at] = e;
-            edges.key[at++] = key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
+            edges.key[at++] =
+                key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
         }
     }
     if (!call.tick(0)) return false;
@@ -123,12 +126,15 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     seams.edge_count = 0;
     seams.length = 0;
     for (uint32_t e = 0; e < m; ++e)
-        if (seams.on[e]) { ++seams.edge_count; seams.length += length[e]; }
+        if (seams.on[e]) {
+            ++seams.edge_count;
+            seams.length += length[e];
+        }
     return true;
 }
 
-bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv, uint32_t first_half_edge,
-                   const Seams& seams, Call& call) {
+bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+                   uint32_t first_half_edge, const Seams& seams, Call& call) {
     Memory& memory = call.memory;
     const size_t sides = size_t{2} * mesh.edge_count;
     Array<uint32_t> queue; // of half-edges; their faces are laid out

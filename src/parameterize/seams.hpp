@@ -7,10 +7,10 @@
 namespace hmf {
 
 struct Seams {
-    Array<uint8_t> on;        // per edge: 1 on the cut graph
-    Array<uint8_t> tree;      // per edge: 1 where the layout crosses it, a spanning tree of the faces
+    Array<uint8_t> on;   // per edge: 1 on the cut graph
+    Array<uint8_t> tree; // per edge: 1 where the layout crosses it, a spanning tree of the faces
     uint64_t edge_count = 0;
-    double length = 0;        // in the unit of the lengths
+    double length = 0; // in the unit of the lengths
 };
 
 // A short cut graph through all cones: shortest paths between cones and round
@@ -22,10 +22,10 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
 // same from both sides of every edge that is not on a seam, but where a layout
 // that is too wide is pushed back by 2^52.
 struct Layout {
-    Array<int64_t> u, v;      // per half-edge
-    Array<int8_t> chart;      // per face: sign of the layout in the chart of the face
-    bool build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv, uint32_t first_half_edge,
-               const Seams& seams, Call& call);
+    Array<int64_t> u, v; // per half-edge
+    Array<int8_t> chart; // per face: sign of the layout in the chart of the face
+    bool build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+               uint32_t first_half_edge, const Seams& seams, Call& call);
 };
 
 } // namespace hmf

@@ -40,8 +40,8 @@ namespace {
 
 class FormOfFoliation {
 public:
-    FormOfFoliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call)
-        : f_(f), mesh_(f.mesh), weight_(weight), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
+    FormOfFoliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call) :
+        f_(f), mesh_(f.mesh), weight_(weight), bundle_(bundle), du_(du), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
         const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
@@ -49,7 +49,8 @@ public:
         corner_.start(memory_);
         queue_.start(memory_);
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
-            || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m) || !du_.value.allocate(memory_, m))
+            || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m)
+            || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return cancelled();
         if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.out_of_memory();
@@ -64,7 +65,9 @@ public:
     }
 
 private:
-    hmf_status cancelled() { return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback."); }
+    hmf_status cancelled() {
+        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    }
 
     // Signs in a face whose longest side is h: h is the sum of the two others.
     void sign_face(uint32_t h) {
@@ -209,7 +212,9 @@ private:
     bool turn_zero_edges() {
         Array<uint32_t> parent; // half-edge to the parent
         Array<uint8_t> closed, odd;
-        if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count) || !odd.allocate_filled(memory_, mesh_.vertex_count, 0)) return false;
+        if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count)
+            || !odd.allocate_filled(memory_, mesh_.vertex_count, 0))
+            return false;
         const uint32_t unseen = NONE;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) seen_[v] = unseen;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
@@ -287,10 +292,10 @@ private:
     TwistedForm& du_;
     Call& call_;
     Memory& memory_;
-    Array<int8_t> sign_;      // per half-edge: of du in the chart of its face; 0: zero edge
-    Array<uint32_t> tripod_;  // a half-edge of each
-    Array<uint32_t> corner_;  // per tripod: the half-edge out of the vertex that takes its zero
-    Array<uint32_t> owner_;   // per vertex: the tripod whose zero it takes
+    Array<int8_t> sign_;     // per half-edge: of du in the chart of its face; 0: zero edge
+    Array<uint32_t> tripod_; // a half-edge of each
+    Array<uint32_t> corner_; // per tripod: the half-edge out of the vertex that takes its zero
+    Array<uint32_t> owner_;  // per vertex: the tripod whose zero it takes
     Array<uint32_t> seen_, queue_;
 };
 

@@ -102,13 +102,14 @@ Fineness LevelWork::refine_unit(double residual) {
 
 namespace {
 
-hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, hmf_level_report& statistics) {
+hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                    hmf_level_report& statistics) {
     const double start = call.seconds();
     LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
     const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
-                                                                   : whitehead_level(work, options.tolerance);
+                                                                  : whitehead_level(work, options.tolerance);
     statistics.iterations = work.statistics.iterations;
     statistics.linear_solves = work.statistics.linear_solves;
     statistics.optimize_seconds = call.seconds() - start;
@@ -122,7 +123,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
     recorder.count_levels(state.level - options.stop_level + 1);
     // Progress: each level its share of the edges.
     double total = 0, done = 0;
-    for (size_t k = options.stop_level; k <= state.level; ++k) total += static_cast<double>(h.levels[k].mesh.edge_count);
+    for (size_t k = options.stop_level; k <= state.level; ++k)
+        total += static_cast<double>(h.levels[k].mesh.edge_count);
     hmf_status status = HMF_OK;
     for (;;) {
         const size_t k = state.level;
@@ -152,7 +154,8 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         const double start = call.seconds();
         call.range(done, done);
         if (!state.refine(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
-        if (state.level == 0 && !state.to_intrinsic(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
+        if (state.level == 0 && !state.to_intrinsic(call))
+            return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
         if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;

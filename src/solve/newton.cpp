@@ -25,17 +25,18 @@ namespace {
 
 // How well to solve for a step.
 struct Effort {
-    double loose;         // relative tolerance of a solve after which zeros move
-    double tight;         // and of one where they hardly do
-    double residual;      // of [W] Eq. 4, with which any solve may stop; 0: none
-    bool go_on;           // to a tight solve, where the zeros stay
-    bool close;           // near the minimum: more effort for a whole step pays
+    double loose;    // relative tolerance of a solve after which zeros move
+    double tight;    // and of one where they hardly do
+    double residual; // of [W] Eq. 4, with which any solve may stop; 0: none
+    bool go_on;      // to a tight solve, where the zeros stay
+    bool close;      // near the minimum: more effort for a whole step pays
 };
 
 class Newton {
 public:
     // smooth_only: a few digits of the short waves are enough for the linear solves.
-    Newton(LevelWork& work, bool smooth_only) : w_(work), f_(work.state.foliation), weight_(work.level.weight), smooth_only_(smooth_only) {}
+    Newton(LevelWork& work, bool smooth_only) :
+        w_(work), f_(work.state.foliation), weight_(work.level.weight), smooth_only_(smooth_only) {}
 
     bool allocate() {
         Memory& memory = w_.call.memory;
@@ -45,7 +46,8 @@ public:
         near_.start(memory);
         suspect_.start(memory);
         return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, n)
-            && expected_.allocate(memory, n) && distance_.allocate(memory, n) && patch_.reserve(n) && near_.reserve(n) && suspect_.reserve(n);
+            && expected_.allocate(memory, n) && distance_.allocate(memory, n) && patch_.reserve(n) && near_.reserve(n)
+            && suspect_.reserve(n);
     }
 
     // Signs, energy and residual of the foliation as it is.
@@ -95,7 +97,8 @@ public:
         for (size_t i = 0; i < near_.size(); ++i) {
             const uint32_t v = near_[i];
             if (distance_[v] == rings_around) continue;
-            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) add(w_.rings.neighbour[t], distance_[v] + 1);
+            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t)
+                add(w_.rings.neighbour[t], distance_[v] + 1);
         }
         SweepResult result;
         for (uint32_t r = 0; r < rounds && go_on(); ++r)
@@ -106,7 +109,10 @@ public:
 private:
     void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
 
-    hmf_status stopped() { return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory() : HMF_CANCELLED; }
+    hmf_status stopped() {
+        return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory()
+                                                                                  : HMF_CANCELLED;
+    }
 
     // Solves the model and sets the values of the whole step; false: see stopped().
     bool propose(const Effort& effort, bool& tight) {
@@ -193,13 +199,16 @@ private:
         const LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
             if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
-            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, with_old_setup, w_.call, options);
+            const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
+                                                         with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
         }
-        multigrid_ready_ = multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
+        multigrid_ready_ =
+            multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
         if (!multigrid_ready_) return false;
-        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy, smooth_only_ ? with_smoother : with_new_setup, w_.call, options);
+        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
+                         smooth_only_ ? with_smoother : with_new_setup, w_.call, options);
         return !w_.call.cancelled() && !w_.call.finishing();
     }
 
@@ -210,7 +219,8 @@ private:
             LinearOptions options = stop_at(residual);
             options.fixed = model_.fixed.data();
             options.fixed_count = model_.fixed.size();
-            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy, 100, w_.call, options);
+            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(),
+                                                         accuracy, 100, w_.call, options);
             w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             const bool released = model_.release();
@@ -238,14 +248,14 @@ private:
 
     void set_value(const Mesh& mesh, uint32_t e) {
         const uint32_t h = 2 * e;
-        const int64_t x = backup_[e] - model_.sign[h] * step_[mesh.origin[h]] - model_.sign[h + 1] * step_[mesh.origin[h + 1]];
+        const int64_t x =
+            backup_[e] - model_.sign[h] * step_[mesh.origin[h]] - model_.sign[h + 1] * step_[mesh.origin[h + 1]];
         f_.value[e] = x < 0 ? -x : x;
     }
 
     void set_values(double factor) {
         const Mesh& mesh = f_.mesh;
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-            step_[v] = rounded(v, factor);
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) step_[v] = rounded(v, factor);
         for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
     }
 
@@ -278,7 +288,10 @@ private:
             broken |= here + ahead < opposite;
         });
         if (broken) return Shape::broken;
-        if (closed != NONE) return closed < 2 ? Shape::extremum : 2 - static_cast<int32_t>(closed) == model_.index[v] ? Shape::sound : Shape::misplaced;
+        if (closed != NONE)
+            return closed < 2                                          ? Shape::extremum
+                 : 2 - static_cast<int32_t>(closed) == model_.index[v] ? Shape::sound
+                                                                       : Shape::misplaced;
         for (uint32_t t = 0; t < degree; ++t)
             if (f_.corner2(side[t].half_edge) < 0) return Shape::broken;
         return Shape::has_zero;
@@ -326,7 +339,8 @@ private:
         const bool settled = check_suspects([&](uint32_t v) {
             const Shape s = shape(v);
             if (s == Shape::broken) return false;
-            if (s == Shape::sound || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before)) return true;
+            if (s == Shape::sound || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before))
+                return true;
             if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) return true;
             moved = true;
             return settle_extremum(f_, v);
@@ -348,7 +362,8 @@ private:
                 if (model_.rests[v]) continue;
                 model_.d[v] = model_.relaxed(v);
                 step_[v] = rounded(v, 1);
-                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) set_value(mesh, edge_of(w_.rings.side[t].half_edge));
+                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t)
+                    set_value(mesh, edge_of(w_.rings.side[t].half_edge));
             }
             size_t end = had;
             for (size_t i = 0; i < had; ++i) {
@@ -356,7 +371,10 @@ private:
                 for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
                     const uint32_t u = w_.rings.neighbour[t];
                     suspect(u);
-                    if (end < mesh.vertex_count && shape(u) == Shape::extremum) { patch_.push(u); ++end; }
+                    if (end < mesh.vertex_count && shape(u) == Shape::extremum) {
+                        patch_.push(u);
+                        ++end;
+                    }
                 }
             }
             for (size_t i = had; i < end; ++i) patch_[i - had] = patch_[i];
@@ -405,7 +423,7 @@ private:
     bool check_all_ = false;  // unless all may be
     bool backward_ = false;
     double energy_change_ = 0; // of the last step that was sound
-    uint32_t too_far_ = NONE; // vertex where the last step could not be taken
+    uint32_t too_far_ = NONE;  // vertex where the last step could not be taken
 };
 
 } // namespace

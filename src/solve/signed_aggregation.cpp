@@ -28,8 +28,8 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t undecided = 0xffffffffu;
-constexpr uint32_t left_out = 0xfffffffeu;    // the smoother alone is enough
-constexpr uint32_t joined = 0x80000000u;      // mark of an unknown that joined later
+constexpr uint32_t left_out = 0xfffffffeu; // the smoother alone is enough
+constexpr uint32_t joined = 0x80000000u;   // mark of an unknown that joined later
 constexpr double omega = 2.0 / 3;
 // A hub is not smoothed: its row would couple all aggregates around it with
 // each other, and the Galerkin product would cost the square of its degree.
@@ -40,24 +40,30 @@ constexpr uint8_t on_column = 1, on_row = 2; // the row depends strongly on the 
 
 struct Aggregates {
     uint32_t count = 0;
-    Array<uint32_t> of;      // aggregate per unknown, or left_out
-    Array<int8_t> sign;      // per unknown
-    Array<uint8_t> strong;   // per entry of the matrix: on_column, on_row
+    Array<uint32_t> of;    // aggregate per unknown, or left_out
+    Array<int8_t> sign;    // per unknown
+    Array<uint8_t> strong; // per entry of the matrix: on_column, on_row
 };
 
 // Which unknowns depend strongly on which, and which hardly on any.  Measured
 // by the share of the entry in the row, not by |a_ij| / sqrt(a_ii a_jj): where
 // weights jump by orders of magnitude the latter calls all entries of the
 // lighter rows weak.
-bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory) {
+bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a,
+                     Memory& memory) {
     const uint32_t n = matrix.n;
-    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1) || !a.strong.allocate(memory, matrix.offset[n])) return false;
-    struct Unknown { double kernel, least; }; // least: |a_ij| kernel_j of a strong entry of row i
+    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1)
+        || !a.strong.allocate(memory, matrix.offset[n]))
+        return false;
+    struct Unknown {
+        double kernel, least;
+    }; // least: |a_ij| kernel_j of a strong entry of row i
     Array<Unknown> unknowns;
     if (!unknowns.allocate(memory, n)) return false;
     Unknown* unknown = unknowns.data();
     for (uint32_t i = 0; i < n; ++i)
-        unknown[i] = {kernel[i], kernel[i] > 0 ? static_cast<double>(strength) * kernel[i] * matrix.diagonal[i] : 1e300};
+        unknown[i] = {kernel[i],
+                      kernel[i] > 0 ? static_cast<double>(strength) * kernel[i] * matrix.diagonal[i] : 1e300};
     const uint32_t total = matrix.offset[n];
     constexpr uint32_t ahead = 48;
     uint8_t* strong = a.strong.data();
@@ -70,7 +76,8 @@ bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, fl
             const Unknown other = unknown[matrix.column[k]];
             const double size = std::fabs(matrix.entry[k]), share = size * other.kernel;
             sum += share;
-            strong[k] = static_cast<uint8_t>((share >= own.least) * on_column + (size * own.kernel >= other.least) * on_row);
+            strong[k] =
+                static_cast<uint8_t>((share >= own.least) * on_column + (size * own.kernel >= other.least) * on_row);
         }
         of[i] = own.kernel > 0 && sum > 0.1 * own.kernel * matrix.diagonal[i] ? undecided : left_out;
     }
@@ -91,7 +98,8 @@ void take_in(const SignedMatrix& matrix, uint32_t root, bool strong_only, Aggreg
 // Joins i to the neighbouring aggregate with the largest signed vote; false
 // if there is none.  vote: zeros, left as found.
 // any: also by weak entries, and to members that joined themselves.
-bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, bool any, double* vote, Aggregates& a) {
+bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint32_t i, bool any, double* vote,
+                  Aggregates& a) {
     const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
     const uint32_t mask = any ? ~joined : ~0u;
     const auto counts = [&](uint32_t k, uint32_t of) {
@@ -136,7 +144,8 @@ bool renumber(Aggregates& a, uint32_t n, Memory& memory) {
     return true;
 }
 
-bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory, Call* call) {
+bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory,
+               Call* call) {
     const uint32_t n = matrix.n;
     if (!find_dependence(matrix, kernel, strength, a, memory) || !continues(call)) return false;
     for (uint32_t i = 0; i < n; ++i) {
@@ -167,7 +176,8 @@ bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     }
     // What is left has weak neighbours only.
     for (uint32_t i = 0; i < n; ++i)
-        if (a.of[i] == undecided && !join_by_vote(matrix, kernel, i, true, vote.data(), a)) take_in(matrix, i, false, a);
+        if (a.of[i] == undecided && !join_by_vote(matrix, kernel, i, true, vote.data(), a))
+            take_in(matrix, i, false, a);
     return renumber(a, n, memory);
 }
 
@@ -179,11 +189,15 @@ struct GrowingRows {
     uint32_t used = 0;
 
     bool begin(uint32_t rows, size_t expected, Memory& memory) {
-        return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected) && entry.allocate(memory, expected);
+        return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected)
+            && entry.allocate(memory, expected);
     }
     bool make_room(size_t more, Memory& memory) {
         if (used + more <= column.size()) return true;
-        if (used + more > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+        if (used + more > 0xf0000000u) {
+            memory.take(SIZE_MAX);
+            return false;
+        }
         const size_t wanted = used + more + column.size() / 3;
         Array<uint32_t> new_column;
         Array<Entry> new_entry;
@@ -206,7 +220,7 @@ struct GrowingRows {
 
 // A row of P that is being written.
 struct ProlongationRow {
-    uint32_t* place;   // per column, where it lies in the row; those of earlier rows lie before begin
+    uint32_t* place; // per column, where it lies in the row; those of earlier rows lie before begin
     uint32_t* column;
     float* entry;
     uint32_t begin, at;
@@ -225,12 +239,14 @@ struct ProlongationRow {
 };
 
 // P for the matrix before scaling, row by row.
-bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a, const Array<double>& norm,
-                        GrowingRows<float>& rows, Memory& memory, Call* call) {
+bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a,
+                        const Array<double>& norm, GrowingRows<float>& rows, Memory& memory, Call* call) {
     const uint32_t n = matrix.n;
     Array<double> tentative; // entry of T per unknown
     Array<uint32_t> place;
-    if (!tentative.allocate(memory, n) || !rows.begin(n, size_t{3} * n, memory) || !place.allocate_filled(memory, a.count, undecided)) return false;
+    if (!tentative.allocate(memory, n) || !rows.begin(n, size_t{3} * n, memory)
+        || !place.allocate_filled(memory, a.count, undecided))
+        return false;
     for (uint32_t i = 0; i < n; ++i) tentative[i] = a.of[i] == left_out ? 0 : a.sign[i] * kernel[i] / norm[a.of[i]];
     for (uint32_t i = 0; i < n; ++i) {
         if (i % rows_between_ticks == 0 && !continues(call)) return false;
@@ -255,7 +271,8 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
         row.add(a.of[i], static_cast<float>(factor > 0 ? (1 - omega) * tentative[i] : tentative[i]));
         for (uint32_t k = begin; k < end && factor > 0; ++k) {
             const uint32_t j = matrix.column[k];
-            if ((a.strong[k] & on_column) && a.of[j] != left_out) row.add(a.of[j], static_cast<float>(-factor * matrix.entry[k] * tentative[j]));
+            if ((a.strong[k] & on_column) && a.of[j] != left_out)
+                row.add(a.of[j], static_cast<float>(-factor * matrix.entry[k] * tentative[j]));
         }
         rows.used = row.at;
     }
@@ -272,7 +289,10 @@ bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel&
         return false;
     for (uint32_t k = 0; k < total; ++k) ++start[rows.column[k]];
     uint32_t sum = 0;
-    for (uint32_t c = 0; c <= columns; ++c) { sum += start[c]; start[c] = sum; }
+    for (uint32_t c = 0; c <= columns; ++c) {
+        sum += start[c];
+        start[c] = sum;
+    }
     for (uint32_t i = n; i-- > 0;)
         for (uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k) {
             const uint32_t at = --start[rows.column[k]];
@@ -286,7 +306,8 @@ bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel&
 class SparseVector {
 public:
     bool allocate(uint32_t n, Memory& memory) {
-        if (!places_.allocate_filled(memory, n, {0, undecided}) || !touched_.allocate(memory, n + size_t{1})) return false;
+        if (!places_.allocate_filled(memory, n, {0, undecided}) || !touched_.allocate(memory, n + size_t{1}))
+            return false;
         place_ = places_.data();
         list_ = touched_.data();
         return true;
@@ -325,8 +346,8 @@ private:
 };
 
 // P^T A P, a column at a time; by symmetry that is a row.
-bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const GrowingRows<float>& p, uint32_t count, CoarseMatrix& coarse,
-              Memory& memory, Call* call) {
+bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const GrowingRows<float>& p, uint32_t count,
+              CoarseMatrix& coarse, Memory& memory, Call* call) {
     SparseVector fine, sum; // column of A P, and of the whole product
     GrowingRows<double> rows;
     if (!fine.allocate(matrix.n, memory) || !sum.allocate(count, memory) || !coarse.diagonal.allocate(memory, count)
@@ -350,13 +371,15 @@ bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const Gro
             const uint32_t j = row[t];
             const double factor = static_cast<double>(level.prolongation_entry[t]);
             fine.add(j, factor * matrix.diagonal[j]);
-            for (uint32_t k = matrix.offset[j], last = matrix.offset[j + 1]; k < last; ++k) fine.add(matrix.column[k], factor * matrix.entry[k]);
+            for (uint32_t k = matrix.offset[j], last = matrix.offset[j + 1]; k < last; ++k)
+                fine.add(matrix.column[k], factor * matrix.entry[k]);
         }
         sum.begin(c);
         for (uint32_t f = 0; f < fine.count(); ++f) {
             const uint32_t i = fine.index(f);
             const double value = fine.take(i);
-            for (uint32_t q = p.offset[i], last = p.offset[i + 1]; q < last; ++q) sum.add(p.column[q], static_cast<double>(p.entry[q]) * value);
+            for (uint32_t q = p.offset[i], last = p.offset[i + 1]; q < last; ++q)
+                sum.add(p.column[q], static_cast<double>(p.entry[q]) * value);
         }
         coarse.diagonal[c] = sum.take(c);
         if (!rows.make_room(sum.count(), memory)) return false;
@@ -390,14 +413,18 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
         total += (below + block - (below > 0)) / block * block;
     }
     total += block; // written to, but not used
-    if (total > 0xf0000000u) { memory.take(SIZE_MAX); return false; }
+    if (total > 0xf0000000u) {
+        memory.take(SIZE_MAX);
+        return false;
+    }
     if (level.n != n || level.start.empty()) {
         level.n = n;
         if (!level.start.allocate(memory, n + size_t{1}) || !level.b.allocate(memory, n) || !level.x.allocate(memory, n)
             || !level.r.allocate(memory, n))
             return false;
     }
-    if (level.column.size() != total && (!level.column.allocate(memory, total) || !level.entry.allocate(memory, total))) return false;
+    if (level.column.size() != total && (!level.column.allocate(memory, total) || !level.entry.allocate(memory, total)))
+        return false;
     const float* scale = level.scale.data();
     uint32_t* column = level.column.data();
     float* entry = level.entry.data();
@@ -425,13 +452,14 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
     return true;
 }
 
-bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
-             Memory& memory, Call* call) {
+bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
+             CoarseMatrix& coarse, Memory& memory, Call* call) {
     const uint32_t n = level.n = matrix.n;
     for (uint32_t i = 0; i < n; ++i)
         if (!(level.scale[i] > 0)) near_kernel[i] = 0;
     Aggregates a;
-    if (!continues(call) || !aggregate(matrix, near_kernel, strength, a, memory, call) || !continues(call)) return false;
+    if (!continues(call) || !aggregate(matrix, near_kernel, strength, a, memory, call) || !continues(call))
+        return false;
     const uint32_t count = a.count;
     Array<double> norm;
     if (!norm.allocate_filled(memory, count, 0)) return false;

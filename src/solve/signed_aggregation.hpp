@@ -31,7 +31,7 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
 //   strength      entries with a smaller share of their row are weak
 // false: out of memory, or cancelled.
 // The prolongation still lacks the scaling of both levels.
-bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel, CoarseMatrix& coarse,
-             Memory& memory, Call* call);
+bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
+             CoarseMatrix& coarse, Memory& memory, Call* call);
 
 } // namespace hmf

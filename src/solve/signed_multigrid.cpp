@@ -34,7 +34,8 @@ struct LowerRows {
     const uint32_t* column;
     const float* entry;
 
-    explicit LowerRows(const MultigridLevel& level) : start(level.start.data()), column(level.column.data()), entry(level.entry.data()) {}
+    explicit LowerRows(const MultigridLevel& level) :
+        start(level.start.data()), column(level.column.data()), entry(level.entry.data()) {}
     // Sum of entry * x over row i.
     float product(size_t i, const float* x) const {
         static_assert(block == 5, "written out here");
@@ -387,7 +388,9 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
         ResidualNorms norms(scale, options.row_scale);
         for (size_t i = 0; i < n; ++i) norms.add(i, r[i]);
         double norm = norms.norm();
-        const auto is_small = [&] { return !(norm > goal) || (options.row_scale && norms.largest_row() <= options.row_tolerance); };
+        const auto is_small = [&] {
+            return !(norm > goal) || (options.row_scale && norms.largest_row() <= options.row_tolerance);
+        };
         result.residual = norm / reference;
         result.row_residual = norms.largest_row();
         result.converged = norm < 1e300 && is_small();
@@ -403,7 +406,8 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
                 return result;
             }
             const double inverse = 1 / norm;
-            for (size_t i = 0; i < n; ++i) input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
+            for (size_t i = 0; i < n; ++i)
+                input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
             precondition();
             leave_out(output);
             double zr = 0, zq = 0;

@@ -23,10 +23,10 @@ namespace hmf {
 // Rows without entries and with diagonal 0 are left alone by the solver.
 struct SignedMatrix {
     uint32_t n;
-    const uint32_t* offset;   // n + 1
-    const uint32_t* column;   // offset[n]
-    const double* entry;      // offset[n], off-diagonal values with their signs
-    const double* diagonal;   // n
+    const uint32_t* offset; // n + 1
+    const uint32_t* column; // offset[n]
+    const double* entry;    // offset[n], off-diagonal values with their signs
+    const double* diagonal; // n
 };
 
 // What a solve may be told beside the matrix and the right side; all optional.
@@ -43,8 +43,8 @@ struct LinearOptions {
 
 struct LinearResult {
     uint32_t iterations = 0;
-    double residual = 0;      // |b - A x| without fixed rows / |b|, each row divided by the root of its diagonal
-    double row_residual = 0;  // largest |b - A x| of a row times its row_scale; 0 without
+    double residual = 0;     // |b - A x| without fixed rows / |b|, each row divided by the root of its diagonal
+    double row_residual = 0; // largest |b - A x| of a row times its row_scale; 0 without
     bool converged = false;
 };
 
@@ -52,20 +52,20 @@ struct LinearResult {
 // from the next coarser level, and room for the cycle.
 struct MultigridLevel {
     uint32_t n = 0;
-    Array<float> scale;            // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
+    Array<float> scale; // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
     // Row i: the entries in columns below i, from start[i] to start[i+1]; what
     // is above the diagonal is their transpose.  Filled up with zero entries to
     // one block or more: most rows of a mesh have one, and where a loop ends
     // that varies in length, nobody can predict.
     static constexpr uint32_t block = 5;
-    Array<uint32_t> start;         // n + 1
+    Array<uint32_t> start; // n + 1
     Array<uint32_t> column;
     Array<float> entry;
     // Transpose of the prolongation, by coarse unknowns: longer rows.
     Array<uint32_t> prolongation_start; // coarse n + 1; empty on the last level
     Array<uint32_t> prolongation_row;
     Array<float> prolongation_entry;
-    Array<float> b, x, r;          // n
+    Array<float> b, x, r; // n
 };
 
 class SignedMultigrid {
@@ -105,12 +105,12 @@ private:
 
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
-    uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
-    uint32_t dense_n_ = 0;         // unknowns of the coarsest level
-    Array<float> dense_;           // Cholesky factor L below the diagonal by columns, its transpose above
-    Array<float> dense_inverse_;   // 1 / diagonal of L
+    uint32_t level_count_ = 0;   // sparse levels; at least one unless the matrix is small
+    uint32_t dense_n_ = 0;       // unknowns of the coarsest level
+    Array<float> dense_;         // Cholesky factor L below the diagonal by columns, its transpose above
+    Array<float> dense_inverse_; // 1 / diagonal of L
     Array<float> dense_b_;
-    Array<float> first_, image_;   // K-cycle, size of level 1
+    Array<float> first_, image_;                   // K-cycle, size of level 1
     Array<double> residual_, direction_, product_; // conjugate gradients
 };
 

@@ -9,7 +9,7 @@ namespace hmf {
 
 struct SolveOptions {
     int32_t method = HMF_METHOD_NEWTON;
-    double tolerance = 0;       // resolved, > 0
+    double tolerance = 0; // resolved, > 0
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
 };

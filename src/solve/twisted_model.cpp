@@ -9,9 +9,10 @@ bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     bounded.start(memory);
     special_.start(memory);
     fixed.start(memory);
-    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n) && index.allocate(memory, n)
-        && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n) && entry.allocate(memory, 2 * m)
-        && diagonal.allocate(memory, n) && right.allocate(memory, n) && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
+    return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n)
+        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n)
+        && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
+        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
         && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
 }
 
@@ -87,21 +88,23 @@ void TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
 
 // A vertex without zero edges; false: it has one, and nothing was done.
 // floor: the least pull that residuals are measured against.
-bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
+bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                                        double floor) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     double pull = 0, pull_of_second = 0, agreement = 0;
     uint32_t tripods = 0;
     uint64_t second = 0;
-    const uint32_t closed = walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
-        const uint32_t h = side[t].half_edge;
-        const double p = weight[edge_of(h)] * static_cast<double>(here), q = p * static_cast<double>(direction);
-        pull += p;
-        pull_of_second += q;
-        agreement += sign[h] * (p - 2 * q);
-        second |= uint64_t{direction} << t % 64; // of the first 64 sides
-        tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
-    });
+    const uint32_t closed = walk_plain_star(
+        f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
+            const uint32_t h = side[t].half_edge;
+            const double p = weight[edge_of(h)] * static_cast<double>(here), q = p * static_cast<double>(direction);
+            pull += p;
+            pull_of_second += q;
+            agreement += sign[h] * (p - 2 * q);
+            second |= uint64_t{direction} << t % 64; // of the first 64 sides
+            tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
+        });
     if (closed == NONE) return false;
     index[v] = 2 - static_cast<int32_t>(closed);
     if (closed == 2) {
@@ -137,7 +140,8 @@ void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
 // The cluster of v, which has zero edges.
 void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
     const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-    const bool regular = cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
+    const bool regular =
+        cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
     const bool turned = regular && sign_regular_cluster(f, weight, sign.data()) < 0;
     for (uint32_t u : f.members) {
         special_.push(u);
@@ -189,14 +193,15 @@ void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
-    for (uint32_t v : special_) {
-        add_residual(residual_at(f, rings, weight, v, floor, star));
-    }
+    for (uint32_t v : special_) { add_residual(residual_at(f, rings, weight, v, floor, star)); }
 }
 
 void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call) {
     const Mesh& mesh = f.mesh;
-    for (uint32_t k : bounded) { lower[k] = INT64_MIN; upper[k] = INT64_MAX; }
+    for (uint32_t k : bounded) {
+        lower[k] = INT64_MIN;
+        upper[k] = INT64_MAX;
+    }
     bounded.clear();
     for (uint32_t v = 0; v < count; ++v) {
         if (v % stride == 0 && !call.tick(0, true)) return;
@@ -280,7 +285,8 @@ void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
 }
 
 // Projected Gauss-Seidel in the neighbourhood of the patch, whose unknowns rest.
-void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
+void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
+                                Array<uint32_t>& distance) {
     constexpr uint32_t rings_around = 8, sweeps = 24;
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
@@ -319,11 +325,15 @@ bool TwistedModel::release() {
     return any;
 }
 
-uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch, Array<uint32_t>& distance) {
+uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
+                               Array<uint32_t>& distance) {
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
     for (uint32_t k : bounded)
-        if (clip(k)) { distance[k] = 0; patch.push(k); }
+        if (clip(k)) {
+            distance[k] = 0;
+            patch.push(k);
+        }
     const uint64_t active = patch.size();
     for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
     if (active > 0) relax_around(f, rings, patch, distance);

@@ -25,15 +25,15 @@
 namespace hmf {
 
 struct TwistedModel {
-    uint32_t count = 0;        // unknowns: one per vertex; the entries of those that rest are 0
-    Array<int8_t> sign;        // per half-edge; 0 where the origin rests
-    Array<uint8_t> rests;      // per vertex
-    Array<uint32_t> resting;   // the vertices that rest
-    Array<uint32_t> tripod;    // a half-edge of each, before the step
-    Array<int32_t> index;      // per vertex, before the step; a cluster's at one of its vertices
-    double energy = 0;         // before the step, in squared units
-    double residual_max = 0;   // before the step, over all vertices ([W] Eq. 4),
-    double residual_sum = 0;   // and their sum
+    uint32_t count = 0;      // unknowns: one per vertex; the entries of those that rest are 0
+    Array<int8_t> sign;      // per half-edge; 0 where the origin rests
+    Array<uint8_t> rests;    // per vertex
+    Array<uint32_t> resting; // the vertices that rest
+    Array<uint32_t> tripod;  // a half-edge of each, before the step
+    Array<int32_t> index;    // per vertex, before the step; a cluster's at one of its vertices
+    double energy = 0;       // before the step, in squared units
+    double residual_max = 0; // before the step, over all vertices ([W] Eq. 4),
+    double residual_sum = 0; // and their sum
     // The matrix has the sides of the rings as entries, 0 for edges from a
     // vertex to itself.
     const uint32_t* offset = nullptr; // count + 1
@@ -66,7 +66,8 @@ struct TwistedModel {
     bool release();
     // Keeps the vertices within some rings of v where they are, and lets the
     // others take that over.
-    void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch, Array<uint32_t>& distance);
+    void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch,
+                Array<uint32_t>& distance);
     // New value of d_v from its neighbours, within the bounds.
     double relaxed(uint32_t unknown_index) const;
 
@@ -80,7 +81,9 @@ private:
     void find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
-    bool at_bound(uint32_t k) const { return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]); }
+    bool at_bound(uint32_t k) const {
+        return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]);
+    }
     void bound(uint32_t k, int64_t low, int64_t high);
     void bound_along(uint32_t k, uint32_t half_edge, int64_t room);
     bool clip(uint32_t k);

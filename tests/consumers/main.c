@@ -16,8 +16,7 @@ static uint32_t at(int i, int j) { return (uint32_t)((i % N) * M + j % M); }
 
 /* Points on a circle without the mathematical library, so that a missing -lm
    of hmf itself is seen; on a grid of 1/4096, so that the last bit does not matter. */
-static void circle(int n, double step_cos, double step_sin, double *x, double *y)
-{
+static void circle(int n, double step_cos, double step_sin, double* x, double* y) {
     double c = 1, s = 0;
     int i;
     for (i = 0; i < n; ++i) {
@@ -29,40 +28,41 @@ static void circle(int n, double step_cos, double step_sin, double *x, double *y
     }
 }
 
-static void make_torus(void)
-{
+static void make_torus(void) {
     double x[N], y[N], u[M], v[M];
     int i, j;
-    uint32_t *t = triangles;
+    uint32_t* t = triangles;
     circle(N, 0.9659258262890683, 0.25881904510252074, x, y); /* 15 degrees */
     circle(M, 0.8660254037844387, 0.5, u, v);                 /* 30 degrees */
     for (i = 0; i < N; ++i) {
         for (j = 0; j < M; ++j) {
-            double *p = positions + 3 * at(i, j);
+            double* p = positions + 3 * at(i, j);
             p[0] = (3 + u[j]) * x[i];
             p[1] = (3 + u[j]) * y[i];
             p[2] = v[j];
-            *t++ = at(i, j); *t++ = at(i + 1, j); *t++ = at(i + 1, j + 1);
-            *t++ = at(i, j); *t++ = at(i + 1, j + 1); *t++ = at(i, j + 1);
+            *t++ = at(i, j);
+            *t++ = at(i + 1, j);
+            *t++ = at(i + 1, j + 1);
+            *t++ = at(i, j);
+            *t++ = at(i + 1, j + 1);
+            *t++ = at(i, j + 1);
         }
     }
 }
 
-static int fail(const char *what, hmf_status status, const hmf_error *error)
-{
+static int fail(const char* what, hmf_status status, const hmf_error* error) {
     fprintf(stderr, "%s: %s: %s\n", what, hmf_status_string(status), error->message);
     return 1;
 }
 
-int main(void)
-{
-    hmf_hierarchy *hierarchy = NULL;
+int main(void) {
+    hmf_hierarchy* hierarchy = NULL;
     hmf_error error;
     hmf_status status;
     hmf_loop_set loops;
     uint64_t *offsets, hash = 0xcbf29ce484222325u;
-    uint32_t *elements;
-    double *values;
+    uint32_t* elements;
+    double* values;
     size_t coarsest, loop_count = 0, element_count = 0, zeros = 0, i;
     const size_t edge_count = 3 * N * M;
 
@@ -79,9 +79,9 @@ int main(void)
     coarsest = hmf_level_count(hierarchy) - 1;
     status = hmf_loops(hierarchy, coarsest, HMF_LOOPS_CUT, NULL, 0, NULL, 0, &loop_count, &element_count, &error);
     if (status != HMF_OK) return fail("hmf_loops", status, &error);
-    offsets = (uint64_t *)malloc((loop_count + 1) * sizeof *offsets);
-    elements = (uint32_t *)malloc(element_count * sizeof *elements);
-    values = (double *)malloc(edge_count * sizeof *values);
+    offsets = (uint64_t*)malloc((loop_count + 1) * sizeof *offsets);
+    elements = (uint32_t*)malloc(element_count * sizeof *elements);
+    values = (double*)malloc(edge_count * sizeof *values);
     if (!offsets || !elements || !values) return 1;
     status = hmf_loops(hierarchy, coarsest, HMF_LOOPS_CUT, offsets, loop_count + 1, elements, element_count,
                        &loop_count, &element_count, &error);

@@ -14,7 +14,7 @@
 namespace test {
 
 struct Triangles {
-    std::vector<double> positions; // 3 per vertex
+    std::vector<double> positions;   // 3 per vertex
     std::vector<uint32_t> triangles; // 3 per triangle, counter-clockwise
     uint32_t vertex_count() const { return static_cast<uint32_t>(positions.size() / 3); }
 };
@@ -76,7 +76,8 @@ inline Triangles torus(uint32_t n, uint32_t m, double radius = 3, double tube = 
             const double u = 2 * 3.14159265358979323846 * x / n, v = 2 * 3.14159265358979323846 * y / m;
             const double r = radius + tube * std::cos(v);
             t.positions.insert(t.positions.end(), {r * std::cos(u), r * std::sin(u), tube * std::sin(v)});
-            const uint32_t a = x * m + y, b = (x + 1) % n * m + y, c = (x + 1) % n * m + (y + 1) % m, d = x * m + (y + 1) % m;
+            const uint32_t a = x * m + y, b = (x + 1) % n * m + y, c = (x + 1) % n * m + (y + 1) % m,
+                           d = x * m + (y + 1) % m;
             t.triangles.insert(t.triangles.end(), {a, b, c, a, c, d});
         }
     return t;
@@ -90,11 +91,13 @@ inline Triangles voxels(int nx, int ny, int nz, const std::vector<char>& solid, 
     std::map<std::tuple<int, int, int>, uint32_t> number;
     const auto vertex = [&](const std::array<int, 3>& p) {
         const auto made = number.insert({std::make_tuple(p[0], p[1], p[2]), t.vertex_count()});
-        if (made.second) t.positions.insert(t.positions.end(), {double(p[0]) / fine, double(p[1]) / fine, double(p[2]) / fine});
+        if (made.second)
+            t.positions.insert(t.positions.end(), {double(p[0]) / fine, double(p[1]) / fine, double(p[2]) / fine});
         return made.first->second;
     };
     const auto is_solid = [&](int x, int y, int z) {
-        return x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz && solid[static_cast<size_t>((x * ny + y) * nz + z)];
+        return x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz
+            && solid[static_cast<size_t>((x * ny + y) * nz + z)];
     };
     for (int x = 0; x < nx; ++x)
         for (int y = 0; y < ny; ++y)
@@ -111,7 +114,8 @@ inline Triangles voxels(int nx, int ny, int nz, const std::vector<char>& solid, 
                                 uint32_t q[4];
                                 for (int k = 0; k < 4; ++k) {
                                     std::array<int, 3> p = {x * fine, y * fine, z * fine};
-                                    const size_t pu = static_cast<size_t>(u), pv = static_cast<size_t>(v), pa = static_cast<size_t>(axis);
+                                    const size_t pu = static_cast<size_t>(u), pv = static_cast<size_t>(v),
+                                                 pa = static_cast<size_t>(axis);
                                     p[pa] += way * fine;
                                     p[pu] += i + (k == 1 || k == 2);
                                     p[pv] += j + (k >= 2);

@@ -22,14 +22,18 @@ Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 
 double length(Vec a) { return std::sqrt(dot(a, a)); }
 Vec unit(Vec a) { return (1 / length(a)) * a; }
 
-Vec at(const TriMesh& mesh, uint32_t v) { return {mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]}; }
+Vec at(const TriMesh& mesh, uint32_t v) {
+    return {mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
+}
 
 uint32_t add_vertex(TriMesh& mesh, Vec p) {
     mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
     return static_cast<uint32_t>(mesh.vertex_count() - 1);
 }
 
-void add_triangle(TriMesh& mesh, uint32_t a, uint32_t b, uint32_t c) { mesh.triangles.insert(mesh.triangles.end(), {a, b, c}); }
+void add_triangle(TriMesh& mesh, uint32_t a, uint32_t b, uint32_t c) {
+    mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
+}
 
 uint64_t key(uint32_t a, uint32_t b) { return static_cast<uint64_t>(a) << 32 | b; }
 
@@ -48,7 +52,8 @@ std::vector<uint32_t> link(const TriMesh& mesh, uint32_t v) {
     std::map<uint32_t, uint32_t> after;
     for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
         for (uint32_t s = 0; s < 3; ++s)
-            if (mesh.triangles[3 * t + s] == v) after[mesh.triangles[3 * t + (s + 1) % 3]] = mesh.triangles[3 * t + (s + 2) % 3];
+            if (mesh.triangles[3 * t + s] == v)
+                after[mesh.triangles[3 * t + (s + 1) % 3]] = mesh.triangles[3 * t + (s + 2) % 3];
     std::vector<uint32_t> cycle;
     uint32_t u = after.begin()->first;
     do {
@@ -104,7 +109,8 @@ TriMesh grid_torus(size_t n, size_t m, const TorusOptions& options, const std::f
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j < m; ++j) {
             const double du = options.jitter * (random.unit() - 0.5), dv = options.jitter * (random.unit() - 0.5);
-            Vec p = point((static_cast<double>(i) + du) / static_cast<double>(n), (static_cast<double>(j) + dv) / static_cast<double>(m));
+            Vec p = point((static_cast<double>(i) + du) / static_cast<double>(n),
+                          (static_cast<double>(j) + dv) / static_cast<double>(m));
             p.x *= options.stretch;
             add_vertex(mesh, p);
         }
@@ -140,7 +146,8 @@ std::string mesh_defect(const TriMesh& mesh) {
     std::vector<uint32_t> degree(n, 0), any(n, UINT32_MAX);
     for (size_t t = 0; t < m; ++t)
         for (size_t s = 0; s < 3; ++s) {
-            const uint32_t a = mesh.triangles[3 * t + s], b = mesh.triangles[3 * t + (s + 1) % 3], c = mesh.triangles[3 * t + (s + 2) % 3];
+            const uint32_t a = mesh.triangles[3 * t + s], b = mesh.triangles[3 * t + (s + 1) % 3],
+                           c = mesh.triangles[3 * t + (s + 2) % 3];
             if (a >= n || a == b) return "bad index in triangle " + std::to_string(t);
             if (!next.emplace(key(a, b), c).second) return "directed edge used twice in triangle " + std::to_string(t);
             ++degree[a];
@@ -200,7 +207,8 @@ TriMesh trefoil(size_t n, size_t m, double radius) {
         const Vec normal{std::cos(q) * std::cos(p), std::cos(q) * std::sin(p), std::sin(q)};
         const Vec tangent = unit(curve(u + 1e-5) - curve(u - 1e-5));
         const Vec side = unit(cross(tangent, normal));
-        return curve(u) + (radius * std::cos(2 * pi * v)) * unit(cross(side, tangent)) + (-radius * std::sin(2 * pi * v)) * side;
+        return curve(u) + (radius * std::cos(2 * pi * v)) * unit(cross(side, tangent))
+             + (-radius * std::sin(2 * pi * v)) * side;
     });
 }
 
@@ -246,7 +254,8 @@ TriMesh voxel_surface(const std::vector<double>& xs, const std::vector<double>& 
 
 namespace {
 
-TriMesh holed_plate(size_t holes, const std::vector<double>& xs, const std::vector<double>& ys, const std::vector<double>& zs) {
+TriMesh holed_plate(size_t holes, const std::vector<double>& xs, const std::vector<double>& ys,
+                    const std::vector<double>& zs) {
     TriMesh mesh = voxel_surface(xs, ys, zs, [](size_t i, size_t j, size_t) { return !(j == 1 && i % 2 == 1); });
     mesh.genus = holes;
     return mesh;
@@ -324,7 +333,8 @@ TriMesh joined_tori(size_t n, size_t m, double distance, size_t rings) {
     for (size_t l = 1; l <= rings; ++l) {
         const double s = static_cast<double>(l) / static_cast<double>(rings + 1);
         std::vector<uint32_t> upper;
-        for (size_t i = 0; i < first.size(); ++i) upper.push_back(add_vertex(mesh, (1 - s) * at(mesh, first[i]) + s * at(mesh, aligned[i])));
+        for (size_t i = 0; i < first.size(); ++i)
+            upper.push_back(add_vertex(mesh, (1 - s) * at(mesh, first[i]) + s * at(mesh, aligned[i])));
         add_band(mesh, lower, upper);
         lower = upper;
     }
@@ -368,7 +378,8 @@ TriMesh smooth(const TriMesh& mesh, size_t rounds) {
                 ++count[a];
             }
         for (size_t v = 0; v < mesh.vertex_count(); ++v)
-            for (size_t x = 0; x < 3; ++x) result.positions[3 * v + x] = 0.5 * result.positions[3 * v + x] + 0.5 * sum[3 * v + x] / count[v];
+            for (size_t x = 0; x < 3; ++x)
+                result.positions[3 * v + x] = 0.5 * result.positions[3 * v + x] + 0.5 * sum[3 * v + x] / count[v];
     }
     return result;
 }
@@ -391,7 +402,8 @@ TriMesh transformed(const TriMesh& mesh, const Matrix& r) {
     TriMesh result = mesh;
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
         for (size_t x = 0; x < 3; ++x)
-            result.positions[3 * v + x] = r[3 * x] * mesh.positions[3 * v] + r[3 * x + 1] * mesh.positions[3 * v + 1] + r[3 * x + 2] * mesh.positions[3 * v + 2];
+            result.positions[3 * v + x] = r[3 * x] * mesh.positions[3 * v] + r[3 * x + 1] * mesh.positions[3 * v + 1]
+                                        + r[3 * x + 2] * mesh.positions[3 * v + 2];
     return result;
 }
 
@@ -429,13 +441,16 @@ TriMesh with_random_flips(const TriMesh& mesh, size_t attempts, double min_cosin
     for (size_t i = 0; i < attempts; ++i) {
         const uint32_t t = static_cast<uint32_t>(random.below(result.triangle_count()));
         const size_t s = random.below(3);
-        const uint32_t a = result.triangles[3 * t + s], b = result.triangles[3 * t + (s + 1) % 3], c = result.triangles[3 * t + (s + 2) % 3];
+        const uint32_t a = result.triangles[3 * t + s], b = result.triangles[3 * t + (s + 1) % 3],
+                       c = result.triangles[3 * t + (s + 2) % 3];
         const uint32_t u = map[key(b, a)];
         uint32_t d = a;
         for (size_t x = 0; x < 3; ++x)
             if (result.triangles[3 * u + x] != a && result.triangles[3 * u + x] != b) d = result.triangles[3 * u + x];
         if (c == d || map.count(key(c, d)) || map.count(key(d, c))) continue;
-        const auto normal = [&](uint32_t x, uint32_t y, uint32_t z) { return cross(at(result, y) - at(result, x), at(result, z) - at(result, x)); };
+        const auto normal = [&](uint32_t x, uint32_t y, uint32_t z) {
+            return cross(at(result, y) - at(result, x), at(result, z) - at(result, x));
+        };
         // (a b c) and (b a d) become (c d b) and (d c a).
         const Vec before[2] = {normal(a, b, c), normal(b, a, d)}, after[2] = {normal(c, d, b), normal(d, c, a)};
         const double area = length(before[0]) + length(before[1]);
@@ -449,7 +464,8 @@ TriMesh with_random_flips(const TriMesh& mesh, size_t attempts, double min_cosin
         std::copy(first, first + 3, &result.triangles[3 * t]);
         std::copy(second, second + 3, &result.triangles[3 * u]);
         for (uint32_t x : {t, u})
-            for (uint32_t y = 0; y < 3; ++y) map[key(result.triangles[3 * x + y], result.triangles[3 * x + (y + 1) % 3])] = x;
+            for (uint32_t y = 0; y < 3; ++y)
+                map[key(result.triangles[3 * x + y], result.triangles[3 * x + (y + 1) % 3])] = x;
     }
     return result;
 }
@@ -466,19 +482,23 @@ TriMesh with_delaunay_flips(const TriMesh& mesh, double floor, size_t rounds) {
         changed = false;
         for (uint32_t t = 0; t < result.triangle_count(); ++t)
             for (size_t s = 0; s < 3; ++s) {
-                const uint32_t a = result.triangles[3 * t + s], b = result.triangles[3 * t + (s + 1) % 3], c = result.triangles[3 * t + (s + 2) % 3];
+                const uint32_t a = result.triangles[3 * t + s], b = result.triangles[3 * t + (s + 1) % 3],
+                               c = result.triangles[3 * t + (s + 2) % 3];
                 const uint32_t u = map[key(b, a)];
                 uint32_t d = a;
                 for (size_t x = 0; x < 3; ++x)
-                    if (result.triangles[3 * u + x] != a && result.triangles[3 * u + x] != b) d = result.triangles[3 * u + x];
-                if (0.5 * (cotangent(c, a, b) + cotangent(d, a, b)) >= floor || c == d || map.count(key(c, d))) continue;
+                    if (result.triangles[3 * u + x] != a && result.triangles[3 * u + x] != b)
+                        d = result.triangles[3 * u + x];
+                if (0.5 * (cotangent(c, a, b) + cotangent(d, a, b)) >= floor || c == d || map.count(key(c, d)))
+                    continue;
                 map.erase(key(a, b));
                 map.erase(key(b, a));
                 const uint32_t first[3] = {c, d, b}, second[3] = {d, c, a};
                 std::copy(first, first + 3, &result.triangles[3 * t]);
                 std::copy(second, second + 3, &result.triangles[3 * u]);
                 for (uint32_t x : {t, u})
-                    for (uint32_t y = 0; y < 3; ++y) map[key(result.triangles[3 * x + y], result.triangles[3 * x + (y + 1) % 3])] = x;
+                    for (uint32_t y = 0; y < 3; ++y)
+                        map[key(result.triangles[3 * x + y], result.triangles[3 * x + (y + 1) % 3])] = x;
                 changed = true;
                 break;
             }

@@ -79,7 +79,7 @@ TriMesh joined_tori(size_t n, size_t m, double distance, size_t rings);
 TriMesh subdivide(const TriMesh& mesh); // one triangle -> four
 TriMesh smooth(const TriMesh& mesh, size_t rounds);
 TriMesh scaled(const TriMesh& mesh, double factor);
-using Matrix = std::array<double, 9>;   // rows
+using Matrix = std::array<double, 9>; // rows
 Matrix rotation(double axis_x, double axis_y, double axis_z, double angle);
 TriMesh transformed(const TriMesh& mesh, const Matrix& matrix);
 

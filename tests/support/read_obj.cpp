@@ -44,10 +44,12 @@ bool read_obj(const std::string& path, TriMesh& mesh) {
                 while (q < end && (*q == ' ' || *q == '\t' || *q == '\r')) ++q;
                 if (q == end) break;
                 const long index = std::strtol(q, nullptr, 10); // before any slash
-                corners.push_back(static_cast<uint32_t>(index > 0 ? index - 1 : static_cast<long>(mesh.vertex_count()) + index));
+                corners.push_back(
+                    static_cast<uint32_t>(index > 0 ? index - 1 : static_cast<long>(mesh.vertex_count()) + index));
                 while (q < end && *q != ' ' && *q != '\t' && *q != '\r') ++q;
             }
-            for (size_t c = 2; c < corners.size(); ++c) mesh.triangles.insert(mesh.triangles.end(), {corners[0], corners[c - 1], corners[c]});
+            for (size_t c = 2; c < corners.size(); ++c)
+                mesh.triangles.insert(mesh.triangles.end(), {corners[0], corners[c - 1], corners[c]});
         }
         p = *end ? end + 1 : end;
     }

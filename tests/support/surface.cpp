@@ -35,22 +35,21 @@ uint32_t previous_side(uint32_t c) { return c % 3 == 0 ? c + 2 : c - 1; }
 
 // Twice the corner coordinate of corner c: between side c and the one before.
 double corner2(const LevelMesh& mesh, const std::vector<double>& values, uint32_t c) {
-    return values[mesh.triangle_edges[c]] + values[mesh.triangle_edges[previous_side(c)]] - values[mesh.triangle_edges[next_side(c)]];
+    return values[mesh.triangle_edges[c]] + values[mesh.triangle_edges[previous_side(c)]]
+         - values[mesh.triangle_edges[next_side(c)]];
 }
 
 } // namespace
 
-Hierarchy::Hierarchy(const TriMesh& mesh, double ratio, uint64_t coarsest, int32_t collapse)
-    : Hierarchy(mesh, build_options(ratio, coarsest, collapse)) {}
+Hierarchy::Hierarchy(const TriMesh& mesh, double ratio, uint64_t coarsest, int32_t collapse) :
+    Hierarchy(mesh, build_options(ratio, coarsest, collapse)) {}
 
 Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_build_options& options) {
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
-                                        &options, &handle_, &error);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                                        mesh.triangle_count(), &options, &handle_, &error);
     EXPECT_EQ(status, HMF_OK) << error.message;
-    if (handle_) {
-        EXPECT_EQ(hmf_genus(handle_), mesh.genus);
-    }
+    if (handle_) { EXPECT_EQ(hmf_genus(handle_), mesh.genus); }
 }
 
 size_t Hierarchy::edges(size_t level) const {
@@ -73,11 +72,18 @@ LevelMesh read_level(const Hierarchy& hierarchy, size_t level) {
     mesh.triangle_vertices.resize(3 * mesh.triangle_count);
     mesh.weights.resize(mesh.edge_count);
     mesh.positions.resize(3 * mesh.vertex_count);
-    EXPECT_EQ(hmf_level_edge_vertices(hierarchy.get(), level, mesh.edge_vertices.data(), mesh.edge_vertices.size(), nullptr), HMF_OK);
-    EXPECT_EQ(hmf_level_triangle_edges(hierarchy.get(), level, mesh.triangle_edges.data(), mesh.triangle_edges.size(), nullptr), HMF_OK);
-    EXPECT_EQ(hmf_level_triangle_vertices(hierarchy.get(), level, mesh.triangle_vertices.data(), mesh.triangle_vertices.size(), nullptr), HMF_OK);
+    EXPECT_EQ(
+        hmf_level_edge_vertices(hierarchy.get(), level, mesh.edge_vertices.data(), mesh.edge_vertices.size(), nullptr),
+        HMF_OK);
+    EXPECT_EQ(hmf_level_triangle_edges(hierarchy.get(), level, mesh.triangle_edges.data(), mesh.triangle_edges.size(),
+                                       nullptr),
+              HMF_OK);
+    EXPECT_EQ(hmf_level_triangle_vertices(hierarchy.get(), level, mesh.triangle_vertices.data(),
+                                          mesh.triangle_vertices.size(), nullptr),
+              HMF_OK);
     EXPECT_EQ(hmf_level_weights(hierarchy.get(), level, mesh.weights.data(), mesh.weights.size(), nullptr), HMF_OK);
-    EXPECT_EQ(hmf_level_positions(hierarchy.get(), level, mesh.positions.data(), mesh.positions.size(), nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_positions(hierarchy.get(), level, mesh.positions.data(), mesh.positions.size(), nullptr),
+              HMF_OK);
     return mesh;
 }
 
@@ -103,10 +109,12 @@ Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
     loops.level = level;
     size_t count = 0, total = 0;
     hmf_error error{};
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK) << error.message;
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK)
+        << error.message;
     loops.offsets.assign(count + 1, 0);
     loops.elements.resize(total);
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total, &count, &total, &error),
+    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total,
+                        &count, &total, &error),
               HMF_OK)
         << error.message;
     return loops;
@@ -115,7 +123,9 @@ Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
 std::vector<uint32_t> section(const LevelMesh& mesh, const Field& field, const Field& region) {
     std::vector<bool> positive(mesh.vertex_count);
     for (size_t v = 0; v < mesh.vertex_count; ++v) positive[v] = field(&mesh.positions[3 * v]) > 0;
-    const auto crossed = [&](uint32_t e) { return positive[mesh.edge_vertices[2 * e]] != positive[mesh.edge_vertices[2 * e + 1]]; };
+    const auto crossed = [&](uint32_t e) {
+        return positive[mesh.edge_vertices[2 * e]] != positive[mesh.edge_vertices[2 * e + 1]];
+    };
     const std::vector<uint32_t> sides = edge_sides(mesh);
     std::vector<bool> seen(mesh.triangle_count, false);
     std::vector<std::vector<uint32_t>> found;
@@ -154,7 +164,8 @@ Loops bar_loops(const Hierarchy& hierarchy, size_t level, size_t holes, const st
     loops.level = level;
     for (size_t k = 0; k < holes; ++k) {
         const double x = hole_x(k), y = 0.5 * (low + high);
-        loops.add(section(mesh, [x](const double* p) { return p[0] - x; }, [y](const double* p) { return p[1] - y; }));
+        loops.add(section(
+            mesh, [x](const double* p) { return p[0] - x; }, [y](const double* p) { return p[1] - y; }));
     }
     return loops;
 }
@@ -166,7 +177,9 @@ Loops plate_loops(const Hierarchy& hierarchy, size_t level, size_t holes) {
 Loops meridian(const Hierarchy& hierarchy, size_t level) {
     Loops loops;
     loops.level = level;
-    loops.add(section(read_level(hierarchy, level), [](const double* p) { return p[1] - 0.00137; }, [](const double* p) { return p[0]; }));
+    loops.add(section(
+        read_level(hierarchy, level), [](const double* p) { return p[1] - 0.00137; },
+        [](const double* p) { return p[0]; }));
     return loops;
 }
 
@@ -238,14 +251,16 @@ void expect_foliation(const Hierarchy& hierarchy, const LevelMesh& mesh, const s
 
     size_t count = 0;
     hmf_error error{};
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0, &count, &error),
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), nullptr, 0, nullptr, 0,
+                                nullptr, 0, nullptr, 0, &count, &error),
               HMF_OK)
         << error.message;
     std::vector<hmf_singularity> list(count);
     std::vector<int32_t> at_vertex(mesh.vertex_count), at_triangle(mesh.triangle_count);
     std::vector<uint32_t> cluster(mesh.vertex_count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), at_vertex.data(), at_vertex.size(), at_triangle.data(),
-                                at_triangle.size(), cluster.data(), cluster.size(), list.data(), list.size(), &count, &error),
+    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), at_vertex.data(),
+                                at_vertex.size(), at_triangle.data(), at_triangle.size(), cluster.data(),
+                                cluster.size(), list.data(), list.size(), &count, &error),
               HMF_OK)
         << error.message;
     long listed = 0, arrays = 0;
@@ -352,7 +367,8 @@ double shortest_crossing(const LevelMesh& mesh, const Loops& loops, size_t c, co
             if (top.first > distance[v]) continue;
             if (v == to || top.first + values[gate] >= best) break;
             for (uint32_t e : at[v]) {
-                const uint32_t u = mesh.edge_vertices[2 * e] == v ? mesh.edge_vertices[2 * e + 1] : mesh.edge_vertices[2 * e];
+                const uint32_t u =
+                    mesh.edge_vertices[2 * e] == v ? mesh.edge_vertices[2 * e + 1] : mesh.edge_vertices[2 * e];
                 if (top.first + values[e] >= distance[u]) continue;
                 distance[u] = top.first + values[e];
                 queue.push({distance[u], u});
@@ -444,7 +460,8 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
         for (uint32_t end : ends[v]) {
             const uint32_t back = end ^ 1u, u = vertex_of(back);
             const double h = fold(height[v] + orientation[v] * sign[end] * values[end / 2]);
-            if (sectors[u] > 2 && !zero(h)) return "the singular vertex " + std::to_string(u) + " is off by " + std::to_string(h);
+            if (sectors[u] > 2 && !zero(h))
+                return "the singular vertex " + std::to_string(u) + " is off by " + std::to_string(h);
             if (!regular(u)) continue;
             const int o = -orientation[v] * sign[end] * sign[back];
             if (orientation[u] == 0) {
@@ -454,14 +471,16 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
             } else if (orientable && o != orientation[u]) {
                 return "edge " + std::to_string(end / 2) + " turns the orientation";
             } else if (!zero(o == orientation[u] ? h - height[u] : h + height[u])) {
-                return "edge " + std::to_string(end / 2) + " closes with a defect of " + std::to_string(fold(o == orientation[u] ? h - height[u] : h + height[u]));
+                return "edge " + std::to_string(end / 2) + " closes with a defect of "
+                     + std::to_string(fold(o == orientation[u] ? h - height[u] : h + height[u]));
             }
         }
     }
     for (uint32_t t = 0; t < mesh.triangle_count; ++t)
         for (uint32_t c = 3 * t; tripod(t) && c < 3 * t + 3; ++c)
             if (orientation[mesh.triangle_vertices[c]] != 0 && !zero(centre_height(c)))
-                return "the zero in triangle " + std::to_string(t) + " is off by " + std::to_string(fold(centre_height(c)));
+                return "the zero in triangle " + std::to_string(t) + " is off by "
+                     + std::to_string(fold(centre_height(c)));
     if (2 * reached < n) return "only " + std::to_string(reached) + " vertices could be reached";
     return "";
 }
@@ -481,16 +500,18 @@ Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_o
     solution.report.struct_size = sizeof solution.report;
     hmf_loop_set set{};
     if (loops) set = loops->view();
-    solution.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, solution.values.data(), solution.values.size(), &solution.report,
-                                &solution.error);
+    solution.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, solution.values.data(),
+                                solution.values.size(), &solution.report, &solution.error);
     return solution;
 }
 
-Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_solve_options& options) {
+Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
+               const hmf_solve_options& options) {
     Solution solution;
     solution.values = values;
     solution.report.struct_size = sizeof solution.report;
-    solution.status = hmf_relax(hierarchy.get(), level, &options, solution.values.data(), solution.values.size(), &solution.report, &solution.error);
+    solution.status = hmf_relax(hierarchy.get(), level, &options, solution.values.data(), solution.values.size(),
+                                &solution.report, &solution.error);
     return solution;
 }
 

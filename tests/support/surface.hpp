@@ -117,6 +117,7 @@ struct Solution {
 
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations = 0);
 Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options);
-Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values, const hmf_solve_options& options);
+Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
+               const hmf_solve_options& options);
 
 } // namespace test

@@ -14,7 +14,9 @@ double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs
 std::vector<double> carried(const Hierarchy& hierarchy, size_t from, const std::vector<double>& values, size_t to) {
     std::vector<double> out(hierarchy.edges(to));
     hmf_error error{};
-    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error), HMF_OK) << error.message;
+    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error),
+              HMF_OK)
+        << error.message;
     return out;
 }
 
@@ -45,12 +47,14 @@ void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
             EXPECT_LE(newton.report.residual_max, 1e-8);
             expect_foliation(hierarchy, level, newton.values);
             if (first) expected = newton.report.energy;
-            EXPECT_LT(relative(newton.report.energy, expected), 1e-10) << "newton " << newton.report.energy << " instead of " << expected;
+            EXPECT_LT(relative(newton.report.energy, expected), 1e-10)
+                << "newton " << newton.report.energy << " instead of " << expected;
 
             if (first && options.relaxed) {
                 std::vector<double> start(level.edge_count);
                 hmf_error error{};
-                ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, start.data(), start.size(), &error), HMF_OK) << error.message;
+                ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, start.data(), start.size(), &error), HMF_OK)
+                    << error.message;
                 const size_t top = hierarchy.coarsest();
                 const std::vector<double> there = carried(hierarchy, 0, start, top);
                 expect_foliation(hierarchy, read_level(hierarchy, top), there);
@@ -59,14 +63,17 @@ void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
                 const Solution relaxed = relax(hierarchy, 0, back, exact);
                 EXPECT_EQ(relaxed.status, HMF_OK) << "relax: " << relaxed.error.message;
                 ASSERT_LT(relaxed.status, HMF_ERROR_NULL);
-                EXPECT_LT(relative(relaxed.report.energy, expected), 1e-10) << "relax " << relaxed.report.energy << " instead of " << expected;
+                EXPECT_LT(relative(relaxed.report.energy, expected), 1e-10)
+                    << "relax " << relaxed.report.energy << " instead of " << expected;
             }
             if (options.paper) {
                 const Solution paper = solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, 1e-10));
-                EXPECT_TRUE(paper.status == HMF_OK || paper.status == HMF_LIMIT_STALLED) << "whitehead: " << paper.error.message;
+                EXPECT_TRUE(paper.status == HMF_OK || paper.status == HMF_LIMIT_STALLED)
+                    << "whitehead: " << paper.error.message;
                 ASSERT_LT(paper.status, HMF_ERROR_NULL);
                 expect_foliation(hierarchy, level, paper.values);
-                EXPECT_LT(relative(paper.report.energy, expected), 1e-6) << "whitehead " << paper.report.energy << " instead of " << expected;
+                EXPECT_LT(relative(paper.report.energy, expected), 1e-6)
+                    << "whitehead " << paper.report.energy << " instead of " << expected;
                 // The minimum is the minimum.
                 EXPECT_GE(paper.report.energy, expected * (1 - 1e-10));
             }

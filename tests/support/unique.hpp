@@ -9,7 +9,7 @@ namespace test {
 struct UniqueOptions {
     std::vector<double> ratios{0.3, 0.5, 0.7};
     std::vector<uint64_t> coarsest{500, 2000};
-    bool paper = true; // Whitehead moves as well
+    bool paper = true;   // Whitehead moves as well
     bool relaxed = true; // from the initial foliation there and back, on the first hierarchy
 };
 

@@ -32,8 +32,9 @@ int main(int argc, char** argv) {
     if (!file || std::fread(counts, 8, 2, file) != 2) return 1;
     std::vector<double> positions(3 * counts[0]);
     std::vector<uint32_t> triangles(3 * counts[1]);
-    if (std::fread(positions.data(), 8, positions.size(), file) != positions.size() ||
-        std::fread(triangles.data(), 4, triangles.size(), file) != triangles.size()) return 1;
+    if (std::fread(positions.data(), 8, positions.size(), file) != positions.size()
+        || std::fread(triangles.data(), 4, triangles.size(), file) != triangles.size())
+        return 1;
     std::fclose(file);
     std::vector<double> values(triangles.size() / 2);
     double build = 1e300, solve = 1e300;
@@ -41,7 +42,8 @@ int main(int argc, char** argv) {
         hmf_hierarchy* h = nullptr;
         hmf_error error = {};
         const double start = processor_seconds();
-        if (stop(hmf_build(positions.data(), counts[0], 0, triangles.data(), counts[1], nullptr, &h, &error), error)) return 1;
+        if (stop(hmf_build(positions.data(), counts[0], 0, triangles.data(), counts[1], nullptr, &h, &error), error))
+            return 1;
         const double built = processor_seconds();
         if (stop(hmf_solve(h, nullptr, nullptr, values.data(), values.size(), nullptr, &error), error)) return 1;
         const double solved = processor_seconds();

@@ -11,7 +11,8 @@
 
 #include "../../../include/hmf/hmf.h"
 
-extern "C" __attribute__((import_module("hmf"), import_name("progress"))) int32_t hmf_js_progress(uint32_t callback, double fraction);
+extern "C" __attribute__((import_module("hmf"), import_name("progress"))) int32_t hmf_js_progress(uint32_t callback,
+                                                                                                  double fraction);
 
 namespace {
 
@@ -30,14 +31,18 @@ void release(void*, void* block, size_t size) {
     std::free(block);
 }
 
-int32_t progress(void* user, double fraction) { return hmf_js_progress(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(user)), fraction); }
+int32_t progress(void* user, double fraction) {
+    return hmf_js_progress(static_cast<uint32_t>(reinterpret_cast<uintptr_t>(user)), fraction);
+}
 
 } // namespace
 
 extern "C" {
 
 __attribute__((export_name("hmf_js_take"))) void* hmf_js_take(size_t size) { return allocate(nullptr, size); }
-__attribute__((export_name("hmf_js_give"))) void hmf_js_give(void* block, size_t size) { release(nullptr, block, size); }
+__attribute__((export_name("hmf_js_give"))) void hmf_js_give(void* block, size_t size) {
+    release(nullptr, block, size);
+}
 __attribute__((export_name("hmf_js_bytes_in_use"))) size_t hmf_js_bytes_in_use(void) { return bytes_in_use; }
 
 // Addresses for the options.

@@ -9,7 +9,8 @@ hmf::Hierarchy build() {
     for (uint32_t i = 0; i < 6; ++i)
         for (uint32_t j = 0; j < 8; ++j) {
             positions.push_back({x[i] * (8 + r[j]), y[i] * (8 + r[j]), 8 * z[j]});
-            const uint32_t a = 8 * i + j, b = 8 * ((i + 1) % 6) + j, c = 8 * ((i + 1) % 6) + (j + 1) % 8, d = 8 * i + (j + 1) % 8;
+            const uint32_t a = 8 * i + j, b = 8 * ((i + 1) % 6) + j, c = 8 * ((i + 1) % 6) + (j + 1) % 8,
+                           d = 8 * i + (j + 1) % 8;
             triangles.insert(triangles.end(), {a, b, c, a, c, d});
         }
     return hmf::Hierarchy(positions, triangles);

@@ -1,0 +1,61 @@
+#include "mesh_formats.hpp"
+
+#include "byte_order.hpp"
+#include "text_cursor.hpp"
+
+namespace readers {
+
+const char* name_of(Format format) {
+    switch (format) {
+    case Format::obj: return "OBJ";
+    case Format::off: return "OFF";
+    case Format::ply: return "PLY";
+    case Format::stl: return "STL";
+    default: return "glTF";
+    }
+}
+
+std::optional<Format> format_of_extension(std::string_view extension) {
+    if (extension == ".obj") return Format::obj;
+    if (extension == ".off") return Format::off;
+    if (extension == ".ply") return Format::ply;
+    if (extension == ".stl") return Format::stl;
+    if (extension == ".gltf" || extension == ".glb") return Format::gltf;
+    return {};
+}
+
+std::optional<Format> format_of_content(std::string_view bytes) {
+    if (bytes.substr(0, 4) == "glTF") return Format::gltf;
+    if (bytes.size() >= 84 && 84 + uint64_t{50} * load<uint32_t>(bytes.data() + 80) == bytes.size()) return Format::stl;
+    const std::string_view start = bytes.substr(0, 1u << 16); // comments may come first
+    TextCursor text(start);
+    if (!text.more_lines()) return {};
+    const std::string_view word = text.word();
+    if (word == "ply") return Format::ply;
+    if (word == "solid") return Format::stl;
+    if (word[0] == '{') return Format::gltf;
+    if (word.size() <= 7 && word.size() >= 3 && word.substr(word.size() - 3) == "OFF") return Format::off;
+    for (const char* statement : {"v", "vt", "vn", "o", "g", "s", "mtllib", "usemtl"})
+        if (word == statement) return Format::obj;
+    return {};
+}
+
+TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour) {
+    if (bytes.empty()) throw MeshError("the file is empty");
+    TriangleMesh mesh;
+    switch (format) {
+    case Format::obj: mesh = read_obj(bytes); break;
+    case Format::off: mesh = read_off(bytes); break;
+    case Format::ply: mesh = read_ply(bytes); break;
+    case Format::stl: mesh = read_stl(bytes); break;
+    case Format::gltf: mesh = read_gltf(bytes, neighbour); break;
+    }
+    if (mesh.positions.empty() || mesh.triangles.empty())
+        throw MeshError("the file has no " + std::string(mesh.positions.empty() ? "vertices" : "faces") + "; is it "
+                        + name_of(format) + "?");
+    if (mesh.vertex_count() > 0x7fffffff || mesh.triangle_count() > 0x7fffffff)
+        throw MeshError("the mesh has more than 2^31 vertices or triangles; divide it");
+    return mesh;
+}
+
+} // namespace readers

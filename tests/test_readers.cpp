@@ -1,0 +1,907 @@
+// Readers of mesh files (bindings/readers): the same mesh in every format and dialect, doubles bit for bit, a sentence
+// for each defect, and little time for files that ask for more than they are.
+#include <mesh_formats.hpp>
+#include <point_numbers.hpp>
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "support/meshes.hpp"
+
+using namespace readers;
+
+namespace {
+
+// --- The mesh ------------------------------------------------------------------
+
+struct Sample {
+    std::vector<double> positions;
+    std::vector<std::vector<uint32_t>> faces; // triangles, a quad, a pentagon
+    std::vector<uint32_t> triangles;          // the fans
+    size_t vertex_count() const { return positions.size() / 3; }
+};
+
+Sample make_sample() {
+    const test::TriMesh torus = test::torus(7, 5, 2, 0.8);
+    Sample s;
+    s.positions = torus.positions;
+    for (size_t c = 0; c < torus.triangles.size(); c += 3)
+        s.faces.emplace_back(&torus.triangles[c], &torus.triangles[c] + 3);
+    s.faces.push_back({0, 1, 2, 3});
+    s.faces.push_back({4, 3, 2, 1, 0});
+    s.triangles = torus.triangles;
+    s.triangles.insert(s.triangles.end(), {0, 1, 2, 0, 2, 3, 4, 3, 2, 4, 2, 1, 4, 1, 0});
+    return s;
+}
+
+// Coordinates as a format with floats keeps them.
+std::vector<double> as_floats(const std::vector<double>& positions) {
+    std::vector<double> result;
+    for (const double x : positions) result.push_back(static_cast<double>(static_cast<float>(x)));
+    return result;
+}
+
+void expect_same(const TriangleMesh& mesh, const std::vector<double>& positions,
+                 const std::vector<uint32_t>& triangles) {
+    EXPECT_EQ(mesh.triangles, triangles);
+    ASSERT_EQ(mesh.positions.size(), positions.size());
+    EXPECT_EQ(std::memcmp(mesh.positions.data(), positions.data(), 8 * positions.size()), 0);
+}
+
+// --- Writers -------------------------------------------------------------------
+
+std::string digits17(double x) {
+    char buffer[40];
+    std::snprintf(buffer, sizeof buffer, "%.17g", x);
+    return buffer;
+}
+
+std::string point_text(const double* p) { return digits17(p[0]) + " " + digits17(p[1]) + " " + digits17(p[2]); }
+
+template <typename Number>
+std::string bytes_of(Number number, bool big_endian = false) {
+    uint64_t bits = 0;
+    if constexpr (std::is_same_v<Number, double>) std::memcpy(&bits, &number, 8);
+    else if constexpr (std::is_same_v<Number, float>) {
+        uint32_t word;
+        std::memcpy(&word, &number, 4);
+        bits = word;
+    } else bits = static_cast<uint64_t>(number);
+    std::string bytes(sizeof number, '\0');
+    for (size_t i = 0; i < sizeof number; ++i)
+        bytes[big_endian ? sizeof number - 1 - i : i] = static_cast<char>(bits >> 8 * i & 0xff);
+    return bytes;
+}
+
+std::string obj_vertices(const Sample& s, const std::string& behind = "") {
+    std::string obj;
+    for (size_t v = 0; v < s.vertex_count(); ++v) obj += "v " + point_text(&s.positions[3 * v]) + behind + "\n";
+    return obj;
+}
+
+// corner(v): how a face names vertex v.
+template <typename Corner>
+std::string obj_faces(const Sample& s, const Corner& corner) {
+    std::string obj;
+    for (const auto& face : s.faces) {
+        obj += "f";
+        for (const uint32_t v : face) obj += " " + corner(v);
+        obj += "\n";
+    }
+    return obj;
+}
+
+std::string obj_faces(const Sample& s) {
+    return obj_faces(s, [](uint32_t v) { return std::to_string(v + 1); });
+}
+
+std::string off_rows(const Sample& s, const std::string& behind_vertex, const std::string& behind_face) {
+    std::string off;
+    for (size_t v = 0; v < s.vertex_count(); ++v) off += point_text(&s.positions[3 * v]) + behind_vertex + "\n";
+    for (const auto& face : s.faces) {
+        off += std::to_string(face.size());
+        for (const uint32_t v : face) off += " " + std::to_string(v);
+        off += behind_face + "\n";
+    }
+    return off;
+}
+
+std::string off_counts(const Sample& s) {
+    return std::to_string(s.vertex_count()) + " " + std::to_string(s.faces.size()) + " 0\n";
+}
+
+enum PlyKind { ascii, little, big };
+
+std::string ply_header(PlyKind kind, const Sample& s, const std::string& vertex_properties,
+                       const std::string& face_properties, const std::string& other = "") {
+    const char* const format[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    return std::string("ply\nformat ") + format[kind] + " 1.0\ncomment element face 3\nobj_info x\n" + other
+         + "element vertex " + std::to_string(s.vertex_count()) + "\n" + vertex_properties + "element face "
+         + std::to_string(s.faces.size()) + "\n" + face_properties + "end_header\n";
+}
+
+// Numbers of a PLY, as text or bytes.
+class PlyRow {
+public:
+    explicit PlyRow(PlyKind kind) : kind_(kind) {}
+    template <typename Number>
+    PlyRow& operator<<(Number number) {
+        if (kind_ == ascii) row_ += (row_.empty() ? "" : " ") + digits17(static_cast<double>(number));
+        else row_ += bytes_of(number, kind_ == big);
+        return *this;
+    }
+    std::string end() const { return kind_ == ascii ? row_ + "\n" : row_; }
+
+private:
+    PlyKind kind_;
+    std::string row_;
+};
+
+template <typename Real, typename Count, typename Index>
+std::string ply_rows(PlyKind kind, const Sample& s) {
+    std::string rows;
+    for (size_t v = 0; v < s.vertex_count(); ++v) {
+        PlyRow row(kind);
+        for (size_t k = 0; k < 3; ++k) row << static_cast<Real>(s.positions[3 * v + k]);
+        rows += row.end();
+    }
+    for (const auto& face : s.faces) {
+        PlyRow row(kind);
+        row << static_cast<Count>(face.size());
+        for (const uint32_t v : face) row << static_cast<Index>(v);
+        rows += row.end();
+    }
+    return rows;
+}
+
+std::string stl_text(const std::vector<double>& positions, const std::vector<uint32_t>& triangles) {
+    std::string stl = "solid a name\n";
+    for (size_t c = 0; c < triangles.size(); c += 3) {
+        stl += "facet normal 0 nan 1\n outer loop\n";
+        for (size_t k = 0; k < 3; ++k) stl += "  vertex " + point_text(&positions[size_t{3} * triangles[c + k]]) + "\n";
+        stl += " endloop\nendfacet\n";
+    }
+    return stl + "endsolid a name\n";
+}
+
+std::string stl_bytes(const std::vector<double>& positions, const std::vector<uint32_t>& triangles,
+                      const std::string& header = "") {
+    std::string stl = header + std::string(80 - header.size(), header.empty() ? '\0' : ' ');
+    stl += bytes_of(static_cast<uint32_t>(triangles.size() / 3));
+    for (size_t c = 0; c < triangles.size(); c += 3) {
+        stl += std::string(12, '\xff'); // a normal that is not a number
+        for (size_t k = 0; k < 3; ++k)
+            for (size_t x = 0; x < 3; ++x)
+                stl += bytes_of(static_cast<float>(positions[size_t{3} * triangles[c + k] + x]));
+        stl += "ab";
+    }
+    return stl;
+}
+
+// Points in the order in which the triangles meet them first, as STL has them.
+void number_by_triangles(std::vector<double>& positions, std::vector<uint32_t>& triangles) {
+    std::vector<double> met;
+    std::vector<uint32_t> number(positions.size() / 3, UINT32_MAX);
+    for (uint32_t& v : triangles) {
+        if (number[v] == UINT32_MAX) {
+            number[v] = static_cast<uint32_t>(met.size() / 3);
+            met.insert(met.end(), &positions[size_t{3} * v], &positions[size_t{3} * v] + 3);
+        }
+        v = number[v];
+    }
+    positions = met;
+}
+
+std::string base64(const std::string& bytes) {
+    const char* const digit = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (size_t i = 0; i < bytes.size(); i += 3) {
+        uint32_t bits = 0;
+        for (size_t k = 0; k < 3; ++k)
+            bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digit[bits >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
+// A glTF in the making: numbers go into one buffer, the rest is JSON that a test writes itself.
+struct Gltf {
+    std::string buffer, views, accessors, scene = "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],";
+    std::string nodes = "{\"mesh\":0}", primitives, more;
+    int count = 0;
+
+    // Number of the new accessor.  stride: of the bytes, 0 for none.
+    int add(const std::string& bytes, size_t elements, int type, const char* kind, size_t stride = 0,
+            const std::string& rest = "") {
+        const std::string comma = count ? "," : "";
+        views += comma + "{\"buffer\":0,\"byteOffset\":" + std::to_string(buffer.size()) + ",\"byteLength\":"
+               + std::to_string(bytes.size()) + (stride ? ",\"byteStride\":" + std::to_string(stride) : "") + "}";
+        accessors += comma + "{\"bufferView\":" + std::to_string(count) + ",\"componentType\":" + std::to_string(type)
+                   + ",\"count\":" + std::to_string(elements) + ",\"type\":\"" + kind + "\"" + rest + "}";
+        buffer += bytes + std::string((4 - bytes.size() % 4) % 4, '\0');
+        return count++;
+    }
+    int add_points(const std::vector<double>& positions) {
+        std::string bytes;
+        for (const double x : positions) bytes += bytes_of(static_cast<float>(x));
+        return add(bytes, positions.size() / 3, 5126, "VEC3");
+    }
+    template <typename Index>
+    int add_indices(const std::vector<uint32_t>& triangles) {
+        std::string bytes;
+        for (const uint32_t v : triangles) bytes += bytes_of(static_cast<Index>(v));
+        return add(bytes, triangles.size(), sizeof(Index) == 1 ? 5121 : sizeof(Index) == 2 ? 5123 : 5125, "SCALAR");
+    }
+    void add_primitive(int points, int indices, const std::string& rest = "") {
+        primitives += std::string(primitives.empty() ? "" : ",")
+                    + "{\"attributes\":{\"POSITION\":" + std::to_string(points) + "}"
+                    + (indices < 0 ? "" : ",\"indices\":" + std::to_string(indices)) + rest + "}";
+    }
+    std::string json(const std::string& uri) const {
+        return "{\"asset\":{\"version\":\"2.0\"}," + more + scene + "\"nodes\":[" + nodes
+             + "],\n\"meshes\":[{\"primitives\":[" + primitives + "]}],\"buffers\":[{\"byteLength\":"
+             + std::to_string(buffer.size()) + (uri.empty() ? "" : ",\"uri\":\"" + uri + "\"") + "}],\"bufferViews\":["
+             + views + "],\"accessors\":[" + accessors + "]}";
+    }
+    std::string embedded() const { return json("data:application/octet-stream;base64," + base64(buffer)); }
+    std::string glb() const {
+        std::string text = json("");
+        text += std::string((4 - text.size() % 4) % 4, ' ');
+        const auto word = [](size_t n) { return bytes_of(static_cast<uint32_t>(n)); };
+        return "glTF" + word(2) + word(28 + text.size() + buffer.size()) + word(text.size()) + "JSON" + text
+             + word(buffer.size()) + std::string("BIN\0", 4) + buffer;
+    }
+};
+
+Gltf gltf_of(const std::vector<double>& positions, const std::vector<uint32_t>& triangles) {
+    Gltf gltf;
+    const int points = gltf.add_points(positions);
+    gltf.add_primitive(points, gltf.add_indices<uint32_t>(triangles));
+    return gltf;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, text.npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+// --- Defects -------------------------------------------------------------------
+
+// The sentence of the refusal, with the line in front as the tool has it.
+std::string refusal(const std::string& bytes, Format format) {
+    try {
+        read_mesh(bytes, format);
+    } catch (const MeshError& error) {
+        return (error.line > 0 ? ":" + std::to_string(error.line) + ": " : "") + error.what();
+    }
+    return "not refused";
+}
+
+void expect_refused(const std::string& bytes, Format format, const std::vector<std::string>& says) {
+    const std::string sentence = refusal(bytes, format);
+    for (const std::string& part : says)
+        EXPECT_NE(sentence.find(part), sentence.npos) << sentence << "\nhas no " << part;
+    for (const char c : sentence) EXPECT_TRUE(c >= ' ' && c <= '~') << sentence;
+}
+
+// Runs something that has to be quick: seconds are minutes where no bound holds.
+template <typename Action>
+void expect_quick(const Action& action) {
+    const auto start = std::chrono::steady_clock::now();
+    action();
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20);
+}
+
+} // namespace
+
+// --- OBJ -------------------------------------------------------------------------
+
+TEST(ReadObj, CornersInEveryForm) {
+    const Sample s = make_sample();
+    const std::string vertices = obj_vertices(s), n = std::to_string(s.vertex_count());
+    const auto read = [&](const char* before, const char* behind) {
+        return read_mesh(vertices + obj_faces(s, [&](uint32_t v) { return before + std::to_string(v + 1) + behind; }),
+                         Format::obj);
+    };
+    for (const char* behind : {"", "/7", "//8", "/7/8", "/-7/-8", "/", "//"}) {
+        SCOPED_TRACE(behind);
+        expect_same(read("", behind), s.positions, s.triangles);
+    }
+    const std::string backwards =
+        obj_faces(s, [&](uint32_t v) { return "-" + std::to_string(s.vertex_count() - v) + "/-1"; });
+    expect_same(read_mesh(vertices + backwards, Format::obj), s.positions, s.triangles);
+    expect_same(read_mesh(obj_faces(s) + vertices, Format::obj), s.positions, s.triangles);
+}
+
+TEST(ReadObj, Dialects) {
+    const Sample s = make_sample();
+    const std::string faces = obj_faces(s), plain = obj_vertices(s) + faces;
+    const auto expect = [&](const std::string& obj) {
+        expect_same(read_mesh(obj, Format::obj), s.positions, s.triangles);
+    };
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string obj;
+        for (size_t at = 0; at < plain.size();) {
+            const bool here = plain.compare(at, from.size(), from) == 0;
+            obj += here ? to : plain.substr(at, 1);
+            at += here ? from.size() : 1;
+        }
+        return obj;
+    };
+    expect(with("\n", "\r\n"));
+    expect(with(" ", " \t  "));
+    expect(with(" ", " \\\n "));
+    expect(with(" ", "\\\r\n "));
+    expect(with("\n", "  # comment \\\n\n"));
+    expect(with("v ", "\tv "));
+    expect("\xef\xbb\xbf" + plain);
+    expect(plain.substr(0, plain.size() - 1)); // no line end
+    expect(plain.substr(0, plain.size() - 1) + "\\\n");
+    expect(plain.substr(0, plain.size() - 1) + "\\");
+    expect(obj_vertices(s, " 0.5") + faces);
+    expect(obj_vertices(s, " 0.1 0.2 0.3") + faces);
+    expect("# f 1 2\nmtllib a.mtl\no torus\ng a b\nvt 0 0\nvn 0 0 1\ns off\nusemtl m\nl 1 2 \\\n 3\np 1\n" + plain
+           + "vp 1\ncurv 0 1 \\\n 1 2\nend");
+}
+
+TEST(ReadObj, Refusals) {
+    const auto refused = [](const std::string& obj, const std::vector<std::string>& says) {
+        expect_refused(obj, Format::obj, says);
+    };
+    const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    refused("", {"empty"});
+    refused("# only a comment\n", {"no vertices", "OBJ"});
+    refused(good, {"no faces"});
+    refused("hello\n" + good, {":1:", "\"hello\" is no statement"});
+    refused(good + "\x1b[31m\xff\n", {":4:", "\"?[31m?\""});
+    refused(good + "v 1 2\n", {":4:", "three coordinates"});
+    refused("v 1 \\\n 2\n", {":2:", "three coordinates"});
+    refused(good + "v 1 x 2\n", {":4:", "\"x\" is not a number"});
+    refused(good + "v 1 2 3x\n", {":4:", "\"3x\" is not a number"});
+    refused(good + "v 1,5 2 3\n", {":4:", "\"1,5\" is not a number"});
+    refused(good + "v 1 2 +-3\n", {":4:", "\"+-3\" is not a number"});
+    refused(good + "v 1 nan 3\n", {":4:", "\"nan\" is not finite"});
+    refused(good + "v 1 2 -inf\n", {":4:", "\"-inf\" is not finite"});
+    refused(good + "v 1 2 1e999\n", {":4:", "\"1e999\" is too large"});
+    refused(good + "f 1 2\n", {":4:", "face 0", "three corners"});
+    refused(good + "f 1 2 3\nf\n", {":5:", "face 1", "three corners"});
+    refused(good + "f 1 2 4\nf 1 2 3\n", {":4:", "face 0 names vertex 4", "does not exist", "has 3 vertices"});
+    refused(good + "f 1 2 3\nf 1 2 4294967297\n", {":5:", "face 1 names vertex 4294967297", "has 3 vertices"});
+    refused(good + "f 1 2 99999999999999999999999999\n", {":4:", "vertex 999999999999999999999999", "has 3 vertices"});
+    refused(good + "f -1 -2 -4\n" + good, {":4:", "vertex -4", "there are 3 vertices before it"});
+    refused(good + "f 1 2 -99999999999999999999\n", {":4:", "does not exist"});
+    refused(good + "f 0 1 2\n", {":4:", "vertex 0", "counted from 1"});
+    refused(good + "f 1 2 x\n", {":4:", "\"x\" is not a corner"});
+    refused(good + "f 1 2 3.5\n", {":4:", "\"3.5\" is not a corner"});
+    refused(good + "f 1 2 3/a\n", {":4:", "\"3/a\" is not a corner"});
+    refused(good + "f 1 2 - 3\n", {":4:", "\"-\" is not a corner"});
+    refused(good + "f 1 2 " + std::string(100, 'x'), {":4:", "xxx...\""});
+}
+
+// --- OFF -------------------------------------------------------------------------
+
+TEST(ReadOff, Dialects) {
+    const Sample s = make_sample();
+    const std::string counts = off_counts(s), plain = off_rows(s, "", "");
+    const auto expect = [&](const std::string& off) {
+        expect_same(read_mesh(off, Format::off), s.positions, s.triangles);
+    };
+    expect("OFF\n" + counts + plain);
+    expect("OFF " + counts + plain);
+    expect("OFF" + counts + plain);
+    expect(counts + plain);
+    expect("# comment\n\n  OFF # comment\n#\n" + counts + "\n# comment\n" + plain);
+    expect("OFF\r\n" + counts + off_rows(s, "\r", "\r"));
+    expect("COFF\n" + counts + off_rows(s, " 255 128 0 255", ""));
+    expect("NOFF\n" + counts + off_rows(s, " 0 0 1", " 3 255 0 0"));
+    expect("STOFF\n" + counts + off_rows(s, " 0.5 0.5", " # face"));
+    expect("STCNOFF\n" + counts + off_rows(s, " 0 0 1 1 1 1 1 0 0", " 0.1 0.2 0.3"));
+    expect("OFF\n" + counts + plain.substr(0, plain.size() - 1));
+}
+
+TEST(ReadOff, Refusals) {
+    const auto refused = [](const std::string& off, const std::vector<std::string>& says) {
+        expect_refused(off, Format::off, says);
+    };
+    const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
+    refused("# nothing\n", {"nothing but comments"});
+    refused("OFFX\n", {":1:", "not a number of vertices"});
+    refused("PLY\n", {":1:", "\"PLY\" is no header of OFF"});
+    refused("4OFF\n1 1 1\n", {":1:", "\"4OFF\"", "three dimensions"});
+    refused("CnOFF\n1 1 1\n", {":1:", "\"CnOFF\"", "three dimensions"});
+    refused("OFF BINARY\n", {":1:", "binary OFF is not read"});
+    refused("OFF\n", {"ends before the number of vertices"});
+    refused("OFF\n3", {"ends before the number of faces"});
+    refused("OFF\n-3 1 0\n", {":2:", "\"-3\" is not a number of vertices"});
+    refused("OFF\n3 1 0\n0 0 0\n1 0\n", {":4:", "vertex 1 needs three coordinates"});
+    refused("OFF\n3 1 0\n0 0 0\n1 inf 0\n", {":4:", "not finite"});
+    refused("OFF\n3 1 0\n0 0 0\n1 0 0\n", {"ends after 2 of 3 vertices", "cut"});
+    refused("OFF\n3 2 0\n" + points + "3 0 1 2\n", {"ends after 1 of 2 faces", "cut"});
+    refused("OFF\n3 1 0\n" + points + "3 0 1\n", {":6:", "face 0 has 2 of 3 corners"});
+    refused("OFF\n3 1 0\n" + points + "2 0 1\n", {":6:", "face 0", "three corners"});
+    refused("OFF\n3 1 0\n" + points + "3 0 1 3\n", {":6:", "face 0 names vertex 3", "has 3 vertices, counted from 0"});
+    refused("OFF\n3 1 0\n" + points + "3 0 1 -1\n", {":6:", "\"-1\" is not a vertex"});
+    refused("OFF\n3 1 0\n" + points + "3 0 1 99999999999999999999\n", {":6:", "does not exist"});
+    refused("OFF\n0 0 0\n", {"no vertices"});
+}
+
+// --- PLY -------------------------------------------------------------------------
+
+TEST(ReadPly, EveryTypeAndOrder) {
+    const Sample s = make_sample();
+    const std::string reals = "property double x\nproperty float64 y\nproperty double z\n";
+    for (const PlyKind kind : {ascii, little, big}) {
+        SCOPED_TRACE(kind);
+        const auto expect = [&](const std::string& rows, const std::string& face) {
+            SCOPED_TRACE(face);
+            expect_same(read_mesh(ply_header(kind, s, reals, face) + rows, Format::ply), s.positions, s.triangles);
+        };
+        expect(ply_rows<double, uint8_t, int32_t>(kind, s), "property list uchar int vertex_indices\n");
+        expect(ply_rows<double, int8_t, uint32_t>(kind, s), "property list char uint vertex_index\n");
+        expect(ply_rows<double, uint16_t, uint8_t>(kind, s), "property list ushort uchar vertex_indices\n");
+        expect(ply_rows<double, int16_t, int8_t>(kind, s), "property list int16 int8 vertex_indices\n");
+        expect(ply_rows<double, uint32_t, uint16_t>(kind, s), "property list uint32 uint16 vertex_indices\n");
+        expect(ply_rows<double, int32_t, int16_t>(kind, s), "property list int short vertex_indices\n");
+        const std::string floats = "property float x\nproperty float32 y\nproperty float z\n";
+        expect_same(read_mesh(ply_header(kind, s, floats, "property list uchar int vertex_indices\n")
+                                  + ply_rows<float, uint8_t, int32_t>(kind, s),
+                              Format::ply),
+                    as_floats(s.positions), s.triangles);
+    }
+}
+
+TEST(ReadPly, SkipsWhatIsNotTheMesh) {
+    const Sample s = make_sample();
+    for (const PlyKind kind : {ascii, little, big}) {
+        SCOPED_TRACE(kind);
+        std::string rows;
+        for (int i = 0; i < 3; ++i) rows += (PlyRow(kind) << uint8_t{2} << 0.5f << -1.0f << int16_t{-3}).end();
+        for (int i = 0; i < 2; ++i) rows += (PlyRow(kind) << 0.25).end();
+        for (size_t v = 0; v < s.vertex_count(); ++v) {
+            const double* const p = &s.positions[3 * v];
+            rows += (PlyRow(kind) << p[2] << uint8_t{255} << p[0] << uint16_t{1} << 7.5 << p[1]).end();
+        }
+        for (const auto& face : s.faces) {
+            PlyRow row(kind);
+            row << int16_t{-1} << uint8_t{0} << static_cast<uint8_t>(face.size());
+            for (const uint32_t v : face) row << static_cast<int32_t>(v);
+            rows += (row << uint8_t{1} << 1.5f).end();
+        }
+        rows += (PlyRow(kind) << 3.0).end();
+        const std::string before = "element nothing 1000000000\nelement strip 3\nproperty list uchar float a\n"
+                                   "property short b\nelement camera 2\nproperty double c\n";
+        const std::string vertex = "property double z\nproperty uchar red\nproperty double x\n"
+                                   "property list ushort double more\nproperty double y\n";
+        const std::string face = "property short flags\nproperty list uchar int empty\n"
+                                 "property list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+        std::string header = ply_header(kind, s, vertex, face, before);
+        header = replaced(header, "end_header", "element last 1\nproperty double d\nend_header");
+        expect_same(read_mesh(header + rows, Format::ply), s.positions, s.triangles);
+    }
+}
+
+TEST(ReadPly, Dialects) {
+    const Sample s = make_sample();
+    const std::string list = "property list uchar int vertex_indices\n";
+    const std::string xyz = "property double x\nproperty double y\nproperty double z\n";
+    std::string crlf;
+    for (const char c : ply_header(little, s, xyz, list)) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+    expect_same(read_mesh(crlf + ply_rows<double, uint8_t, int32_t>(little, s), Format::ply), s.positions, s.triangles);
+    // Faces may come first.
+    const std::string faces_first =
+        "ply\nformat ascii 1.0\nelement face 1\n" + list + "element vertex 3\n" + xyz + "end_header\n";
+    EXPECT_EQ(read_mesh(faces_first + "\n3 0 1 2\n\n0 0 0\n1 0 0\n0 1 0", Format::ply).triangles.size(), 3u);
+    EXPECT_EQ(refusal(faces_first + "3 0 1 3\n0 0 0\n1 0 0\n0 1 0", Format::ply).substr(0, 21),
+              ":10: face 0 names ver");
+    // A float of a text is a float, also where a double was written.
+    const std::string floats = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                               "property int z\nelement face 1\n"
+                             + list + "end_header\n";
+    const TriangleMesh mesh = read_mesh(floats + "0.1 1e-60 7\n-1e-60 1e-40 0\n0 1 0\n3 0 1 2\n", Format::ply);
+    const std::vector<double> expected = {double{0.1f}, 0, 7, -0.0, double{1e-40f}, 0, 0, 1, 0};
+    expect_same(mesh, expected, {0, 1, 2});
+}
+
+TEST(ReadPly, Refusals) {
+    const auto refused = [](const std::string& ply, const std::vector<std::string>& says) {
+        expect_refused(ply, Format::ply, says);
+    };
+    const std::string start = "ply\nformat ascii 1.0\n", xyz = "property float x\nproperty float y\nproperty float z\n";
+    const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n", end = "end_header\n";
+    const std::string head = start + "element vertex 3\n" + xyz + faces + end; // 9 lines, then the rows
+    const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
+    refused("hello", {":1:", "word ply"});
+    refused("ply\nformat ascii 1.0\nelement vertex 3\n", {"no line end_header", "cut"});
+    refused("ply\nelement vertex 3\n" + xyz + faces + end, {"no line format"});
+    refused("ply\nformat ebcdic 1.0\n" + end, {":2:", "\"ebcdic\" is no format"});
+    refused(start + "elephant vertex 3\n" + end, {":3:", "\"elephant\" is no keyword"});
+    refused(start + "element vertex\n" + end, {":3:", "number of the element"});
+    refused(start + "element vertex -3\n" + end, {":3:", "\"-3\" is not a number of rows"});
+    refused(start + xyz + end, {":3:", "property before the first element"});
+    refused(start + "element vertex 3\nproperty quad x\n" + end, {":4:", "\"quad\" is no type"});
+    refused(start + "element vertex 3\nproperty float\n" + end, {":4:", "name of the property"});
+    refused(start + "element vertex 3\nproperty list float int x\n" + end, {":4:", "whole type"});
+    refused(start + faces + end, {"no element vertex"});
+    refused(start + "element vertex 3\n" + xyz + end, {"no element face"});
+    refused(start + "element vertex 3\nproperty float x\nproperty float z\n" + faces + end, {"no property y"});
+    refused(start + "element vertex 3\n" + xyz + "element face 1\nproperty int vertex_indices\n" + end,
+            {"no list vertex_indices"});
+    refused(start + "element vertex 3\n" + xyz + "element face 1\nproperty list uchar float vertex_indices\n" + end,
+            {"whole type"});
+    refused(start + "element vertex 3\n" + xyz + "element vertex 3\n" + xyz + faces + end, {"\"vertex\" twice"});
+    refused(replaced(head, "element face", "element \x1b 1\nproperty int i\nelement face") + points + "\n",
+            {"0 of 1 rows of \"?\""});
+    refused(replaced(replaced(head, "ascii", "binary_big_endian"), "element vertex",
+                     "element \x1b 1\nproperty list int int i\nelement vertex")
+                + std::string(5, '\1'),
+            {"ends in ? 0 of 1"});
+    refused(start + "element vertex 3\n" + xyz + "element tristrips 1\nproperty list int int vertex_indices\n" + end,
+            {"triangle strips are not read"});
+    refused(head + "0 0 0\n1 0\n", {":11:", "vertex 1 has fewer numbers"});
+    refused(head + "0 0 0 0\n", {":10:", "vertex 0 has more numbers"});
+    refused(head + "0 0 0\n1 nan 0\n", {":11:", "\"nan\" is not finite"});
+    refused(head + "0 0 0\n1 1e60 0\n", {":11:", "\"1e60\" is too large", "32 bits"});
+    refused(head + "0 0 0\n1 0 0\n", {"ends after 2 of 3 rows of \"vertex\"", "cut"});
+    refused(head + points, {"ends after 0 of 1 rows of \"face\""});
+    refused(head + points + "3 0 1\n", {":13:", "face 0 has fewer numbers"});
+    refused(head + points + "2 0 1\n", {":13:", "face 0", "three corners"});
+    refused(head + points + "3 0 1 3\n", {":13:", "face 0 names vertex 3", "3 vertices, counted from 0"});
+    refused(head + points + "3 0 1 -1\n", {":13:", "\"-1\" is not a vertex"});
+
+    const Sample s = make_sample();
+    const std::string doubles = "property double x\nproperty double y\nproperty double z\n";
+    const std::string header = ply_header(little, s, doubles, "property list uchar int vertex_indices\n");
+    const std::string rows = ply_rows<double, uint8_t, int32_t>(little, s);
+    const size_t first_face = 24 * s.vertex_count();
+    const auto at_byte = [&](size_t row_byte) { return "byte " + std::to_string(header.size() + row_byte); };
+    refused(header + rows.substr(0, 100),
+            {"declares 35 rows of \"vertex\" of at least 24 bytes", "only 100 bytes", "cut"});
+    refused(header + rows.substr(0, first_face + 72 * 13 - 1), {"72 rows of \"face\" of at least 13 bytes", "cut"});
+    refused(header + rows.substr(0, rows.size() - 1), {"the file ends in face 71 of 72 (byte", "cut"});
+    const double nan = std::nan("");
+    refused(header + rows.substr(0, 24) + bytes_of(nan) + rows.substr(32), {"vertex 1", at_byte(32), "not finite"});
+    refused(header + rows.substr(0, first_face + 1) + bytes_of(35) + rows.substr(first_face + 5),
+            {"face 0", at_byte(first_face + 5), "names vertex 35", "has 35 vertices"});
+    refused(header + rows.substr(0, first_face + 1) + bytes_of(-2) + rows.substr(first_face + 5),
+            {"face 0", "has -2 where a vertex is expected"});
+    refused(header + rows.substr(0, first_face) + "\x02" + rows.substr(first_face + 1), {"face 0", "three corners"});
+    refused(header + rows.substr(0, first_face) + "\xff" + rows.substr(first_face + 1), {"face 0", "names vertex"});
+}
+
+// --- STL -------------------------------------------------------------------------
+
+TEST(ReadStl, TextAndBytes) {
+    Sample s = make_sample();
+    number_by_triangles(s.positions, s.triangles);
+    const std::vector<double> floats = as_floats(s.positions);
+    expect_same(read_mesh(stl_text(s.positions, s.triangles), Format::stl), s.positions, s.triangles);
+    expect_same(read_mesh(stl_bytes(s.positions, s.triangles), Format::stl), floats, s.triangles);
+    expect_same(read_mesh(stl_bytes(s.positions, s.triangles, "solid of a careless program"), Format::stl), floats,
+                s.triangles);
+    expect_same(read_mesh(stl_bytes(s.positions, s.triangles) + "and more", Format::stl), floats, s.triangles);
+    std::string capitals = stl_text(s.positions, s.triangles), two;
+    for (char& c : capitals) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    expect_same(read_mesh(capitals, Format::stl), s.positions, s.triangles);
+    const std::vector<uint32_t> head(s.triangles.begin(), s.triangles.begin() + 30),
+        tail(s.triangles.begin() + 30, s.triangles.end());
+    two = stl_text(s.positions, head) + stl_text(s.positions, tail);
+    expect_same(read_mesh(two, Format::stl), s.positions, s.triangles);
+}
+
+TEST(ReadStl, EqualPointsAreOne) {
+    const std::vector<double> positions = {0, 1, 2, -0.0, 1, 2, 1e-300, 1, 2, 0, 1, 2};
+    const TriangleMesh mesh = read_mesh(stl_text(positions, {0, 1, 2, 3, 2, 1}), Format::stl);
+    expect_same(mesh, {0, 1, 2, 1e-300, 1, 2}, {0, 0, 1, 0, 1, 0});
+}
+
+TEST(ReadStl, Refusals) {
+    const auto refused = [](const std::string& stl, const std::vector<std::string>& says) {
+        expect_refused(stl, Format::stl, says);
+    };
+    const Sample s = make_sample();
+    const std::string bytes = stl_bytes(s.positions, s.triangles), text = stl_text(s.positions, s.triangles);
+    refused("hello", {"5 bytes", "84"});
+    refused(bytes.substr(0, bytes.size() - 1), {"declares 75 triangles", "for 74 only", "cut"});
+    refused(bytes.substr(0, 96) + bytes_of(std::nanf("")) + bytes.substr(100), {"triangle 0", "byte 96", "not finite"});
+    refused(std::string(84, '\0'), {"no vertices"});
+    refused("solid\nendsolid\n", {"no vertices"});
+    refused("solid\nhello\n", {":2:", "\"hello\" where facet or endsolid is expected"});
+    refused(text.substr(0, text.size() - 16), {"before endsolid", "cut"});
+    refused(text.substr(0, text.find("endfacet", text.find("endfacet") + 1)), {"ends in facet 1", "cut"});
+    refused(replaced(text, "outer", "inner"), {":3:", "facet 0 has \"inner\" where outer"});
+    refused(replaced(text, " endloop", " vertex 0 0 0\n endloop"), {":7:", "facet 0 has more than three corners"});
+    refused(replaced(text, "  vertex", "vertex inf"), {":4:", "not finite"});
+}
+
+// --- glTF ------------------------------------------------------------------------
+
+TEST(ReadGltf, Containers) {
+    const Sample s = make_sample();
+    const std::vector<double> floats = as_floats(s.positions);
+    const Gltf gltf = gltf_of(s.positions, s.triangles);
+    expect_same(read_mesh(gltf.glb(), Format::gltf), floats, s.triangles);
+    expect_same(read_mesh(gltf.embedded(), Format::gltf), floats, s.triangles);
+    const Neighbour neighbour = [&](const std::string& name) {
+        EXPECT_EQ(name, "my data.bin");
+        return std::string_view(gltf.buffer);
+    };
+    expect_same(read_mesh(gltf.json("my%20data.bin"), Format::gltf, neighbour), floats, s.triangles);
+}
+
+TEST(ReadGltf, IndicesAndStrides) {
+    const Sample s = make_sample();
+    const std::vector<double> floats = as_floats(s.positions);
+    const auto expect = [&](const Gltf& gltf) {
+        expect_same(read_mesh(gltf.glb(), Format::gltf), floats, s.triangles);
+    };
+    Gltf bytes, shorts;
+    int points = bytes.add_points(s.positions);
+    bytes.add_primitive(points, bytes.add_indices<uint8_t>(s.triangles));
+    expect(bytes);
+    points = shorts.add_points(s.positions);
+    shorts.add_primitive(points, shorts.add_indices<uint16_t>(s.triangles), ",\"mode\":4");
+    expect(shorts);
+
+    // Points between other numbers, behind an offset.
+    Gltf strided;
+    std::string interleaved = "1234";
+    for (size_t v = 0; v < s.vertex_count(); ++v) {
+        for (size_t k = 0; k < 3; ++k) interleaved += bytes_of(static_cast<float>(s.positions[3 * v + k]));
+        interleaved += "normal..";
+    }
+    interleaved.resize(interleaved.size() - 8);
+    points = strided.add(interleaved, s.vertex_count(), 5126, "VEC3", 20, ",\"byteOffset\":4");
+    strided.add_primitive(points, strided.add_indices<uint16_t>(s.triangles));
+    expect(strided);
+
+    // Without indices every corner has its point; they are joined.
+    Sample joined = s;
+    number_by_triangles(joined.positions, joined.triangles);
+    std::vector<double> corners;
+    for (const uint32_t v : s.triangles) corners.insert(corners.end(), &s.positions[3 * v], &s.positions[3 * v] + 3);
+    Gltf soup;
+    soup.add_primitive(soup.add_points(corners), -1);
+    expect_same(read_mesh(soup.glb(), Format::gltf), as_floats(joined.positions), joined.triangles);
+
+    // Two primitives that share points, one without any use of the last ones, with a seam between them.
+    std::vector<double> split = s.positions;
+    split.insert(split.end(), s.positions.begin(), s.positions.end());
+    split.insert(split.end(), {9, 9, 9});
+    const std::vector<uint32_t> first(s.triangles.begin(), s.triangles.begin() + 150);
+    std::vector<uint32_t> second(s.triangles.begin() + 150, s.triangles.end());
+    for (uint32_t& v : second) v += static_cast<uint32_t>(s.vertex_count());
+    Gltf seam;
+    points = seam.add_points(split);
+    seam.add_primitive(points, seam.add_indices<uint32_t>(first));
+    seam.add_primitive(points, seam.add_indices<uint32_t>(second));
+    seam.add_primitive(points, -1, ",\"mode\":1"); // lines
+    expect(seam);
+}
+
+TEST(ReadGltf, StripsAndFans) {
+    const std::vector<double> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
+    const auto triangles = [&](const std::vector<uint32_t>& indices, const char* mode) {
+        Gltf gltf;
+        const int points = gltf.add_points(positions);
+        gltf.add_primitive(points, gltf.add_indices<uint16_t>(indices), std::string(",\"mode\":") + mode);
+        return read_mesh(gltf.glb(), Format::gltf).triangles;
+    };
+    EXPECT_EQ(triangles({0, 1, 2, 3, 4}, "5"), (std::vector<uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+    EXPECT_EQ(triangles({0, 1, 2, 2, 3, 4}, "5"), (std::vector<uint32_t>{0, 1, 2, 2, 4, 3}));
+    EXPECT_EQ(triangles({0, 1, 2, 3, 4}, "6"), (std::vector<uint32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
+}
+
+TEST(ReadGltf, Transforms) {
+    // A quarter turn round z, twice as large, shifted; then a mirror and a shift.  All numbers are exact.
+    const std::vector<double> positions = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    Gltf gltf = gltf_of(positions, {0, 1, 2});
+    const auto read = [&](const std::string& nodes) {
+        gltf.nodes = nodes;
+        return read_mesh(gltf.embedded(), Format::gltf);
+    };
+    const double root = std::sqrt(0.5);
+    const std::string turn = "\"rotation\":[0,0," + digits17(root) + "," + digits17(root) + "]";
+    const TriangleMesh turned = read("{\"mesh\":0,\"scale\":[2,2,4],\"translation\":[10,20,30]," + turn + "}");
+    const double expected[] = {10, 22, 30, 8, 20, 30, 10, 20, 34};
+    for (size_t k = 0; k < 9; ++k) EXPECT_NEAR(turned.positions[k], expected[k], 1e-14);
+    expect_same(read("{\"mesh\":0,\"matrix\":[0,2,0,0, -2,0,0,0, 0,0,4,0, 10,20,30,1]}"),
+                std::vector<double>(expected, expected + 9), {0, 1, 2});
+    expect_same(read("{\"children\":[1],\"scale\":[-1,1,1],\"translation\":[1,0,0]},"
+                     "{\"mesh\":0,\"matrix\":[0,2,0,0, -2,0,0,0, 0,0,4,0, 10,20,30,1]}"),
+                {-9, 22, 30, -7, 20, 30, -9, 20, 34}, {0, 2, 1}); // mirrored, so turned round
+    // An identity changes nothing, not even -0.
+    const std::vector<double> zeros = {1, -0.0, 0, 0, 1, 0, -0.0, 0, 1};
+    Gltf still = gltf_of(zeros, {0, 1, 2});
+    still.nodes = "{\"mesh\":0,\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}";
+    expect_same(read_mesh(still.glb(), Format::gltf), zeros, {0, 1, 2});
+    // The same mesh twice; and the default scene is not the first one.
+    gltf.scene = "\"scene\":1,\"scenes\":[{\"nodes\":[9]},{\"nodes\":[2,0]}],";
+    expect_same(read("{\"mesh\":0,\"translation\":[8,0,0]},{\"mesh\":0},{\"mesh\":0}"),
+                {1, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0, 8, 1, 0, 8, 0, 1}, {0, 1, 2, 3, 4, 5});
+}
+
+TEST(ReadGltf, Quantized) {
+    Gltf gltf;
+    const std::string corners = std::string("\x80\x7f\x00\x00\x7f\x00\x00\x00\x00\x40\x00\x00", 12);
+    const int points = gltf.add(corners, 3, 5120, "VEC3", 4, ",\"normalized\":true");
+    gltf.add_primitive(points, -1);
+    gltf.more = "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"KHR_materials_unlit\"],";
+    expect_same(read_mesh(gltf.glb(), Format::gltf), {-1, 1, 0, 1, 0, 0, 0, 64.0 / 127, 0}, {0, 1, 2});
+}
+
+TEST(ReadGltf, Refusals) {
+    const Sample s = make_sample();
+    const Gltf gltf = gltf_of(s.positions, s.triangles);
+    const std::string good = gltf.embedded(), glb = gltf.glb();
+    const auto refused = [](const std::string& file, const std::vector<std::string>& says) {
+        expect_refused(file, Format::gltf, says);
+    };
+    const auto changed = [&](const std::string& from, const std::string& to, const std::vector<std::string>& says) {
+        refused(replaced(good, from, to), says);
+    };
+    refused("{\"asset\":\n{,", {":2:", "JSON cannot be read"});
+    refused(good.substr(0, good.size() / 2), {"JSON cannot be read", "cut"});
+    refused("[]", {"no object"});
+    refused("{}", {"version 2"});
+    refused("{\"asset\":{\"version\":\"1.0\"}}", {"version 2"});
+    refused("{\"asset\":{\"version\":\"2.0\"}}", {"scenes[0] does not exist"});
+    refused(std::string(1000, '['), {"nested too deeply"});
+    refused("[1e999]", {"too large"});
+    changed("\"scene\":0", "\"scene\":-1", {"default scene"});
+    changed("\"scene\":0", "\"scene\":7", {"scenes[7] does not exist"});
+    changed("\"nodes\":[0]", "\"nodes\":[1]", {"nodes[1] does not exist"});
+    changed("\"nodes\":[0]", "\"nodes\":[0,0]", {"nodes[0] has two parents"});
+    changed("{\"mesh\":0}", "{\"mesh\":0,\"children\":[0]}", {"nodes[0] has two parents"});
+    changed("{\"mesh\":0}", "{\"mesh\":1}", {"meshes[1] does not exist"});
+    changed("{\"mesh\":0}", "{\"mesh\":0,\"matrix\":[1]}", {"nodes[0]", "16 numbers"});
+    changed("{\"mesh\":0}", "{\"mesh\":0,\"scale\":[1e308,1,1]}", {"not finite"});
+    changed("{\"mesh\":0}", "{}", {"no vertices"});
+    changed("\"indices\":1", "\"indices\":5", {"accessors[5] does not exist"});
+    changed("\"indices\":1", "\"indices\":0", {"accessors[0]", "SCALAR"});
+    changed("\"POSITION\":0", "\"POSITION\":1", {"accessors[1]", "VEC3"});
+    changed("\"POSITION\"", "\"NORMAL\"", {"meshes[0] has no \"POSITION\""});
+    changed("\"indices\":1", "\"mode\":9", {"mode 9"});
+    changed("\"count\":225", "\"count\":224", {"meshes[0] has 224 corners"});
+    changed("\"count\":225", "\"count\":228", {"accessors[1] ends behind its bufferView"});
+    changed("\"count\":225", "\"count\":4000000000", {"accessors[1] ends behind its bufferView"});
+    changed("\"count\":225", "\"count\":40000000000", {"accessors[1]", "\"count\"", "2^32"});
+    changed("\"count\":225", "\"count\":-3", {"accessors[1]", "\"count\""});
+    changed("\"count\":35", "\"count\":34", {"meshes[0] names vertex 34", "there are 34"});
+    changed("\"byteLength\":420", "\"byteLength\":4000", {"bufferViews[0] ends behind its buffer"});
+    changed("\"byteOffset\":0", "\"byteStride\":8", {"bufferViews[0]", "byteStride"});
+    changed("\"type\":\"VEC3\"", "\"type\":\"VEC3\",\"sparse\":{}", {"accessors[0] is sparse", "not read"});
+    changed("\"bufferView\":0,", "", {"accessors[0] has no bufferView"});
+    changed("\"byteLength\":1320", "\"byteLength\":1321", {"buffers[0] declares 1321 bytes, but has 1320"});
+    changed("base64,", "base64,!", {"buffers[0]", "not base64"});
+    changed("{\"asset\"", "{\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\"",
+            {" \"KHR_draco_mesh_compression\",", "without compression"});
+    refused(gltf.json("data.bin"), {"buffers[0]", "\"data.bin\"", ".glb"});
+    for (const char* name :
+         {"/etc/passwd", "../secret", "a/../b", "./a", "a//b", "http://a/b", "a\\\\b", "%2fa", "%00"})
+        refused(gltf.json(name), {"only files beside this one"});
+    refused(glb.substr(0, glb.size() - 1), {"declares", "cut"});
+    refused(glb.substr(0, 15), {"header of the .glb"});
+    refused(replaced(glb, "\"asset\"", "'asset'"), {"JSON cannot be read at byte 22"});
+    std::string wrong = glb;
+    wrong[4] = 1;
+    refused(wrong, {"only version 2"});
+    wrong = glb;
+    wrong[glb.find("BIN") - 1] = '\x7f';
+    refused(wrong, {"binary chunk at byte", "cut"});
+}
+
+// --- All formats -------------------------------------------------------------------
+
+TEST(ReadMesh, EveryDoubleComesBack) {
+    test::Random random(7);
+    Sample s;
+    while (s.positions.size() < 3000) {
+        const uint64_t bits = random.bits();
+        double x;
+        std::memcpy(&x, &bits, 8);
+        if (std::isfinite(x)) s.positions.push_back(x);
+    }
+    for (const double x : {4.9e-324, -2.2250738585072011e-308, 1.7976931348623157e308, -0.0, 0.1, 1e23})
+        s.positions.push_back(x);
+    for (uint32_t v = 0; v < s.vertex_count(); v += 3) s.faces.push_back({v, (v + 1) % 1002, (v + 2) % 1002});
+    for (const auto& face : s.faces) s.triangles.insert(s.triangles.end(), face.begin(), face.end());
+    const std::string xyz = "property double x\nproperty double y\nproperty double z\n";
+    const std::string list = "property list uchar int vertex_indices\n";
+    expect_same(read_mesh(obj_vertices(s) + obj_faces(s), Format::obj), s.positions, s.triangles);
+    expect_same(read_mesh("OFF\n" + off_counts(s) + off_rows(s, "", ""), Format::off), s.positions, s.triangles);
+    for (const PlyKind kind : {ascii, little, big})
+        expect_same(
+            read_mesh(ply_header(kind, s, xyz, list) + ply_rows<double, uint8_t, int32_t>(kind, s), Format::ply),
+            s.positions, s.triangles);
+    expect_same(read_mesh(stl_text(s.positions, s.triangles), Format::stl), s.positions, s.triangles);
+}
+
+TEST(ReadMesh, FormatOfTheContent) {
+    const Sample s = make_sample();
+    const Gltf gltf = gltf_of(s.positions, s.triangles);
+    const std::string xyz = "property double x\nproperty double y\nproperty double z\n";
+    EXPECT_EQ(format_of_content(obj_vertices(s)), Format::obj);
+    EXPECT_EQ(format_of_content("# comment\n\nmtllib a.mtl\n"), Format::obj);
+    EXPECT_EQ(format_of_content("#\nSTCNOFF\n"), Format::off);
+    EXPECT_EQ(format_of_content(ply_header(big, s, xyz, "")), Format::ply);
+    EXPECT_EQ(format_of_content("ply\r\n"), Format::ply);
+    EXPECT_EQ(format_of_content(stl_text(s.positions, s.triangles)), Format::stl);
+    EXPECT_EQ(format_of_content(stl_bytes(s.positions, s.triangles)), Format::stl);
+    EXPECT_EQ(format_of_content(gltf.embedded()), Format::gltf);
+    EXPECT_EQ(format_of_content(gltf.glb()), Format::gltf);
+    EXPECT_FALSE(format_of_content(""));
+    EXPECT_FALSE(format_of_content("0 0 0\n"));
+    EXPECT_FALSE(format_of_content(std::string("\x7f"
+                                               "ELF\0\0",
+                                               6)));
+}
+
+TEST(ReadMesh, NoHeaderIsBelieved) {
+    const std::string points = "0 0 0\n1 0 0\n0 1 0\n", n = "1000000000";
+    const std::string list = "property list uint int vertex_indices\n";
+    const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+    const std::string one_face = "element vertex 3\n" + xyz + "element face 1\n" + list + "end_header\n";
+    const std::string many_points = "element vertex " + n + "\n" + xyz + "element face 1\n" + list + "end_header\n";
+    const std::string binary = "ply\nformat binary_little_endian 1.0\n", text = "ply\nformat ascii 1.0\n";
+    expect_quick([&] {
+        expect_refused("OFF\n" + n + " 1 0\n" + points, Format::off, {"3 of " + n + " vertices"});
+        expect_refused("OFF\n3 " + n + " 0\n" + points, Format::off, {"0 of " + n + " faces"});
+        expect_refused("OFF\n3 1 0\n" + points + n + " 0 1 2\n", Format::off, {"3 of " + n + " corners"});
+        expect_refused(text + many_points + points, Format::ply, {"3 of " + n + " rows"});
+        expect_refused(text + one_face + points + n + " 0 1 2\n", Format::ply, {"face 0 has fewer numbers"});
+        expect_refused(binary + many_points + std::string(60, '\0'), Format::ply, {n + " rows", "only 60 bytes"});
+        expect_refused(binary + one_face + std::string(36, '\0') + bytes_of(1000000000) + std::string(20, '\0'),
+                       Format::ply, {"ends in face 0 of 1"});
+        expect_refused(std::string(80, '\0') + bytes_of(1000000000), Format::stl, {n + " triangles", "for 0 only"});
+    });
+}
+
+TEST(ReadMesh, NodesThatRepeatAMesh) {
+    const test::TriMesh torus = test::torus(60, 50, 2, 0.8);
+    Gltf gltf = gltf_of(torus.positions, torus.triangles);
+    std::string numbers = "0";
+    for (int node = 1; node < 20000; ++node) {
+        numbers += "," + std::to_string(node);
+        gltf.nodes += ",{\"mesh\":0}";
+    }
+    gltf.scene = "\"scenes\":[{\"nodes\":[" + numbers + "]}],";
+    expect_quick([&] {
+        expect_refused(gltf.glb(), Format::gltf, {"meshes[0] is shown so often", "transforms applied"});
+    });
+}
+
+TEST(ReadMesh, JsonTakesLinearTime) {
+    const test::TriMesh torus = test::torus(6, 5, 2, 0.8);
+    Gltf gltf = gltf_of(torus.positions, torus.triangles);
+    for (int node = 1; node < 300000; ++node) gltf.nodes += ",{}";
+    expect_quick(
+        [&] { expect_same(read_mesh(gltf.glb(), Format::gltf), as_floats(torus.positions), torus.triangles); });
+}
+
+// --- Numbers of points -----------------------------------------------------------
+
+TEST(PointNumbers, PointsThatCollideOnPurpose) {
+    // The third coordinate makes the hash of all these points the same.
+    std::vector<double> crafted, positions;
+    for (uint64_t i = 1; crafted.size() < 600000; ++i) {
+        const double x = static_cast<double>(i);
+        uint64_t word;
+        std::memcpy(&word, &x, 8);
+        word = PointNumbers::mix(PointNumbers::mix(0, word), word) ^ 0x123456789abcdefu;
+        double z;
+        std::memcpy(&z, &word, 8);
+        if (std::isfinite(z)) crafted.insert(crafted.end(), {x, x, z});
+    }
+    PointNumbers numbers(positions);
+    expect_quick([&] {
+        for (int round = 0; round < 2; ++round)
+            for (size_t i = 0; i < crafted.size(); i += 3)
+                ASSERT_EQ(numbers.number_of(crafted[i], crafted[i + 1], crafted[i + 2]), i / 3);
+    });
+    EXPECT_EQ(positions, crafted);
+}
