@@ -12,31 +12,42 @@
  *
  * In five calls:
  *
- *     hmf_build   positions + triangles   -> hierarchy (immutable, reusable)
- *     hmf_loops   hierarchy               -> loops, flat arrays
- *     hmf_solve   hierarchy, loops        -> one value per edge
- *     hmf_singularities                   -> zeros (and poles: there are none)
- *     hmf_destroy
+ *     hmf_build          positions + triangles  -> hierarchy
+ *     hmf_loops          hierarchy              -> loops, flat arrays
+ *     hmf_solve          hierarchy, loops       -> foliation
+ *     hmf_foliation_values                      -> one number per edge
+ *     hmf_foliation_destroy, hmf_free, hmf_destroy
+ *
+ * What one does with a foliation (parameterise, trace leaves, cylinders,
+ * quads) is in hmf/uses.h.
  *
  * Rules that hold for every function here
  *
  *   errors    Fallible functions return hmf_status, 0 is success.  The last
  *             argument is an optional hmf_error that the caller owns; it gets
  *             the element and a sentence with the remedy.  On failure nothing
- *             is written to any output, but for a handle, which becomes NULL,
- *             and where a function says otherwise.
- *   arrays    The caller allocates.  Where the size is not known beforehand,
- *             call once with a NULL array to get the count, then again with
- *             its capacity in elements.  Too small: HMF_ERROR_CAPACITY.
- *   types     uint32_t indices from 0, size_t counts, double reals.
- *   threads   A hierarchy is immutable: any number of threads may use it.
- *             There is no global state.
+ *             is written to any output, but for a pointer to an object, which
+ *             becomes NULL, and where a function says otherwise.
+ *   objects   hmf_hierarchy and hmf_foliation are immutable: any number of
+ *             threads may use them.  A foliation keeps what it needs of its
+ *             hierarchy: they can be destroyed in any order.  There is no
+ *             global state.
+ *   arrays    Where the size is known beforehand the caller allocates and
+ *             says how many elements there is room for (HMF_ERROR_CAPACITY:
+ *             too few).  Else the library makes the result: one structure
+ *             with counts and flat arrays, in one block, to be freed with
+ *             hmf_free.
+ *   types     uint32_t indices from 0, size_t or uint64_t counts, double reals.
  *   memory    All through the allocator of the build options, which must
- *             then be thread-safe if the hierarchy is shared.  Everything
- *             that a call allocates is returned before it ends; a hierarchy
- *             keeps its memory until hmf_destroy.
- *   options   Structures of options begin with struct_size.  Fill them with
- *             the init function; zero in a field means its default.
+ *             then be thread-safe if the objects are shared, and must live as
+ *             long as they and the results do.
+ *   options   Structures begin with struct_size = sizeof(structure), so that
+ *             they can grow.  Zero in any other field means its default:
+ *             hmf_solve_options options = {sizeof options}.  NULL options are
+ *             all defaults.  Structures of results begin with struct_size as
+ *             well: fields beyond it are not there.
+ *   control   Every call that can be long takes an optional hmf_control:
+ *             progress and cancellation.
  *   levels    Level 0 is the caller's mesh, higher levels are coarser.
  *             Edges of level 0 are numbered by their first appearance in
  *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
@@ -81,8 +92,8 @@ typedef int32_t hmf_status;
 /* success */
 #define HMF_OK 0
 
-/* stopped early: results are valid, closed and without poles, but not yet
-   harmonic to the tolerance (hmf_solve and hmf_relax still write them) */
+/* stopped early: the foliation is valid, closed and without poles, but not yet
+   harmonic to the tolerance (hmf_solve and hmf_relax still give it) */
 #define HMF_LIMIT_ITERATIONS 10
 #define HMF_LIMIT_TIME 11
 #define HMF_LIMIT_STALLED 12
@@ -91,7 +102,7 @@ typedef int32_t hmf_status;
 /* the call itself */
 #define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
 #define HMF_ERROR_OPTIONS 101    /* an option is out of range or from a newer header */
-#define HMF_ERROR_CAPACITY 102   /* an output array is too small */
+#define HMF_ERROR_CAPACITY 102   /* an array has the wrong number of elements */
 #define HMF_ERROR_LEVEL 103      /* no such level */
 #define HMF_ERROR_UNSUPPORTED 104 /* not available in this version */
 
@@ -177,9 +188,21 @@ typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
    million edges. */
 #define HMF_PROGRESS_CANCEL 1
 /* hmf_solve, hmf_relax: stop improving, carry the foliation to the asked
-   level, write it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
+   level, give it and return HMF_CANCELLED.  Elsewhere as CANCEL. */
 #define HMF_PROGRESS_FINISH 2
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
+
+/* What a host gives to a call while it runs; NULL = nothing. */
+typedef struct hmf_control {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    hmf_progress_fn progress;    /* NULL = none */
+    void *progress_user;
+} hmf_control;
+
+/* Frees a result that the library made (hmf_loops, hmf_singularities and the
+   calls of uses.h); NULL is allowed. */
+HMF_API void hmf_free(const void *result);
 
 /* ------------------------------------------------------------------------
  * Build
@@ -199,8 +222,7 @@ typedef struct hmf_build_options {
     hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
     hmf_release_fn release;
     void *allocator_user;
-    hmf_progress_fn progress;    /* NULL = none */
-    void *progress_user;
+    uint64_t position_stride;    /* bytes from one vertex to the next, 0 = packed (24); at least 24, a multiple of 8 */
     double mollify;              /* in [0, 0.1], 0 = off: accept triangles without area and edges without length; the
                                     edges of level 0 get longer by the least amount, the same for all, with which every
                                     triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
@@ -210,29 +232,27 @@ typedef struct hmf_build_options {
 /* An immutable hierarchy of triangle meshes. */
 typedef struct hmf_hierarchy hmf_hierarchy;
 
-/* Fills in the defaults.  NULL is allowed and does nothing. */
-HMF_API void hmf_build_options_init(hmf_build_options *options);
+/* An immutable measured foliation on one level of a hierarchy. */
+typedef struct hmf_foliation hmf_foliation;
 
 /*
  * Validates a closed, connected, oriented manifold mesh of genus 1 or more,
  * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).
  *
- *   positions        vertex_count x 3, any unit; vertex i starts
- *                    i * position_stride bytes from the first
- *   position_stride  bytes, 0 = packed (24); at least 24 and a multiple of 8
- *   triangles        triangle_count x 3 vertex indices, counter-clockwise
- *                    or all clockwise
- *   options          NULL = defaults
- *   out              the hierarchy, NULL on failure
+ *   positions   vertex_count x 3, any unit; see options->position_stride
+ *   triangles   triangle_count x 3 vertex indices, counter-clockwise or all
+ *               clockwise
+ *   out         the hierarchy, NULL on failure
  *
  * Inputs are copied.  Time is linear, about 0.3 s per million edges.
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300.
  */
-HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, size_t position_stride,
-                             const uint32_t *triangles, size_t triangle_count,
-                             const hmf_build_options *options, hmf_hierarchy **out, hmf_error *error);
+HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const uint32_t *triangles,
+                             size_t triangle_count, const hmf_build_options *options, const hmf_control *control,
+                             hmf_hierarchy **out, hmf_error *error);
 
-/* Frees a hierarchy; NULL is allowed. */
+/* Gives a hierarchy back; NULL is allowed.  Its memory is freed with the last
+   of its foliations. */
 HMF_API void hmf_destroy(hmf_hierarchy *hierarchy);
 
 /* Upper bound of the bytes that hmf_build will use at its peak with the given
@@ -250,7 +270,7 @@ typedef struct hmf_level_info {
     uint64_t vertex_count;
     uint64_t edge_count;
     uint64_t triangle_count;
-    uint64_t non_delaunay_count; /* edges whose weight was below the floor and was raised to it; 0 on level 0, the
+    uint64_t raised_count;        /* edges whose weight was below the floor and was raised to it; 0 on level 0, the
                                     intrinsic Delaunay triangulation */
 } hmf_level_info;
 
@@ -260,9 +280,9 @@ HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
 /* Genus of the surface, at least 1; 0 for NULL. */
 HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
 
-/* Counts of one level.  Errors: NULL, LEVEL. */
-HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out, hmf_error
-                                    *error);
+/* Counts of one level. */
+HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out,
+                                    hmf_error *error);
 
 /* edge_vertices: edge_count x 2 vertices of each edge.  capacity counts
    uint32_t.  On coarse levels two vertices may have several edges. */
@@ -325,22 +345,19 @@ typedef struct hmf_loop_set {
  *                  the surface encloses volume, whichever way the triangles
  *                  turn.  A surface that meets itself may have no such loops:
  *                  HMF_ERROR_MESH_NOT_EMBEDDED.
- *   loop_count, element_count   set in every call that succeeds
- *   offsets        loop_count + 1 values, or NULL
- *   elements       element_count triangle indices of the level, or NULL
+ *   out            loops that can be given to hmf_solve as they are (weights
+ *                  are NULL: all 1); free with hmf_free
  *
- * With both arrays NULL it only counts.  Deterministic.
+ * Deterministic.
  */
-HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind,
-                             uint64_t *offsets, size_t offset_capacity,
-                             uint32_t *elements, size_t element_capacity,
-                             size_t *loop_count, size_t *element_count, hmf_error *error);
+HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
+                             hmf_loop_set **out, hmf_error *error);
 
 /*
- * Closed initial foliation of the loops on their level ([W] 3.3): the sum of
- * the weights of the loops that cross an edge.
+ * Closed initial foliation of the loops on their level ([W] 3.3): the value of
+ * an edge is the sum of the weights of the loops that cross it.
  *
- *   values     edge_count of the level, in the unit of the weights
+ *   loops      NULL = those of hmf_loops on the coarsest level
  *
  * Checks that every loop is closed, simple and essential, that they are
  * disjoint and pairwise not freely homotopic (class 400; error->index is the
@@ -350,7 +367,38 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  * pulled off it, so that there are no poles.
  */
 HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
-                                  double *values, size_t capacity, hmf_error *error);
+                                  const hmf_control *control, hmf_foliation **out, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Foliation
+ * --------------------------------------------------------------------- */
+
+/*
+ * A foliation from values, one for each edge of a level: results of the
+ * library, also written with 17 digits and read again, or multiplied by a
+ * power of two.  Validates them once: finite, not negative, closed (class 500).
+ * Other numbers cannot be rounded edge by edge, for that breaks triangle
+ * inequalities that hold with equality; start from loops instead.  Values with
+ * poles are accepted for hmf_singularities and hmf_energy; all other calls
+ * refuse them with HMF_ERROR_VALUE_POLE.
+ */
+HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
+                                        size_t count, const hmf_control *control, hmf_foliation **out,
+                                        hmf_error *error);
+
+/* Frees a foliation; NULL is allowed. */
+HMF_API void hmf_foliation_destroy(hmf_foliation *foliation);
+
+/* One value for each edge of its level, in the unit of the weights; exact
+   multiples of hmf_foliation_unit, every triangle inequality holds exactly.
+   Valid until the foliation is destroyed.  count may be NULL.  NULL for NULL. */
+HMF_API const double *hmf_foliation_values(const hmf_foliation *foliation, size_t *count);
+
+/* The level that it lies on; 0 for NULL. */
+HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
+
+/* The power of two that all values are multiples of; 0 for NULL. */
+HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
 /* ------------------------------------------------------------------------
  * Solve
@@ -369,18 +417,14 @@ typedef struct hmf_solve_options {
     double time_limit;           /* seconds, 0 = none */
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
-    hmf_progress_fn progress;    /* NULL = none */
-    void *progress_user;
-    const double *initial_values; /* hmf_solve: a foliation to start from instead of loops, which are then NULL; NULL
-                                     = none */
-    uint64_t initial_count;      /* number of initial values: edges of their level */
-    uint64_t initial_level;      /* of the initial values, default 0 = the input mesh */
+    const hmf_foliation *start;  /* hmf_solve: a foliation to start from instead of loops, which are then NULL; of
+                                    this hierarchy or of another one of the same triangles; NULL = none */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
     uint64_t vertices;
     uint64_t edges;
-    uint64_t nld;                /* edges with a raised weight */
+    uint64_t raised_count;       /* edges with a raised weight */
     uint64_t iterations;         /* sweeps of Whitehead moves */
     uint64_t linear_solves;      /* a solve that goes on with some unknowns held is one */
     double optimize_seconds;
@@ -396,16 +440,14 @@ typedef struct hmf_history_entry {
     uint32_t kind;               /* 0 interpolation, 1 sweep, 2 linear solve */
 } hmf_history_entry;
 
-/* Filled by hmf_solve and hmf_relax.  The caller sets struct_size and, where
-   wanted, the two arrays with their capacities. */
+/* What hmf_solve and hmf_relax tell of a foliation. */
 typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
     int32_t converged;           /* 1 or 0 */
-    int32_t values_written;      /* 1 or 0: the foliation was written to values */
+    int32_t reserved;            /* 0 */
     double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic
-                                    triangulation, before
-                                    the values are carried to the caller's edges */
+                                    triangulation, before the values are carried to the caller's edges */
     double residual_max;         /* relative coclosedness residual, see hmf_residuals; negative: not evaluated, as the
                                     callback said HMF_PROGRESS_CANCEL before */
     double residual_mean;
@@ -416,86 +458,73 @@ typedef struct hmf_report {
     uint64_t bad_flips_left;     /* and did */
     double solve_seconds;
     uint64_t peak_memory_bytes;  /* of this call, without the hierarchy */
-    hmf_level_report *levels;    /* finest first, or NULL */
-    uint64_t level_capacity;
-    uint64_t level_count;        /* number of levels used; min(level_count, level_capacity) are written */
-    hmf_history_entry *history;  /* in order of time, or NULL */
-    uint64_t history_capacity;
-    uint64_t history_count;      /* number of events; min(history_count, history_capacity) are written */
+    const hmf_level_report *levels; /* level_count, finest first */
+    uint64_t level_count;        /* number of levels used */
+    const hmf_history_entry *history; /* history_count, in order of time */
+    uint64_t history_count;
 } hmf_report;
 
-/* Fills in the defaults.  NULL is allowed and does nothing. */
-HMF_API void hmf_solve_options_init(hmf_solve_options *options);
+/* The report of a foliation that hmf_solve or hmf_relax made, else NULL.
+   Valid until the foliation is destroyed. */
+HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
 
 /*
  * The harmonic foliation in the class of the loops.
  *
  *   loops      on any level; NULL = those of hmf_loops on the coarsest level
  *              (level 0 with single_level), weights 1
- *   options    NULL = defaults
- *   values     edge_count of the level options->stop_level (default 0: the
- *              caller's edges), in the unit of the weights; exact multiples
- *              of a power of two, every triangle inequality holds exactly
- *   report     NULL = not wanted
+ *   out        the foliation on options->stop_level, with its report
  *
- * With options->initial_values the class is that of the values: a result for
- * the same triangles, perhaps at other positions (the last frame of an
- * animation), made by the library.  They are validated as in hmf_relax (class
- * 500), restricted to the coarsest level, and solved from there.  Where they
- * are close to the minimum, hmf_relax is faster, which starts on their level.
+ * With options->start the class is that of a foliation, perhaps of another
+ * hierarchy of the same triangles at other positions (the last frame of an
+ * animation).  It is restricted to the coarsest level, and solved from there.
+ * Where it is close to the minimum, hmf_relax is faster, which starts on its
+ * level.
  *
- * The report describes the foliation where it is solved; on level 0 that is the
- * intrinsic triangulation.  On the caller's edges a vertex whose neighbours
- * then lie all in one direction would be a pole and is moved to the next branch
- * (counted in bad_flips).  If there was none, hmf_energy and hmf_residuals of the
- * values give the numbers of the report, the residuals up to rounding; else they
- * tell what the moves cost.  The class and its minimum are the same in any case: hmf_relax
- * finds it again.
+ * The minimum lies on the intrinsic Delaunay triangulation of level 0, and the
+ * foliation keeps it: report, hmf_energy, hmf_residuals and what uses.h makes
+ * start from there.  The values are those of the caller's edges, where a vertex
+ * whose neighbours lie all in one direction would be a pole and is moved to the
+ * next branch (counted in bad_flips).  The class is the same in any case.
  *
- * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in values, closed
- * and without poles; HMF_CANCELLED, with values in the same way if the callback
- * said HMF_PROGRESS_FINISH, or if the asked level had been reached and the
- * values were at hand (then report->values_written is 1), else with nothing
- * written; or an error of classes 100, 200, 400.  HMF_ERROR_UNSUPPORTED: an edge
- * is crossed so often (by more than 32 of the largest weights) that a double
- * cannot hold its value exactly.
+ * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in out, closed
+ * and without poles; HMF_CANCELLED, with a foliation in the same way if the
+ * callback said HMF_PROGRESS_FINISH, or if the asked level had been reached,
+ * else without; or an error of classes 100, 200, 400 without a foliation.
+ * HMF_ERROR_UNSUPPORTED: an edge is crossed so often (by more than 32 of the
+ * largest weights) that a double cannot hold its value exactly.
  */
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
-                             const hmf_solve_options *options, double *values, size_t capacity,
-                             hmf_report *report, hmf_error *error);
+                             const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
+                             hmf_error *error);
 
-/* Optimises given values on one level, in place; otherwise as hmf_solve.
-   The values must be closed and without poles (class 500): results of the
-   library, also written with 17 digits and read again, or multiplied by a
-   power of two.  Other numbers cannot be rounded edge by edge, for that breaks
-   triangle inequalities that hold with equality; start from loops instead. */
-HMF_API hmf_status hmf_relax(const hmf_hierarchy *hierarchy, size_t level, const hmf_solve_options *options,
-                             double *values, size_t count, hmf_report *report, hmf_error *error);
+/* Optimises a foliation on its level; otherwise as hmf_solve. */
+HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
+                             const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
-/* Carries values from any level to any other: to finer ones by flip and split
-   reversal ([W] 4.2), to coarser ones by restriction, where a collapse moves
-   one vertex to the image of the other.  Exact: closed and without poles
-   before and after, in the same class. */
-HMF_API hmf_status hmf_interpolate(const hmf_hierarchy *hierarchy, size_t from_level, const double *values, size_t
-                                   count,
-                                   size_t to_level, double *out_values, size_t out_capacity, hmf_error *error);
+/* The same foliation on another level: finer by flip and split reversal
+   ([W] 4.2), coarser by restriction, where a collapse moves one vertex to the
+   image of the other.  Exact: closed and without poles before and after, in the
+   same class. */
+HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level, const hmf_control *control,
+                                   hmf_foliation **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
  * What a foliation is like
  * --------------------------------------------------------------------- */
 
-/* Dirichlet energy of values on a level, [W] Eq. 5 (level 0: on the intrinsic
-   Delaunay triangulation, to which closed values are carried exactly). */
-HMF_API hmf_status hmf_energy(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                              double *energy, hmf_error *error);
+/* Dirichlet energy, [W] Eq. 5 (level 0: on the intrinsic Delaunay
+   triangulation, to which values of the caller's edges are carried exactly). */
+HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control *control, double *energy,
+                              hmf_error *error);
 
 /* residuals: vertex_count of the level.  Violation of [W] Eq. 4 at each vertex,
    max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
    weight * F over sector k and P over all edges; sectors that are one
    direction around a cluster of zero edges count as one.  0 everywhere means:
    this is the unique minimum. */
-HMF_API hmf_status hmf_residuals(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                                 double *residuals, size_t capacity, hmf_error *error);
+HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
+                                 size_t capacity, hmf_error *error);
 
 #define HMF_SINGULAR_VERTEX 1
 #define HMF_SINGULAR_TRIANGLE 2
@@ -506,266 +535,29 @@ typedef struct hmf_singularity {
     int32_t index;               /* < 0 a zero of order -index, > 0 a pole */
     uint32_t element;
     uint32_t size;               /* vertices of a cluster, else 1 */
+    double position[3];          /* of the vertex; the middle of the triangle; the mean of the cluster */
 } hmf_singularity;
 
-/*
- * Zeros and poles of values on a level ([W] Eq. 1 and 3; a cluster has
- * twice its Euler characteristic minus the number of its closed corners).
- *
- *   vertex_index    vertex_count, or NULL: index of each vertex; for the
- *                   vertices of a cluster the index of the cluster at its
- *                   lowest vertex and 0 at the others
- *   triangle_index  triangle_count, or NULL: 0 or -1
- *   vertex_cluster  vertex_count, or NULL: lowest vertex of the cluster
- *   list            zeros and poles, or NULL; capacity list_capacity
- *   list_count      set on success
- *
- * The indices add up to 4 - 4 * genus.
- */
-HMF_API hmf_status hmf_singularities(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                                     int32_t *vertex_index, size_t vertex_capacity,
-                                     int32_t *triangle_index, size_t triangle_capacity,
-                                     uint32_t *vertex_cluster, size_t cluster_capacity,
-                                     hmf_singularity *list, size_t list_capacity, size_t *list_count, hmf_error *error);
-
-/* ------------------------------------------------------------------------
- * Parameterisation
- * --------------------------------------------------------------------- */
-
-typedef struct hmf_parameterize_options {
+typedef struct hmf_singularity_set {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    double tolerance;            /* largest residual_max of the values, default 1e-2 */
-    const uint32_t *seam_edges;  /* edges where seams cost nothing, so that they run there if they can; NULL = none */
-    uint64_t seam_edge_count;
-    hmf_progress_fn progress;    /* NULL = none */
-    void *progress_user;
-} hmf_parameterize_options;
+    uint64_t vertex_count;
+    uint64_t triangle_count;
+    uint64_t count;
+    const hmf_singularity *list; /* count: zeros and poles; vertices and clusters, then triangles, each by number */
+    const int32_t *vertex_index; /* vertex_count: index of each vertex; for the vertices of a cluster the index of the
+                                    cluster at its lowest vertex and 0 at the others */
+    const uint32_t *vertex_cluster; /* vertex_count: lowest vertex of the cluster */
+    const int32_t *triangle_index;  /* triangle_count: 0 or -1 */
+} hmf_singularity_set;
 
 /*
- * A global conformal parameterisation.  The caller sets struct_size, the three
- * capacities and, where wanted, the arrays; the call fills the rest.
+ * Zeros and poles ([W] Eq. 1 and 3; a cluster has twice its Euler
+ * characteristic minus the number of its closed corners).  The indices add up
+ * to 4 - 4 * genus.  Free with hmf_free.
  */
-typedef struct hmf_parameterization {
-    uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
-    uint64_t vertex_capacity;    /* elements that the arrays below have room for: at least the counts of the level */
-    uint64_t edge_capacity;
-    uint64_t triangle_capacity;
-    double *corner_uv;           /* triangle_count x 3 x 2: (u, v) of each corner, or NULL */
-    double *transition;          /* edge_count x 3: sign, du, dv, or NULL; see below */
-    uint8_t *seam;               /* edge_count: 1 where the layout is cut, or NULL */
-    int32_t *cone;               /* vertex_count: cone angle as a multiple of pi, 2 = regular, or NULL */
-    double *dilatation;          /* triangle_count: ratio of the singular values of the map, >= 1, negative where the
-                                    image is flipped, infinite where it is degenerate (above 1000), or NULL */
-    double *differential;        /* triangle_count x 2: quadratic differential, real and imaginary part, or NULL */
-    double dilatation_mean;      /* of its absolute value, weighted by area, without degenerate triangles */
-    double dilatation_median;    /* quantiles by area, of all triangles */
-    double dilatation_p99;
-    uint64_t flipped_triangles;
-    uint64_t degenerate_triangles; /* dilatation above 1000, or an image too small to tell */
-    uint64_t seam_edge_count;
-    double seam_length;          /* in the unit of the positions */
-    double area;                 /* of the image: the energy, up to discretisation */
-    uint64_t linear_iterations;
-    double seconds;
-} hmf_parameterization;
-
-/* Fills in the defaults.  NULL is allowed and does nothing. */
-HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options);
-
-/*
- * The global conformal parameterisation of a harmonic foliation ([W] section 5):
- * |du| is the foliation, v its harmonic conjugate.  The surface is cut along
- * short seams through the zeros; in the cut surface every corner has one (u, v).
- *
- *   level, values, count   as for hmf_energy; values must be harmonic up to
- *                          options->tolerance
- *   options                NULL = defaults
- *   out                    see above
- *
- * Transition of an edge: with (u, v) of a point of the edge in the first of its
- * two triangles (the one with the lower number), the second one has
- *
- *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1,
- *
- * exactly: all are multiples of one power of two below 2^53 of it.  Edges off
- * the seams have (1, 0, 0).  The linear parts are +-1, so (du + i dv)^2 has no
- * seams: it is the holomorphic quadratic differential, given per triangle as the
- * square of d(u + i v) / dz with z = x + i y in the frame of the triangle: x
- * along its side 0, y to the left of it.
- *
- * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
- * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  Near the zeros u differs
- * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
- * goes round) triangles are degenerate.
- *
- * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
- * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that two zeros need the same
- * vertex, or an error of classes 100, 200, 500.
- */
-HMF_API hmf_status hmf_parameterize(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                                    const hmf_parameterize_options *options, hmf_parameterization *out, hmf_error
-                                    *error);
-
-/* ------------------------------------------------------------------------
- * Leaves, cylinders, quads
- * --------------------------------------------------------------------- */
-
-#define HMF_LINE_LEVEL 1         /* a closed leaf at a given height of its cylinder */
-#define HMF_LINE_CRITICAL 2      /* a leaf between two zeros */
-#define HMF_LINE_POINT 3         /* the leaf through a given point */
-
-#define HMF_END_CLOSED 0         /* none: the last point joins the first */
-#define HMF_END_ZERO 1           /* at a zero */
-#define HMF_END_LIMIT 2          /* at the length limit */
-#define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
-#define HMF_END_CRITICAL 4       /* of a conjugate line: on a critical leaf, where its cylinder ends */
-
-#define HMF_LEAVES_DEFAULT 0
-#define HMF_LEAVES_FOLIATION 1   /* of the foliation itself (default): u is constant */
-#define HMF_LEAVES_CONJUGATE 2   /* of its conjugate: v is constant; see hmf_parameterize */
-
-typedef struct hmf_trace_options {
-    uint32_t struct_size;
-    int32_t critical;            /* not 0: all leaves out of zeros */
-    double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
-    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the
-                                    positions; 0: none,
-                                    for conjugate leaves ten times the root of the area of the surface */
-    uint64_t point_count;        /* leaves through points; 0 = none */
-    const uint32_t *point_triangles;      /* point_count */
-    const double *point_barycentrics;     /* point_count x 3, for the corners of the triangle; not negative, sum 1 */
-    int32_t leaves;              /* HMF_LEAVES_* */
-    uint32_t reserved;           /* 0 */
-} hmf_trace_options;
-
-typedef struct hmf_line {
-    int32_t kind;                /* HMF_LINE_* */
-    int32_t closed;              /* 1: the last point joins the first, which is not repeated; 0 */
-    int32_t begin, end;          /* HMF_END_* */
-    uint32_t begin_zero, end_zero; /* which zero, in the list of hmf_singularities; else HMF_NONE */
-    uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves */
-    uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the
-                                    critical leaf */
-    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical
-                                    leaves */
-    double length;               /* in the unit of the positions */
-} hmf_line;
-
-/* Fills in the defaults.  NULL is allowed and does nothing. */
-HMF_API void hmf_trace_options_init(hmf_trace_options *options);
-
-/*
- * Leaves of values on a level as polylines.
- *
- *   options       which leaves; NULL or all 0: the critical ones
- *   lines         line_capacity, or NULL: first the level sets, cylinder by
- *                 cylinder, then the critical leaves, then those through points
- *   offsets       line_capacity + 1, or NULL; line k has the points from
- *                 offsets[k] to offsets[k+1] - 1
- *   points        point_capacity x 3 coordinates, or NULL
- *   point_edges   point_capacity edges of the level that the points lie on, or
- *                 NULL; HMF_NONE for the middle of a zero in a triangle
- *   line_count, point_count   set on success
- *
- * Consecutive points lie in one triangle.  Leaves are followed in exact
- * integers: no two cross, each closes exactly, and only critical leaves end, at
- * zeros.  A cylinder gets round(height / spacing) level sets, at least one,
- * evenly spaced with half a space at either side: so they match across critical
- * leaves.  The leaf through a point is less than 2^-48 of the largest value away
- * from it; the middle of a triangle with a zero goes to the nearest leaf.
- * Genus 1 has no critical leaves.
- *
- * Conjugate leaves do not close in general.  Level sets are then lines across
- * each cylinder from one side to the other, round(circumference / spacing) of
- * them; together with those of the foliation they form a grid.  Leaves out of
- * zeros end at another zero or at the length limit, those through points close or
- * end at the limit.  begin_zero, end_zero, height and, but for level sets,
- * cylinder are not set.
- *
- * Values need not be harmonic, but for conjugate leaves, as for hmf_cylinders.
- * Errors: classes 100, 200, 500; of a bad point error->index is its number
- * (HMF_ERROR_OPTIONS).
- */
-HMF_API hmf_status hmf_trace(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                             const hmf_trace_options *options, hmf_line *lines, size_t line_capacity,
-                             uint64_t *offsets, size_t offset_capacity,
-                             double *points, uint32_t *point_edges, size_t point_capacity,
-                             size_t *line_count, size_t *point_count, hmf_error *error);
-
-typedef struct hmf_cylinder {
-    uint32_t loop;               /* its loop; HMF_NONE if no loops were given */
-    uint32_t reserved;           /* 0 */
-    double height;               /* the weight of the loop, exactly */
-    double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
-    double modulus;              /* height / circumference */
-    double area;                 /* in the flat metric; areas add up to the energy */
-} hmf_cylinder;
-
-/*
- * The cylinders of a harmonic foliation: the critical leaves cut the surface
- * into one for each loop, filled with closed leaves of its class.
- *
- *   loops             those that the values belong to, on any level, or NULL:
- *                     not wanted.  NULL does not stand for hmf_loops here
- *   list              capacity, or NULL; the order is that of hmf_line.cylinder
- *   leaf_offsets      offset_capacity >= cylinder count + 1, or NULL
- *   leaf_triangles    triangle_capacity, or NULL: the leaf in the middle of each
- *                     cylinder as a triangle loop of the level, as in hmf_loop_set
- *   cylinder_count, triangle_count   set on success
- *
- * Heights are exact.  Circumference, modulus and area are those of the minimum;
- * at the minimum energy = sum of height * circumference = sum of areas.
- * Loop and cylinder are matched by their classes: that takes two runs like
- * hmf_solve on the coarsest level.
- *
- * Errors: classes 100, 200, 400; HMF_ERROR_VALUE_CLASS if the values do not
- * belong to the loops, HMF_ERROR_VALUE_NOT_HARMONIC if their energy is 1 % above
- * the minimum, and others of class 500.
- */
-HMF_API hmf_status hmf_cylinders(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                                 const hmf_loop_set *loops, hmf_cylinder *list, size_t capacity,
-                                 uint64_t *leaf_offsets, size_t offset_capacity,
-                                 uint32_t *leaf_triangles, size_t triangle_capacity,
-                                 size_t *cylinder_count, size_t *triangle_count, hmf_error *error);
-
-typedef struct hmf_quad_options {
-    uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
-    double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as
-                                    many quads as triangles / 2 */
-} hmf_quad_options;
-
-/* Fills in the defaults.  NULL is allowed and does nothing. */
-HMF_API void hmf_quad_options_init(hmf_quad_options *options);
-
-/*
- * A closed quad mesh along the leaves: a grid on each cylinder, glued along the
- * critical leaves.
- *
- *   options     NULL = defaults
- *   positions   position_capacity x 3, or NULL; points of the surface
- *   quads       quad_capacity x 4 vertices, or NULL; oriented as the triangles
- *   vertex_count, quad_count   set on success
- *
- * The first vertices are the zeros, in the order of hmf_singularities; a zero of
- * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
- * discretisation keeps apart can become one, with the sum of their orders.  Closed, oriented and
- * manifold by construction, genus as before; no two edges have the same ends.
- * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
- * equally long in the metric du^2 + dv^2: longer in space where the foliation is
- * thin.  Numbers are rounded so that the grids match, with at least 3 quads
- * across a cylinder and 2 along a critical leaf.
- *
- * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
- * crosses, or if there is no match for edges so long.  Other errors: classes
- * 100, 200, 500.
- */
-HMF_API hmf_status hmf_quads(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
-                             const hmf_quad_options *options, double *positions, size_t position_capacity,
-                             uint32_t *quads, size_t quad_capacity, size_t *vertex_count, size_t *quad_count,
-                             hmf_error *error);
+HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,
+                                     hmf_singularity_set **out, hmf_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,253 @@
+/*
+ * hmf/uses.h - what one does with a harmonic measured foliation
+ *
+ *     hmf_parameterize   (u, v) for each corner, conformal up to discretisation
+ *     hmf_trace          leaves as polylines
+ *     hmf_cylinders      heights, circumferences, moduli, areas
+ *     hmf_quads          a quad mesh along the leaves
+ *
+ * The rules are those of hmf.h.  Every result is one structure with counts and
+ * flat arrays in one block, to be freed with hmf_free.  All start from the
+ * minimum that hmf_solve found on the intrinsic triangulation.
+ */
+#ifndef HMF_USES_H
+#define HMF_USES_H
+
+#include <hmf/hmf.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------
+ * Parameterisation
+ * --------------------------------------------------------------------- */
+
+typedef struct hmf_parameterize_options {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    double tolerance;            /* largest residual_max of the values, default 1e-2 */
+    const uint32_t *seam_edges;  /* edges where seams cost nothing, so that they run there if they can; NULL = none */
+    uint64_t seam_edge_count;
+} hmf_parameterize_options;
+
+typedef struct hmf_parameterization {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t vertex_count;
+    uint64_t edge_count;
+    uint64_t triangle_count;
+    const double *corner_uv;     /* triangle_count x 3 x 2: (u, v) of each corner */
+    const double *transition;    /* edge_count x 3: sign, du, dv; see below */
+    const uint8_t *seam;         /* edge_count: 1 where the layout is cut */
+    const int32_t *cone;         /* vertex_count: cone angle as a multiple of pi, 2 = regular */
+    const double *dilatation;    /* triangle_count: ratio of the singular values of the map, >= 1, negative where the
+                                    image is flipped, infinite where it is degenerate (above 1000) */
+    const double *differential;  /* triangle_count x 2: quadratic differential, real and imaginary part */
+    double dilatation_mean;      /* of its absolute value, weighted by area, without degenerate triangles */
+    double dilatation_median;    /* quantiles by area, of all triangles */
+    double dilatation_p99;
+    uint64_t flipped_triangles;
+    uint64_t degenerate_triangles; /* dilatation above 1000, or an image too small to tell */
+    uint64_t seam_edge_count;
+    double seam_length;          /* in the unit of the positions */
+    double area;                 /* of the image: the energy, up to discretisation */
+    uint64_t linear_iterations;
+    double seconds;
+} hmf_parameterization;
+
+/*
+ * The global conformal parameterisation of a harmonic foliation ([W] section 5):
+ * |du| is the foliation, v its harmonic conjugate.  The surface is cut along
+ * short seams through the zeros; in the cut surface every corner has one (u, v).
+ *
+ *   foliation   harmonic up to options->tolerance
+ *
+ * Transition of an edge: with (u, v) of a point of the edge in the first of its
+ * two triangles (the one with the lower number), the second one has
+ *
+ *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1,
+ *
+ * exactly: all are multiples of one power of two below 2^53 of it.  Edges off
+ * the seams have (1, 0, 0).  The linear parts are +-1, so (du + i dv)^2 has no
+ * seams: it is the holomorphic quadratic differential, given per triangle as the
+ * square of d(u + i v) / dz with z = x + i y in the frame of the triangle: x
+ * along its side 0, y to the left of it.
+ *
+ * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
+ * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  Near the zeros u differs
+ * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
+ * goes round) triangles are degenerate.
+ *
+ * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
+ * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that two zeros need the same
+ * vertex, or an error of classes 100, 200, 500.
+ */
+HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
+                                    const hmf_control *control, hmf_parameterization **out, hmf_error *error);
+
+/* ------------------------------------------------------------------------
+ * Leaves, cylinders, quads
+ * --------------------------------------------------------------------- */
+
+#define HMF_LINE_LEVEL 1         /* a closed leaf at a given height of its cylinder */
+#define HMF_LINE_CRITICAL 2      /* a leaf between two zeros */
+#define HMF_LINE_POINT 3         /* the leaf through a given point */
+
+#define HMF_END_CLOSED 0         /* none: the last point joins the first */
+#define HMF_END_ZERO 1           /* at a zero */
+#define HMF_END_LIMIT 2          /* at the length limit */
+#define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
+#define HMF_END_CRITICAL 4       /* of a conjugate line: on a critical leaf, where its cylinder ends */
+
+#define HMF_LEAVES_DEFAULT 0
+#define HMF_LEAVES_FOLIATION 1   /* of the foliation itself (default): u is constant */
+#define HMF_LEAVES_CONJUGATE 2   /* of its conjugate: v is constant; see hmf_parameterize */
+
+typedef struct hmf_trace_options {
+    uint32_t struct_size;
+    int32_t critical;            /* not 0: all leaves out of zeros */
+    double spacing;              /* > 0: level sets, about so far apart, in the unit of the values; 0 = none */
+    double length_limit;         /* where a leaf stops, in each direction from where it starts, in the unit of the
+                                    positions; 0: none, for conjugate leaves ten times the root of the area of the
+                                    surface */
+    uint64_t point_count;        /* leaves through points; 0 = none */
+    const uint32_t *point_triangles;      /* point_count */
+    const double *point_barycentrics;     /* point_count x 3, for the corners of the triangle; not negative, sum 1 */
+    int32_t leaves;              /* HMF_LEAVES_* */
+    uint32_t reserved;           /* 0 */
+} hmf_trace_options;
+
+typedef struct hmf_line {
+    int32_t kind;                /* HMF_LINE_* */
+    int32_t closed;              /* 1: the last point joins the first, which is not repeated; 0 */
+    int32_t begin, end;          /* HMF_END_* */
+    uint32_t begin_zero, end_zero; /* which zero, in the list of hmf_singularities; else HMF_NONE */
+    uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves */
+    uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the
+                                    critical leaf */
+    double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical
+                                    leaves */
+    double length;               /* in the unit of the positions */
+} hmf_line;
+
+typedef struct hmf_lines {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t line_count;
+    uint64_t point_count;
+    const hmf_line *lines;       /* line_count: first the level sets, cylinder by cylinder, then the critical leaves,
+                                    then those through points */
+    const uint64_t *offsets;     /* line_count + 1; line k has the points from offsets[k] to offsets[k+1] - 1 */
+    const double *points;        /* point_count x 3 coordinates */
+    const uint32_t *point_edges; /* point_count edges of the level that the points lie on; HMF_NONE for the middle of
+                                    a zero in a triangle */
+} hmf_lines;
+
+/*
+ * Leaves of a foliation as polylines.
+ *
+ *   options     which leaves; NULL or all 0: the critical ones
+ *
+ * Consecutive points lie in one triangle.  Leaves are followed in exact
+ * integers: no two cross, each closes exactly, and only critical leaves end, at
+ * zeros.  A cylinder gets round(height / spacing) level sets, at least one,
+ * evenly spaced with half a space at either side: so they match across critical
+ * leaves.  The leaf through a point is less than 2^-48 of the largest value away
+ * from it; the middle of a triangle with a zero goes to the nearest leaf.
+ * Genus 1 has no critical leaves.
+ *
+ * Conjugate leaves do not close in general.  Level sets are then lines across
+ * each cylinder from one side to the other, round(circumference / spacing) of
+ * them; together with those of the foliation they form a grid.  Leaves out of
+ * zeros end at another zero or at the length limit, those through points close or
+ * end at the limit.  begin_zero, end_zero, height and, but for level sets,
+ * cylinder are not set.
+ *
+ * The foliation need not be harmonic, but for conjugate leaves, as for
+ * hmf_cylinders.
+ * Errors: classes 100, 200, 500; of a bad point error->index is its number
+ * (HMF_ERROR_OPTIONS).
+ */
+HMF_API hmf_status hmf_trace(const hmf_foliation *foliation, const hmf_trace_options *options,
+                             const hmf_control *control, hmf_lines **out, hmf_error *error);
+
+typedef struct hmf_cylinder {
+    uint32_t loop;               /* its loop; HMF_NONE if no loops were given */
+    uint32_t reserved;           /* 0 */
+    double height;               /* the weight of the loop, exactly */
+    double circumference;        /* of the flat metric du^2 + dv^2, in the unit of the values */
+    double modulus;              /* height / circumference */
+    double area;                 /* in the flat metric; areas add up to the energy */
+} hmf_cylinder;
+
+typedef struct hmf_cylinder_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t count;
+    const hmf_cylinder *list;    /* count; the order is that of hmf_line.cylinder */
+    const hmf_loop_set *leaves;  /* the leaf in the middle of each as a triangle loop of the level; weights: the
+                                    heights.  Part of this block: not to be freed on its own */
+} hmf_cylinder_set;
+
+/*
+ * The cylinders of a harmonic foliation: the critical leaves cut the surface
+ * into one for each loop, filled with closed leaves of its class.
+ *
+ *   loops       those that the foliation belongs to, on any level, or NULL: which
+ *               loop each cylinder belongs to is not wanted
+ *
+ * Heights are exact.  Circumference, modulus and area are those of the minimum;
+ * at the minimum energy = sum of height * circumference = sum of areas.
+ * Loop and cylinder are matched by their classes: that takes two runs like
+ * hmf_solve on the coarsest level.
+ *
+ * Errors: classes 100, 200, 400; HMF_ERROR_VALUE_CLASS if the values do not
+ * belong to the loops, HMF_ERROR_VALUE_NOT_HARMONIC if their energy is 1 % above
+ * the minimum, and others of class 500.
+ */
+HMF_API hmf_status hmf_cylinders(const hmf_foliation *foliation, const hmf_loop_set *loops,
+                                 const hmf_control *control, hmf_cylinder_set **out, hmf_error *error);
+
+typedef struct hmf_quad_options {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as
+                                    many quads as triangles / 2 */
+} hmf_quad_options;
+
+typedef struct hmf_quad_mesh {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t vertex_count;
+    uint64_t quad_count;
+    const double *positions;     /* vertex_count x 3; points of the surface */
+    const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
+} hmf_quad_mesh;
+
+/*
+ * A closed quad mesh along the leaves: a grid on each cylinder, glued along the
+ * critical leaves.
+ *
+ * The first vertices are the zeros, in the order of hmf_singularities; a zero of
+ * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
+ * discretisation keeps apart can become one, with the sum of their orders.
+ * Closed, oriented and manifold by construction, genus as before; no two edges
+ * have the same ends.
+ * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
+ * equally long in the metric du^2 + dv^2: longer in space where the foliation is
+ * thin.  Numbers are rounded so that the grids match, with at least 3 quads
+ * across a cylinder and 2 along a critical leaf.
+ *
+ * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
+ * crosses, or if there is no match for edges so long.  Other errors: classes
+ * 100, 200, 500.
+ */
+HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,
+                             const hmf_control *control, hmf_quad_mesh **out, hmf_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* HMF_USES_H */
