@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, Indices, as_count, as_floats, as_indices, constant, frozen, pointer
+from ._boundary import Floats, Indices, as_count, as_floats, as_indices, constant, frozen, names, pointer, structure, view
 from ._native import ffi
 
 LoopKind = Literal["vertices", "triangles"]
@@ -48,17 +48,14 @@ class Loops(Sequence[Indices]):
         elements = np.concatenate(arrays) if arrays else np.empty(0, dtype=np.uint32)
         self._set(offsets, elements, kind, level, weights)
 
-    @classmethod
-    def _of_arrays(
-        cls, offsets: NDArray[np.uint64], elements: Indices, kind: LoopKind, level: int, weights: ArrayLike | None
-    ) -> Loops:
-        loops = cls.__new__(cls)
-        loops._set(offsets, elements, kind, level, weights)
-        return loops
-
     def _set(
-        self, offsets: NDArray[np.uint64], elements: Indices, kind: LoopKind, level: int, weights: ArrayLike | None
-    ) -> None:
+        self,
+        offsets: NDArray[np.uint64],
+        elements: Indices,
+        kind: LoopKind,
+        level: int,
+        weights: ArrayLike | None,
+    ) -> Loops:
         self._element_kind = constant("LOOP", kind, "kind of a loop")
         self._kind: LoopKind = kind
         self._offsets = frozen(offsets)
@@ -67,6 +64,15 @@ class Loops(Sequence[Indices]):
         self._weights: Floats | None = None
         if weights is not None:
             self._weights = frozen(as_floats(weights, len(offsets) - 1, "weights", "loop").copy())
+        return self
+
+    @classmethod
+    def _of(cls, given: Any, owner: Any) -> Loops:
+        """The loops of an hmf_loop_set, which lies in memory that ``owner`` keeps alive."""
+        offsets = view(owner, given.offsets, given.count + 1)
+        elements = view(owner, given.elements, int(offsets[-1]))
+        weights = None if given.weights == ffi.NULL else view(owner, given.weights, given.count)
+        return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights)
 
     @property
     def kind(self) -> LoopKind:
@@ -95,7 +101,8 @@ class Loops(Sequence[Indices]):
 
     def with_weights(self, weights: ArrayLike | None) -> Loops:
         """The same loops with other weights; None means 1 each."""
-        return self._of_arrays(self._offsets, self._elements, self._kind, self._level, weights)
+        loops = type(self).__new__(type(self))
+        return loops._set(self._offsets, self._elements, self._kind, self._level, weights)
 
     def __len__(self) -> int:
         return len(self._offsets) - 1
@@ -110,29 +117,23 @@ class Loops(Sequence[Indices]):
             chosen = range(len(self))[which]
             weights = None if self._weights is None else self._weights[which]
             return Loops([self[i] for i in chosen], kind=self._kind, level=self._level, weights=weights)
-        if not -len(self) <= which < len(self):
-            raise IndexError(f"there is no loop {which}, only {len(self)}")
-        which %= len(self)
-        return self._elements[int(self._offsets[which]) : int(self._offsets[which + 1])]
-
-    def __iter__(self) -> Iterator[Indices]:
-        return (self[i] for i in range(len(self)))
+        number = range(len(self))[which]
+        return self._elements[int(self._offsets[number]) : int(self._offsets[number + 1])]
 
     def __repr__(self) -> str:
         return f"<{len(self)} loops of {self._kind} on level {self._level}>"
 
     def _structure(self) -> Any:
         """hmf_loop_set; valid as long as these loops are."""
-        result = ffi.new("hmf_loop_set *")
-        result.struct_size = ffi.sizeof("hmf_loop_set")
-        result.element_kind = self._element_kind
-        result.level = self._level
-        result.count = len(self)
-        result.offsets = pointer(self._offsets, "uint64_t *")
-        result.elements = pointer(self._elements, "uint32_t *")
-        if self._weights is not None:
-            result.weights = pointer(self._weights, "double *")
-        return result
+        return structure(
+            "hmf_loop_set",
+            element_kind=self._element_kind,
+            level=self._level,
+            count=len(self),
+            offsets=pointer(self._offsets, "uint64_t *"),
+            elements=pointer(self._elements, "uint32_t *"),
+            weights=None if self._weights is None else pointer(self._weights, "double *"),
+        )
 
 
 def as_loops(loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None) -> Loops:
@@ -140,3 +141,9 @@ def as_loops(loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None) -> L
     if not isinstance(loops, Loops):
         return Loops(loops, weights=weights)
     return loops if weights is None else loops.with_weights(weights)
+
+
+def loop_structure(loops: Loops | Sequence[ArrayLike] | None, weights: ArrayLike | None) -> tuple[Any, Loops | None]:
+    """hmf_loop_set, NULL of None, and the loops to keep as long as it is used."""
+    chosen = None if loops is None else as_loops(loops, weights)
+    return (ffi.NULL if chosen is None else chosen._structure()), chosen
