@@ -249,7 +249,8 @@ def test_build_options(pretzel: Mesh) -> None:
 
 
 def test_plates_have_the_sizes_of_the_contract() -> None:
-    for size, vertices, triangles in (((1, 1, 4, 4), 512, 1024), ((2, 1, 8, 7), 3006, 6016), ((3, 2, 15, 10), 20240, 40500)):
+    sizes = (((1, 1, 4, 4), 512, 1024), ((2, 1, 8, 7), 3006, 6016), ((3, 2, 15, 10), 20240, 40500))
+    for size, vertices, triangles in sizes:
         points, corners = sample.plate(*size)
         assert (len(points), len(corners)) == (vertices, triangles)
 

@@ -231,7 +231,7 @@ class Progress(IntEnum):
     CONTINUE = 0
     #: Return at once; :class:`hmf.Cancelled` is raised.
     CANCEL = 1
-    #: Stop improving and return the foliation so far; while a hierarchy is built, as CANCEL.
+    #: solve and relax: stop improving and return the foliation so far; elsewhere as CANCEL.
     FINISH = 2
 
 
@@ -313,7 +313,8 @@ class _Bar:
             tqdm = import_module("tqdm.auto")
         except ImportError:
             return
-        self._bar = tqdm.tqdm(total=100, desc=title, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
+        form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+        self._bar = tqdm.tqdm(total=100, desc=title, bar_format=form)
 
     def update(self, fraction: float) -> None:
         percent = int(100 * fraction)
@@ -380,7 +381,9 @@ _CONTROL = ffi.typeof("hmf_control *")
 _FREE = {"hmf_hierarchy *": lib.hmf_destroy, "hmf_foliation *": lib.hmf_foliation_destroy}
 
 
-def run(function: Any, *arguments: Any, progress: ProgressOption = None, accept: frozenset[int] = frozenset()) -> Outcome:
+def run(
+    function: Any, *arguments: Any, progress: ProgressOption = None, accept: frozenset[int] = frozenset()
+) -> Outcome:
     """Calls a fallible function; raises unless the status is OK or in ``accept``.
 
     ``arguments`` are those but hmf_control, the address of an object that the

@@ -78,7 +78,8 @@ class _Picture:
         while start < len(triangles):
             done = int(ends[start - 1]) if start else 0
             stop = max(start + 1, int(np.searchsorted(ends, done + _PAIRS, side="right")))
-            self._draw_some(points, triangles[start:stop], corners[start:stop], first[start:stop], count[start:stop], light)
+            some = slice(start, stop)
+            self._draw_some(points, triangles[some], corners[some], first[some], count[some], light)
             start = stop
 
     def _draw_some(

@@ -101,7 +101,8 @@ class Level:
         return self._array(lib.hmf_level_weights, (self.edge_count,), np.float64, "double *")
 
     def __repr__(self) -> str:
-        return f"<level {self.number}: {self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles>"
+        counts = f"{self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles"
+        return f"<level {self.number}: {counts}>"
 
 
 class Hierarchy:
@@ -331,9 +332,7 @@ class Hierarchy:
             loops = self.loops(level=0 if method == "single_level" else None)
         given, alive = loop_structure(loops, weights)
         start = None if initial is None else initial._pointer
-        options = solve_options(
-            method, tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start
-        )
+        options = solve_options(method, tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start)
         outcome = run(lib.hmf_solve, self._pointer, given, options, progress=progress, accept=STOPPED)
         del alive
         return solved(self, outcome)

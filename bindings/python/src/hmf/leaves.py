@@ -75,7 +75,8 @@ class Leaves(Rows[Leaf]):
 
     def _entry(self, number: int, row: dict[str, Any]) -> Leaf:
         own = slice(int(self.offsets[number]), int(self.offsets[number + 1]))
-        row.update(kind=_KINDS[row["kind"]], closed=bool(row["closed"]), begin=_ENDS[row["begin"]], end=_ENDS[row["end"]])
+        row.update(kind=_KINDS[row["kind"]], begin=_ENDS[row["begin"]], end=_ENDS[row["end"]])
+        row.update(closed=bool(row["closed"]))
         row.update({name: optional_index(row[name]) for name in ("begin_zero", "end_zero", "cylinder")})
         return Leaf(**row, points=self.points[own], edges=self.edges[own])
 
@@ -127,8 +128,9 @@ def trace(
     """
     if (point_triangles is None) != (point_barycentrics is None):
         raise ValueError("point_triangles and point_barycentrics come together: give both or none.")
+    none = np.empty((0, 3))
     triangles = as_indices([] if point_triangles is None else point_triangles, "point_triangles")
-    barycentrics = np.empty((0, 3)) if point_barycentrics is None else as_positions(point_barycentrics, "point_barycentrics")
+    barycentrics = as_positions(none if point_barycentrics is None else point_barycentrics, "point_barycentrics")
     barycentrics = np.ascontiguousarray(barycentrics)
     if len(triangles) != len(barycentrics):
         raise ValueError(f"{len(triangles)} point_triangles but {len(barycentrics)} rows of point_barycentrics.")

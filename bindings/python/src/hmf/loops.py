@@ -8,7 +8,19 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, Indices, as_count, as_floats, as_indices, constant, frozen, names, pointer, structure, view
+from ._boundary import (
+    Floats,
+    Indices,
+    as_count,
+    as_floats,
+    as_indices,
+    constant,
+    frozen,
+    names,
+    pointer,
+    structure,
+    view,
+)
 from ._native import ffi
 
 LoopKind = Literal["vertices", "triangles"]
