@@ -123,7 +123,8 @@ def test_reports_have_all_fields() -> None:
 
 def test_each_call_with_a_control_takes_progress() -> None:
     """But hmf_energy, which is a property: Control-C ends it all the same."""
-    long = {name for name in FUNCTIONS if "hmf_control *" in {kind.cname for kind in ffi.typeof(getattr(lib, name)).args}}
+    control = ffi.typeof("hmf_control *")
+    long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
     owners = {"hmf_build": hmf.Hierarchy.__init__, "hmf_foliation_create": hmf.Hierarchy.foliation}
     for name in long - {"hmf_energy"}:
         short = name[len("hmf_") :]

@@ -297,7 +297,9 @@ def _store(kind: type[BaseException], exception: BaseException, traceback: Trace
         ffi.from_handle(traceback.tb_frame.f_locals["watch"]).fail(exception.with_traceback(traceback))
 
 
-@ffi.def_extern(name="hmf_python_progress", error=int(Progress.CANCEL), onerror=_store)  # type: ignore[untyped-decorator]
+@ffi.def_extern(  # type: ignore[untyped-decorator]
+    name="hmf_python_progress", error=int(Progress.CANCEL), onerror=_store
+)
 def _progress(watch: Any, fraction: float) -> int:
     return int(ffi.from_handle(watch).tick(fraction))
 
@@ -378,7 +380,10 @@ class Outcome(NamedTuple):
 
 
 _CONTROL = ffi.typeof("hmf_control *")
-_FREE = {"hmf_hierarchy *": lib.hmf_destroy, "hmf_foliation *": lib.hmf_foliation_destroy}
+_FREE = {
+    ffi.typeof("hmf_hierarchy *"): lib.hmf_destroy,
+    ffi.typeof("hmf_foliation *"): lib.hmf_foliation_destroy,
+}
 
 
 def run(
@@ -391,7 +396,8 @@ def run(
     """
     types = ffi.typeof(function).args
     error = ffi.new("hmf_error *")
-    out = ffi.new(types[-2]) if types[-2].item.kind == "pointer" else None
+    made = types[-2].item if types[-2].kind == "pointer" else types[-2]
+    out = ffi.new(types[-2]) if made.kind == "pointer" else None
     passed = [*arguments, error] if out is None else [*arguments, out, error]
     with progress_callback(progress, function.__name__.replace("_", " ")) as callback:
         watch = Watch(callback)
@@ -400,7 +406,7 @@ def run(
         status = function(*passed)
         result = None
         if out is not None and out[0] != ffi.NULL:
-            result = ffi.gc(out[0], _FREE.get(types[-2].item.cname, lib.hmf_free))
+            result = ffi.gc(out[0], _FREE.get(made, lib.hmf_free))
         watch.reraise()
         message = ffi.string(error.message).decode("utf-8", "replace")
         if status != Status.OK and status not in accept:
