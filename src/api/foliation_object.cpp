@@ -1,6 +1,9 @@
 #include "foliation_object.hpp"
 
+#include "shared_flat.hpp"
+
 #include <cmath>
+#include <new>
 
 namespace hmf {
 
@@ -62,7 +65,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.poles, 0, {}};
+    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.poles, 0, {}, {}};
     ResultBlock block;
     block.room(made, made.values, n);
     if (making.solved) block.array(made, made.solved, n, making.solved);
@@ -74,6 +77,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     }
     hmf_foliation* object = block.make(made, h, call);
     if (!object) return call.status();
+    new (&object->flat) std::atomic<SharedFlat*>(nullptr);
     double* values = fill(object->values);
     for (size_t e = 0; e < n; ++e)
         values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * making.unit;
@@ -182,6 +186,7 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
 void hmf_foliation_destroy(hmf_foliation* foliation) {
     if (!foliation) return;
     hmf_hierarchy* const hierarchy = const_cast<hmf_hierarchy*>(foliation->hierarchy);
+    free_shared_flat(*foliation);
     free_block(foliation);
     hmf_destroy(hierarchy);
 }
