@@ -254,7 +254,7 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
                 fails(hmf.LoopError, lambda: hierarchy.solve(weights=[1, -1]))
                 fails(hmf.FoliationError, lambda: hierarchy.foliation(values))
                 fails(hmf.Cancelled, lambda: hierarchy.solve(progress=lambda f: hmf.Progress.CANCEL))
-                fails(LookupError, lambda: solution.quads(progress=boom))
+                fails(LookupError, lambda: solution.parameterize(progress=boom))
             with open("/proc/self/statm") as file:
                 return int(file.read().split()[1]) * 4096
 
