@@ -148,7 +148,7 @@ def each_long_call(*defects: str) -> pytest.MarkDecorator:
     )
 
 
-@each_long_call("foliation", "trace", "quads")  # they do not report
+@each_long_call()
 def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, name: str) -> None:
 
     def function(progress: Any) -> object:
@@ -179,7 +179,7 @@ def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, nam
         function(late)
 
 
-@each_long_call("loops", "initialize", "foliation", "interpolate", "residuals", "trace", "cylinders", "quads")
+@each_long_call("loops", "initialize", "interpolate", "residuals")
 def test_finish_cancels_what_cannot_be_stopped_early(hierarchy: hmf.Hierarchy, name: str) -> None:
     function, foliation = LONG_CALLS[name], hierarchy.solve()
     if name == "relax":
