@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,6 +150,30 @@ class Foliation:
     def __reduce__(self) -> tuple[Any, ...]:
         return Foliation._again, (self._hierarchy, self.level, self._values, self._status, self.report)
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes level and values, exactly, as an archive of numpy (npz); the mesh and the report are not in it."""
+        level, mesh = self.level, _checksum(self._hierarchy, self.level)
+        with open(path, "wb") as file:
+            np.savez_compressed(file, values=self._values, level=level, status=int(self._status), mesh=mesh)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str], hierarchy: Hierarchy, *, progress: ProgressOption = None) -> Foliation:
+        """What :meth:`save` wrote, on a hierarchy of the same mesh.
+
+        For level 0 the same triangles are enough; coarser levels take the
+        same positions and options as well.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                values, level, status, mesh = (stored[name] for name in ("values", "level", "status", "mesh"))
+        except (KeyError, TypeError, ValueError, EOFError, BadZipFile) as error:
+            raise ValueError(f"{os.fspath(path)} is no file that Foliation.save has written.") from error
+        foliation = hierarchy.foliation(values, level=int(level), progress=progress)
+        if mesh != _checksum(hierarchy, foliation.level):
+            raise ValueError(f"{os.fspath(path)} belongs to other triangles: give the hierarchy it was saved from.")
+        foliation._status = Status(int(status))
+        return foliation
+
     @property
     def hierarchy(self) -> Hierarchy:
         """The hierarchy it lies on."""
@@ -266,6 +293,10 @@ class Foliation:
 
     def __repr__(self) -> str:
         return f"<Foliation on level {self.level}: {len(self._values)} edges, {self._status.name}>"
+
+
+def _checksum(hierarchy: Hierarchy, level: int) -> int:
+    return zlib.crc32(hierarchy.levels[level].triangles.tobytes())
 
 
 def solve_options(

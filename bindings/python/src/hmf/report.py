@@ -52,6 +52,22 @@ class Report:
     levels: tuple[LevelReport, ...]  #: finest first
     history: tuple[HistoryEntry, ...]  #: in order of time
 
+    def __str__(self) -> str:
+        """Several lines: what was reached, at what cost, and on which level."""
+        reached = "converged" if self.converged else "not converged"
+        residual = f"residual {self.residual_max:.2g}" if self.residual_max >= 0 else "residual not evaluated"
+        lines = [
+            f"{self.method}: {reached}, {residual}",
+            f"energy {self.energy:.12g}, {self.zeros} zeros, {self.poles} poles",
+            f"{self.solve_seconds:.3g} s, {self.peak_memory_bytes / 1e6:.3g} MB, {len(self.history)} steps",
+            "level  vertices     edges  sweeps  linear solves  seconds",
+        ]
+        for number, level in enumerate(self.levels):
+            seconds = level.optimize_seconds + level.interpolate_seconds
+            counts = f"{number:5}{level.vertices:10}{level.edges:10}{level.iterations:8}{level.linear_solves:15}"
+            lines.append(f"{counts}{seconds:9.3f}")
+        return "\n".join(lines)
+
 
 def _entry(row: Any) -> HistoryEntry:
     seconds, energy, residual, level, kind = row
