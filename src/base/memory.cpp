@@ -73,7 +73,7 @@ void* Arena::take_bytes(size_t count, size_t size) {
     }
     const size_t bytes = aligned(count * size);
     if (bytes > block_bytes_ / 4) return new_block(bytes);
-    if (static_cast<size_t>(end_ - at_) < bytes) {
+    if (!at_ || static_cast<size_t>(end_ - at_) < bytes) {
         char* const fresh = new_block(block_bytes_);
         if (!fresh) return nullptr;
         at_ = fresh;
