@@ -246,6 +246,12 @@ def test_bar(
     assert captured.out == "" and "hmf:" in captured.err and "100%" in captured.err
 
 
+def test_a_bar_says_what_is_done(hierarchy: hmf.Hierarchy, capsys: pytest.CaptureFixture[str]) -> None:
+    hierarchy.solve(progress=True).quads(progress=True)
+    captured = capsys.readouterr().err
+    assert "hmf solve:" in captured and "hmf quads:" in captured
+
+
 def test_silent_by_default(pretzel: Mesh, capfd: pytest.CaptureFixture[str]) -> None:
     hmf.solve(*pretzel)
     captured = capfd.readouterr()
