@@ -124,8 +124,7 @@ hmf_status one_array(Bits* bits, size_t count, Call&& call) {
     Bits values(count, -7);
     const hmf_status status = call(values.data(), &error);
     EXPECT_EQ(error.status, status);
-    if (status != HMF_OK)
-        for (const double x : values) EXPECT_EQ(x, -7);
+    for (const double x : values) EXPECT_TRUE(status == HMF_OK || x == -7);
     if (bits) *bits = values;
     return status;
 }
