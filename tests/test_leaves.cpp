@@ -484,8 +484,7 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     EXPECT_EQ(cylinders_of(fine, initialize(*hierarchy, fine)), HMF_ERROR_VALUE_NOT_HARMONIC);
 }
 
-// Values of a solve, read again, give the same leaves, as long as no vertex was
-// moved on the way to the caller's edges.
+// Values of a solve, read again, have the same leaves.
 TEST_P(Leaves, OfValuesReadAgain) {
     hmf_trace_options options = trace_options();
     options.spacing = 0.3;
