@@ -12,6 +12,10 @@
 #include "../solve/solve.hpp"
 #include "result.hpp"
 
+namespace hmf {
+struct SharedFlat;
+}
+
 struct hmf_foliation {
     const hmf_hierarchy* hierarchy;
     size_t level;
@@ -22,6 +26,7 @@ struct hmf_foliation {
     uint64_t poles;        // of the values; only foliations of the caller have any
     uint64_t has_report;   // 1 or 0
     hmf_report report;
+    mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it
 };
 
 namespace hmf {
@@ -40,6 +45,13 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
 
 // The foliation is there, and has no poles.
 hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
+
+// A solve left it with residuals of 1e-8 at most: what is measured there needs
+// no further step.
+inline bool is_minimum(const hmf_foliation& foliation) {
+    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
+    return residual >= 0 && residual <= 1e-8;
+}
 
 // Its values into a state on its level, the caller's side on level 0; the
 // state has room down to level `finest`.
