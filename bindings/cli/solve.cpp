@@ -10,11 +10,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "failure.hpp"
 #include "leaves.hpp"
+#include "library.hpp"
+#include "loop_lines.hpp"
 #include "output.hpp"
 #include "potential.hpp"
 #include "read_loops.hpp"
@@ -105,19 +106,12 @@ struct Meter {
     }
 };
 
-struct DestroyHierarchy {
-    void operator()(hmf_hierarchy* hierarchy) const { hmf_destroy(hierarchy); }
-};
-using Hierarchy = std::unique_ptr<hmf_hierarchy, DestroyHierarchy>;
-
-Hierarchy build(const TriangleMesh& mesh, const std::string& name, const hmf_build_options& options) {
-    hmf_hierarchy* raw = nullptr;
-    hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &raw, &error);
-    if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
-    if (status != HMF_OK) fail_with(status, error, name);
-    return Hierarchy(raw);
+Owned<hmf_hierarchy> build(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control& control,
+                           const std::string& name) {
+    return make<hmf_hierarchy>(name, [&](hmf_hierarchy** out, hmf_error* error) {
+        return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                         &options, &control, out, error);
+    });
 }
 
 // HMF_LOOPS_* of a name, 0 for the name of a file.
@@ -129,27 +123,11 @@ int32_t loop_kind(const std::string& name) {
     return 0;
 }
 
-LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind, const std::string& name) {
-    LoopList loops;
-    hmf_error error{};
-    hmf_level_info counts{};
-    hmf_status status = hmf_level_counts(hierarchy, level, &counts, &error);
-    if (status != HMF_OK) fail_with(status, error, name);
-    // Room that nearly always suffices saves computing the loops twice.
-    size_t count = 3 * hmf_genus(hierarchy), element_count = counts.triangle_count;
-    for (int round = 0; round < 2; ++round) {
-        loops.offsets.resize(count + 1);
-        loops.elements.resize(element_count);
-        status = hmf_loops(hierarchy, level, kind, loops.offsets.data(), loops.offsets.size(), loops.elements.data(),
-                           loops.elements.size(), &count, &element_count, &error);
-        if (status != HMF_ERROR_CAPACITY) break;
-        status = hmf_loops(hierarchy, level, kind, nullptr, 0, nullptr, 0, &count, &element_count, &error);
-        if (status != HMF_OK) break;
-    }
-    if (status != HMF_OK) fail_with(status, error, name);
-    loops.offsets.resize(count + 1);
-    loops.elements.resize(element_count);
-    return loops;
+Owned<hmf_loop_set> library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
+                                  const hmf_control* control, const std::string& name) {
+    return make<hmf_loop_set>(name, [&](hmf_loop_set** out, hmf_error* error) {
+        return hmf_loops(hierarchy, level, kind, control, out, error);
+    });
 }
 
 const char* method_name(int32_t method) {
@@ -161,33 +139,26 @@ const char* method_name(int32_t method) {
     }
 }
 
-void check(hmf_status status, const hmf_error& error, const std::string& name) {
-    if (status != HMF_OK) fail_with(status, error, name);
-}
-
 // Everything that the pictures need, in the numbering of level 0.
-Foliation collect(const hmf_hierarchy* hierarchy, const TriangleMesh& mesh, std::vector<double> values,
+Foliation collect(const hmf_hierarchy* hierarchy, const TriangleMesh& mesh, const hmf_foliation* result,
                   std::vector<double> loop_weights, const std::string& name) {
     Foliation f;
     hmf_error error{};
+    size_t count = 0;
+    const double* values = hmf_foliation_values(result, &count);
+    f.values.assign(values, values + count);
     f.positions = mesh.positions;
     f.triangles.resize(mesh.triangles.size());
     f.triangle_edges.resize(mesh.triangles.size());
-    f.edge_vertices.resize(2 * values.size());
+    f.edge_vertices.resize(2 * count);
     check(hmf_level_triangle_vertices(hierarchy, 0, f.triangles.data(), f.triangles.size(), &error), error, name);
     check(hmf_level_triangle_edges(hierarchy, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error,
           name);
     check(hmf_level_edge_vertices(hierarchy, 0, f.edge_vertices.data(), f.edge_vertices.size(), &error), error, name);
-    f.values = std::move(values);
     f.loop_weights = std::move(loop_weights);
-    size_t count = 0;
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr,
-                            0, &count, &error),
-          error, name);
-    f.singular.resize(count);
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0,
-                            f.singular.data(), count, &count, &error),
-          error, name);
+    const auto singular = make<hmf_singularity_set>(
+        name, [&](hmf_singularity_set** out, hmf_error* e) { return hmf_singularities(result, nullptr, out, e); });
+    f.singular.assign(singular->list, singular->list + singular->count);
     return f;
 }
 
@@ -198,8 +169,8 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     const Clock::time_point start = Clock::now();
     const int32_t kind = loop_kind(request.loops);
     const bool own_loops = kind == 0, has_start = !request.start.empty();
-    LoopList loops;
-    if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
+    LoopList read;
+    if (own_loops) read = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
     for (const std::string& path : request.values) check_writable(path);
     for (const std::string& path :
          {request.report, request.history, request.image, request.leaves, request.quads, request.obj})
@@ -210,8 +181,12 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     Meter meter;
     Summary summary;
 
-    hmf_build_options build_options;
-    hmf_build_options_init(&build_options);
+    hmf_control control = {};
+    control.struct_size = sizeof control;
+    control.progress = Progress::callback;
+    control.progress_user = &progress;
+    hmf_build_options build_options = {};
+    build_options.struct_size = sizeof build_options;
     build_options.ratio = request.ratio;
     build_options.mollify = request.mollify;
     build_options.coarsest = request.coarsest;
@@ -219,11 +194,9 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     build_options.allocate = Meter::allocate;
     build_options.release = Meter::release;
     build_options.allocator_user = &meter;
-    build_options.progress = Progress::callback;
-    build_options.progress_user = &progress;
     progress.part("build", 0, 0.35);
     const Clock::time_point build_start = Clock::now();
-    const Hierarchy hierarchy = build(mesh, name, build_options);
+    const Owned<hmf_hierarchy> hierarchy = build(mesh, build_options, control, name);
     summary.build_seconds = seconds_since(build_start);
 
     const size_t level_count = hmf_level_count(hierarchy.get());
@@ -231,74 +204,60 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     // method knows no other; the library's own are cheapest where it is coarse.
     const size_t loop_level = own_loops || request.method == HMF_METHOD_SINGLE_LEVEL ? 0 : level_count - 1;
     const Clock::time_point loops_start = Clock::now();
-    if (!own_loops && !has_start) loops = library_loops(hierarchy.get(), loop_level, kind, name);
+    Owned<hmf_loop_set> made;
+    if (!own_loops && !has_start) made = library_loops(hierarchy.get(), loop_level, kind, &control, name);
+    hmf_loop_set loops = made ? *made : read.view();
     summary.loops_seconds = seconds_since(loops_start);
 
     std::vector<double> weights = request.loop_weights;
     // Without loops the weights are for the pictures only.
-    if (weights.empty()) weights.assign(has_start ? 1 : loops.count(), 1.0);
-    if (weights.size() != loops.count() && !has_start)
+    if (weights.empty()) weights.assign(has_start ? 1 : loops.count, 1.0);
+    if (weights.size() != loops.count && !has_start)
         throw Failure(EXIT_USAGE, "--weights: " + std::to_string(weights.size()) + " weights for "
-                                      + std::to_string(loops.count()) + " loops; give one weight per loop");
-    hmf_loop_set loop_set{};
-    loop_set.struct_size = sizeof loop_set;
-    loop_set.element_kind = loops.element_kind;
-    loop_set.level = loop_level;
-    loop_set.count = loops.count();
-    loop_set.offsets = loops.offsets.data();
-    loop_set.elements = loops.elements.data();
-    loop_set.weights = weights.data();
+                                      + std::to_string(loops.count) + " loops; give one weight per loop");
+    loops.weights = weights.data();
 
     hmf_level_info finest{};
     hmf_error error{};
     check(hmf_level_counts(hierarchy.get(), 0, &finest, &error), error, name);
-    hmf_solve_options options;
-    hmf_solve_options_init(&options);
+    hmf_solve_options options = {};
+    options.struct_size = sizeof options;
     options.method = request.method;
     options.tolerance = request.tolerance;
     options.time_limit = request.time_limit;
-    options.progress = Progress::callback;
-    options.progress_user = &progress;
-    summary.levels.resize(level_count);
-    // Room for every sweep of a long run, only where it is wanted.
-    std::vector<hmf_history_entry> history(request.history.empty() ? 0 : size_t(1) << 20);
-    hmf_report& report = summary.report;
-    report.struct_size = sizeof report;
-    report.levels = summary.levels.data();
-    report.level_capacity = summary.levels.size();
-    report.history = history.empty() ? nullptr : history.data();
-    report.history_capacity = history.size();
-
-    std::vector<double> values(finest.edge_count);
+    Owned<hmf_foliation> begin;
     if (has_start) {
         std::vector<uint32_t> edge_vertices(2 * finest.edge_count);
         check(hmf_level_edge_vertices(hierarchy.get(), 0, edge_vertices.data(), edge_vertices.size(), &error), error,
               name);
-        values = read_values(request.start, edge_vertices);
-        options.initial_values = values.data();
-        options.initial_count = values.size();
+        const std::vector<double> values = read_values(request.start, edge_vertices);
+        begin = make<hmf_foliation>(request.start, [&](hmf_foliation** out, hmf_error* e) {
+            return hmf_foliation_create(hierarchy.get(), 0, values.data(), values.size(), &control, out, e);
+        });
+        options.start = begin.get();
     }
     progress.part("solve", 0.35, 1);
-    const hmf_status status = hmf_solve(hierarchy.get(), has_start ? nullptr : &loop_set, &options, values.data(),
-                                        values.size(), &report, &error);
+    hmf_foliation* raw = nullptr;
+    const hmf_status status =
+        hmf_solve(hierarchy.get(), has_start ? nullptr : &loops, &options, &control, &raw, &error);
+    const Owned<hmf_foliation> result(raw);
     progress.clear();
     if (status >= HMF_ERROR_NULL) {
-        if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP
-            && error.index < loops.lines.size())
-            fail_with(status, error, request.loops + ":" + std::to_string(loops.lines[error.index]));
+        if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP && error.index < read.lines.size())
+            fail_with(status, error, request.loops + ":" + std::to_string(read.lines[error.index]));
         fail_with(status, error,
                   has_start && status >= HMF_ERROR_VALUE_NOT_FINITE && status < 600 ? request.start : name);
     }
-    if (!report.values_written) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
-    summary.levels.resize(std::min<uint64_t>(report.level_count, summary.levels.size()));
-    history.resize(std::min<uint64_t>(report.history_count, history.size()));
-
-    const Foliation foliation = collect(hierarchy.get(), mesh, std::move(values), weights, name);
+    const hmf_report* const told = hmf_foliation_report(result.get());
+    if (!told) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
+    const hmf_report& report = *told;
+    const Foliation foliation = collect(hierarchy.get(), mesh, result.get(), weights, name);
+    summary.report = told;
     summary.vertices = finest.vertex_count;
     summary.edges = finest.edge_count;
     summary.triangles = finest.triangle_count;
     summary.genus = hmf_genus(hierarchy.get());
-    summary.loops = loops.count();
+    summary.loops = loops.count;
     summary.method = method_name(report.method);
     summary.peak_memory_bytes = meter.peak;
     summary.total_seconds = read_seconds + seconds_since(start);
@@ -306,40 +265,46 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     for (const std::string& path : request.values)
         if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
         else write_values_csv(path, foliation);
-    if (!request.history.empty()) write_history(request.history, history);
+    if (!request.history.empty()) write_history(request.history, report);
+    Owned<hmf_cylinder_set> cylinders;
     if (!request.leaves.empty() && status == HMF_OK)
-        summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
+        cylinders = make<hmf_cylinder_set>(name, [&](hmf_cylinder_set** out, hmf_error* e) {
+            return hmf_cylinders(result.get(), has_start ? nullptr : &loops, nullptr, out, e);
+        });
+    summary.cylinders = cylinders.get();
     if (!request.quads.empty())
-        summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
+        summary.quads = write_quads(request.quads, result.get(), request.quad_size, nullptr, name);
+    const double spacing =
+        request.leaf_spacing > 0 ? request.leaf_spacing : 0.1 * *std::min_element(weights.begin(), weights.end());
     if (!request.leaves.empty())
-        summary.leaves =
-            write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, request.conjugate, name);
+        summary.leaves = write_leaves(request.leaves, result.get(), spacing, request.conjugate, nullptr, name);
     const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
     // Asked for, or for the report, which tells how conformal the result is.
     const bool asked = request.checkerboard || !request.obj.empty();
-    Parameterization parameterization;
+    Owned<hmf_parameterization> parameterization;
     std::exception_ptr no_parameterization;
     if (asked
         || (!request.report.empty() && status == HMF_OK && request.method != HMF_METHOD_WHITEHEAD
             && request.method != HMF_METHOD_SINGLE_LEVEL)) {
         progress.part("unfold", 0, 1);
         try {
-            parameterization = parameterize(hierarchy.get(), foliation, Progress::callback, &progress, name);
-            summary.parameterized = true;
-            summary.parameterization = parameterization.numbers;
+            parameterization = make<hmf_parameterization>(name, [&](hmf_parameterization** out, hmf_error* e) {
+                return hmf_parameterize(result.get(), nullptr, &control, out, e);
+            });
+            summary.parameterization = parameterization.get();
         } catch (const Failure&) {
             // The other results come first.
             if (asked) no_parameterization = std::current_exception();
         }
         progress.clear();
     }
-    if (!request.obj.empty() && summary.parameterized)
-        write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
+    if (!request.obj.empty() && parameterization)
+        write_textured_obj(request.obj, foliation, *parameterization, pattern_period(foliation, potential));
     if (!request.image.empty()) {
-        const LoopList drawn = loop_level == 0 ? loops : library_loops(hierarchy.get(), 0, kind, name);
-        write_png(request.image, render(foliation, potential,
-                                        request.checkerboard && summary.parameterized ? &parameterization : nullptr,
-                                        loop_lines(foliation, drawn)));
+        const Owned<hmf_loop_set> fine =
+            loop_level == 0 ? nullptr : library_loops(hierarchy.get(), 0, kind, nullptr, name);
+        write_png(request.image, render(foliation, potential, request.checkerboard ? parameterization.get() : nullptr,
+                                        loop_lines(foliation, fine ? *fine : loops)));
     }
     if (!request.report.empty()) write_report(request.report, summary);
 
@@ -360,17 +325,19 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
 int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
     InterruptGuard guard;
     Progress progress("check");
-    hmf_build_options options;
-    hmf_build_options_init(&options);
+    hmf_build_options options = {};
+    options.struct_size = sizeof options;
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
-    options.progress = Progress::callback;
-    options.progress_user = &progress;
+    hmf_control control = {};
+    control.struct_size = sizeof control;
+    control.progress = Progress::callback;
+    control.progress_user = &progress;
     hmf_hierarchy* raw = nullptr;
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &raw, &error);
-    const Hierarchy hierarchy(raw);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), &options, &control, &raw, &error);
+    const Owned<hmf_hierarchy> hierarchy(raw);
     progress.clear();
     if (status != HMF_OK) {
         if (json && status >= 300 && status < 400) {

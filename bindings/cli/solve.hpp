@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../../include/hmf/hmf.h"
+#include <hmf/hmf.h>
 #include "read_mesh.hpp"
 
 namespace cli {

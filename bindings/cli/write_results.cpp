@@ -43,16 +43,18 @@ void write_values_npy(const std::string& path, const std::vector<double>& values
 }
 
 void write_report(const std::string& path, const Summary& summary) {
-    const hmf_report& r = summary.report;
+    const hmf_report& r = *summary.report;
     nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-    for (const hmf_level_report& level : summary.levels)
+    for (const hmf_level_report* l = r.levels; l != r.levels + r.level_count; ++l) {
+        const hmf_level_report& level = *l;
         levels.push_back({{"vertices", level.vertices},
                           {"edges", level.edges},
-                          {"nld", level.nld},
+                          {"nld", level.raised_count},
                           {"iterations", level.iterations},
                           {"linear_solves", level.linear_solves},
                           {"optimize_seconds", level.optimize_seconds},
                           {"interpolate_seconds", level.interpolate_seconds}});
+    }
     nlohmann::ordered_json report = {{"mesh",
                                       {{"vertices", summary.vertices},
                                        {"edges", summary.edges},
@@ -75,8 +77,8 @@ void write_report(const std::string& path, const Summary& summary) {
                                      {"bad_flips_left", r.bad_flips_left},
                                      {"converged", r.converged != 0},
                                      {"peak_memory_bytes", summary.peak_memory_bytes}};
-    if (summary.parameterized) {
-        const hmf_parameterization& p = summary.parameterization;
+    if (summary.parameterization) {
+        const hmf_parameterization& p = *summary.parameterization;
         report["dilatation_mean"] = p.dilatation_mean;
         report["dilatation_median"] = p.dilatation_median;
         // Not finite where more than a hundredth of the area is degenerate.
@@ -91,12 +93,14 @@ void write_report(const std::string& path, const Summary& summary) {
     if (summary.leaves > 0) {
         report["leaves"] = summary.leaves;
         report["cylinders"] = nlohmann::ordered_json::array();
-        for (const hmf_cylinder& c : summary.cylinders)
+        for (uint64_t k = 0; summary.cylinders && k < summary.cylinders->count; ++k) {
+            const hmf_cylinder& c = summary.cylinders->list[k];
             report["cylinders"].push_back({{"loop", c.loop},
                                            {"height", c.height},
                                            {"circumference", c.circumference},
                                            {"modulus", c.modulus},
                                            {"area", c.area}});
+        }
     }
     if (summary.quads > 0) report["quads"] = summary.quads;
     const std::string text = report.dump(2) + "\n";
@@ -105,11 +109,12 @@ void write_report(const std::string& path, const Summary& summary) {
     output.close();
 }
 
-void write_history(const std::string& path, const std::vector<hmf_history_entry>& history) {
+void write_history(const std::string& path, const hmf_report& report) {
     static const char* const kinds[] = {"interpolation", "sweep", "linear_solve"};
     Output output(path);
     std::fprintf(output.file(), "seconds,energy,residual_max,level,kind\n");
-    for (const hmf_history_entry& entry : history) {
+    for (uint64_t k = 0; k < report.history_count; ++k) {
+        const hmf_history_entry& entry = report.history[k];
         std::fprintf(output.file(), "%.9g,%.17g,", entry.seconds, entry.energy);
         // An empty field where it was not evaluated.
         if (entry.residual_max >= 0) std::fprintf(output.file(), "%.9g", entry.residual_max);
@@ -135,8 +140,8 @@ std::string with_extension(const std::string& path, const char* extension) {
     return std::filesystem::path(path).replace_extension(extension).string();
 }
 
-void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization,
-                        double period) {
+void write_textured_obj(const std::string& path, const Foliation& foliation,
+                        const hmf_parameterization& parameterization, double period) {
     const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
     Image tile;
     tile.width = tile.height = 256;
@@ -165,7 +170,7 @@ void write_textured_obj(const std::string& path, const Foliation& foliation, con
                      foliation.positions[3 * v + 2]);
     // One vt for all corners of a vertex with the same (u, v): a list per vertex.
     constexpr uint32_t none = 0xffffffffu;
-    const std::vector<double>& uv = parameterization.corner_uv;
+    const double* const uv = parameterization.corner_uv;
     std::vector<uint32_t> head(foliation.positions.size() / 3, none), next, corner_of,
         number(foliation.triangles.size());
     for (size_t k = 0; k < foliation.triangles.size(); ++k) {
