@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "failure.hpp"
+#include "options.hpp"
 #include "output.hpp"
 
 namespace cli {
@@ -42,70 +42,24 @@ void write_values_npy(const std::string& path, const std::vector<double>& values
     output.close();
 }
 
-void write_report(const std::string& path, const Summary& summary) {
-    const hmf_report& r = *summary.report;
-    nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-    for (const hmf_level_report* l = r.levels; l != r.levels + r.level_count; ++l) {
-        const hmf_level_report& level = *l;
-        levels.push_back({{"vertices", level.vertices},
-                          {"edges", level.edges},
-                          {"nld", level.raised_count},
-                          {"iterations", level.iterations},
-                          {"linear_solves", level.linear_solves},
-                          {"optimize_seconds", level.optimize_seconds},
-                          {"interpolate_seconds", level.interpolate_seconds}});
-    }
-    nlohmann::ordered_json report = {{"mesh",
-                                      {{"vertices", summary.vertices},
-                                       {"edges", summary.edges},
-                                       {"triangles", summary.triangles},
-                                       {"genus", summary.genus}}},
-                                     {"method", summary.method},
-                                     {"levels", levels},
-                                     {"loops", summary.loops},
-                                     {"build_seconds", summary.build_seconds},
-                                     {"loops_seconds", summary.loops_seconds},
-                                     {"solve_seconds", r.solve_seconds},
-                                     {"total_seconds", summary.total_seconds},
-                                     {"energy", r.energy},
-                                     {"residual_max", r.residual_max},
-                                     {"residual_mean", r.residual_mean},
-                                     {"poles", r.poles},
-                                     {"zeros", r.zeros},
-                                     {"index_sum", r.index_sum},
-                                     {"bad_flips", r.bad_flips},
-                                     {"bad_flips_left", r.bad_flips_left},
-                                     {"converged", r.converged != 0},
-                                     {"peak_memory_bytes", summary.peak_memory_bytes}};
-    if (summary.parameterization) {
-        const hmf_parameterization& p = *summary.parameterization;
-        report["dilatation_mean"] = p.dilatation_mean;
-        report["dilatation_median"] = p.dilatation_median;
-        // Not finite where more than a hundredth of the area is degenerate.
-        report["dilatation_p99"] =
-            std::isfinite(p.dilatation_p99) ? nlohmann::ordered_json(p.dilatation_p99) : nlohmann::ordered_json();
-        report["flipped_triangles"] = p.flipped_triangles;
-        report["degenerate_triangles"] = p.degenerate_triangles;
-        report["seam_edges"] = p.seam_edge_count;
-        report["seam_length"] = p.seam_length;
-        report["parameterize_seconds"] = p.seconds;
-    }
-    if (summary.leaves > 0) {
-        report["leaves"] = summary.leaves;
-        report["cylinders"] = nlohmann::ordered_json::array();
-        for (uint64_t k = 0; summary.cylinders && k < summary.cylinders->count; ++k) {
-            const hmf_cylinder& c = summary.cylinders->list[k];
-            report["cylinders"].push_back({{"loop", c.loop},
-                                           {"height", c.height},
-                                           {"circumference", c.circumference},
-                                           {"modulus", c.modulus},
-                                           {"area", c.area}});
-        }
-    }
-    if (summary.quads > 0) report["quads"] = summary.quads;
-    const std::string text = report.dump(2) + "\n";
+void write_report(const std::string& path, const nlohmann::ordered_json& report) {
+    // Names of files may be in any encoding.
+    const std::string text = report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());
+    output.close();
+}
+
+void write_loops(const std::string& path, const hmf_loop_set& loops, const std::vector<double>& weights) {
+    Output output(path);
+    std::fprintf(output.file(), "# --weights ");
+    for (size_t c = 0; c < weights.size(); ++c) std::fprintf(output.file(), c ? ",%.17g" : "%.17g", weights[c]);
+    for (uint64_t c = 0; c < loops.count; ++c) {
+        std::fprintf(output.file(), loops.element_kind == HMF_LOOP_TRIANGLES ? "\nt:" : "\nv:");
+        for (uint64_t i = loops.offsets[c]; i < loops.offsets[c + 1]; ++i)
+            std::fprintf(output.file(), " %u", loops.elements[i]);
+    }
+    std::fputc('\n', output.file());
     output.close();
 }
 
@@ -134,10 +88,6 @@ void write_png(const std::string& path, const Image& image) {
     if (!png_image_write_to_stdio(&png, output.file(), 0, image.rgb.data(), 0, nullptr))
         throw Failure(EXIT_RESOURCES, path + ": " + png.message);
     output.close();
-}
-
-std::string with_extension(const std::string& path, const char* extension) {
-    return std::filesystem::path(path).replace_extension(extension).string();
 }
 
 void write_textured_obj(const std::string& path, const Foliation& foliation,

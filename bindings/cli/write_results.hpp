@@ -1,6 +1,7 @@
 // Files with results.  All throw Failure(EXIT_RESOURCES) when the disk refuses.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -11,29 +12,17 @@
 
 namespace cli {
 
-// What --report holds.
-struct Summary {
-    size_t vertices = 0, edges = 0, triangles = 0, genus = 0, loops = 0;
-    std::string method;
-    double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
-    uint64_t peak_memory_bytes = 0;
-    size_t leaves = 0, quads = 0; // lines and quads written, 0 where not wanted
-    const hmf_report* report = nullptr;
-    const hmf_cylinder_set* cylinders = nullptr;            // with the leaves, or NULL
-    const hmf_parameterization* parameterization = nullptr; // or NULL
-};
-
 void write_values_csv(const std::string& path, const Foliation& foliation);
 void write_values_npy(const std::string& path, const std::vector<double>& values);
-void write_report(const std::string& path, const Summary& summary);
+void write_report(const std::string& path, const nlohmann::ordered_json& report);
+// One loop a line, as --loops reads them.
+void write_loops(const std::string& path, const hmf_loop_set& loops, const std::vector<double>& weights);
 void write_history(const std::string& path, const hmf_report& report);
 void write_png(const std::string& path, const Image& image);
 // The mesh with texture coordinates (u, v) / period, FILE.mtl and FILE.png (one
 // tile of a checkerboard) beside it.
 void write_textured_obj(const std::string& path, const Foliation& foliation,
                         const hmf_parameterization& parameterization, double period);
-// The names that write_textured_obj uses.
-std::string with_extension(const std::string& path, const char* extension);
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh);
 
 } // namespace cli
