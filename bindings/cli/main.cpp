@@ -26,8 +26,7 @@ int solve_command(const Words& words, bool help) {
     }
     const Outcome outcome = solve(words);
     // An output on standard output stays alone there.
-    const bool taken = std::count(words.begin(), words.end(), "-") > (words[0] == "-" ? 1 : 0);
-    std::fprintf(taken ? stderr : stdout, "%s\n", outcome.summary.c_str());
+    std::fprintf(outcome.uses_stdout ? stderr : stdout, "%s\n", outcome.summary.c_str());
     std::fflush(stdout);
     for (const std::string& error : outcome.errors) std::fprintf(stderr, "hmf: %s\n", error.c_str());
     return outcome.exit_status;

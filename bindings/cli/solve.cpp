@@ -91,7 +91,10 @@ private:
     }
 
     void build() {
-        for (const std::string& path : outputs_of(options_)) check_writable(path);
+        for (const std::string& path : outputs_of(options_)) {
+            check_writable(path);
+            outcome_.uses_stdout = outcome_.uses_stdout || path == "-";
+        }
         hmf_build_options options = {};
         options.struct_size = sizeof options;
         options.ratio = r_.ratio;

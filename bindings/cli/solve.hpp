@@ -36,6 +36,7 @@ Options solve_options(SolveRequest& request);
 struct Outcome {
     ExitStatus exit_status = EXIT_SOLVED;
     std::string summary;             // one line
+    bool uses_stdout = false;        // for an output
     std::vector<std::string> errors; // a sentence each: the limit that ended it, outputs that could not be made
 };
 
