@@ -221,8 +221,10 @@ private:
             work();
             return;
         } catch (const Failure& failure) {
-            status = failure.exit_status;
+            // The command was right: only this mesh shows that it cannot be.
+            status = failure.exit_status == EXIT_USAGE ? EXIT_BAD_INPUT : failure.exit_status;
             outcome_.errors.push_back(std::string(option) + ": " + failure.what());
+            if (was_interrupted()) progress_.finish_quietly(); // only the output that was being made is given up
         } catch (const std::bad_alloc&) { outcome_.errors.push_back(std::string(option) + ": out of memory"); }
         if (outcome_.exit_status == EXIT_SOLVED || outcome_.exit_status == EXIT_LIMIT) outcome_.exit_status = status;
     }
@@ -255,7 +257,8 @@ private:
             } catch (const Failure&) {}
         }
         f_.loop_weights = r_.weights;
-        if (r_.spacing == 0) r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
+        if (r_.spacing == 0 && !r_.leaves.empty())
+            r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
         attempt("--quads", !r_.quads.empty(),
                 [&] { quads_ = write_quads(r_.quads, foliation_.get(), r_.size, control_, name_); });
         attempt("--leaves", !r_.leaves.empty(), [&] {
@@ -414,6 +417,7 @@ Outcome solve(const std::vector<std::string>& words) {
     SolveRequest request;
     Options options = solve_options(request);
     parse(options, words, "solve");
+    if (!request.start.empty()) request.loops.clear();
     if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
         && request.leaves.empty())
         throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
