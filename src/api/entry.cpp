@@ -10,8 +10,9 @@ hmf_status unusable_options(const char* name, Call& call) {
 }
 
 Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* error) :
-    control_(control), memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
-                              h ? h->memory_limit : 0, h ? h->memory.used() : 0),
+    control_(control), error_(error),
+    memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
+           h ? h->memory_limit : 0, h ? h->memory.used() : 0),
     call(memory, error, control_.given.progress, control_.given.progress_user) {}
 
 hmf_status Entry::check(const hmf_hierarchy* hierarchy, const void* out) {

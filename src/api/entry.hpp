@@ -42,12 +42,16 @@ struct Control {
 // counted on top of those of the hierarchy.
 class Entry {
     Control control_;
+    hmf_error* error_;
 
 public:
     Entry(const hmf_hierarchy* hierarchy, const hmf_control* control, hmf_error* error);
 
     Memory memory;
     Call call;
+
+    // The same call on the memory of something that outlives it.
+    Call part(Memory& own) const { return {own, error_, control_.given.progress, control_.given.progress_user}; }
 
     // hierarchy, control and out are there; *out becomes NULL.
     template <class Result>

@@ -1,6 +1,9 @@
 #include "foliation_object.hpp"
 
+#include "shared_flat.hpp"
+
 #include <cmath>
+#include <new>
 
 namespace hmf {
 
@@ -62,7 +65,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.poles, 0, {}};
+    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.poles, 0, {}, {}};
     ResultBlock block;
     block.room(made, made.values, n);
     if (making.solved) block.array(made, made.solved, n, making.solved);
@@ -74,6 +77,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     }
     hmf_foliation* object = block.make(made, h, call);
     if (!object) return call.status();
+    new (&object->flat) std::atomic<SharedFlat*>(nullptr);
     double* values = fill(object->values);
     for (size_t e = 0; e < n; ++e)
         values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * making.unit;
@@ -139,6 +143,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
         return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_NONE, 0,
                          "The values are not multiples of a common power of two within 52 bits. Pass values as the "
                          "library returned them.");
+    if (!call.tick(0.4)) return call.was_cancelled();
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
         const int64_t corner2 = f.corner2(h);
         if (corner2 >= 0 && corner2 % 2 == 0) continue;
@@ -154,6 +159,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
             static_cast<unsigned long long>(edge));
     }
+    if (!call.tick(0.5)) return call.was_cancelled();
     const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
     if (f.out_of_memory) return call.out_of_memory();
     poles = found.poles;
@@ -175,13 +181,16 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     Making making;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
+    if (!call.tick(0.1)) return call.was_cancelled();
     if (read_values(state, values, count, making.unit, making.poles, call)) return call.status();
+    if (!call.tick(0.9)) return call.was_cancelled();
     return make_foliation(state, making, call, out);
 }
 
 void hmf_foliation_destroy(hmf_foliation* foliation) {
     if (!foliation) return;
     hmf_hierarchy* const hierarchy = const_cast<hmf_hierarchy*>(foliation->hierarchy);
+    free_shared_flat(*foliation);
     free_block(foliation);
     hmf_destroy(hierarchy);
 }

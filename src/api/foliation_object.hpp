@@ -12,6 +12,10 @@
 #include "../solve/solve.hpp"
 #include "result.hpp"
 
+namespace hmf {
+struct SharedFlat;
+}
+
 struct hmf_foliation {
     const hmf_hierarchy* hierarchy;
     size_t level;
@@ -22,6 +26,7 @@ struct hmf_foliation {
     uint64_t poles;        // of the values; only foliations of the caller have any
     uint64_t has_report;   // 1 or 0
     hmf_report report;
+    mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it
 };
 
 namespace hmf {

@@ -5,8 +5,10 @@
 #include "../leaves/quad_mesh.hpp"
 #include "../leaves/trace.hpp"
 #include "../parameterize/parameterization.hpp"
+#include "../solve/to_minimum.hpp"
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
+#include "shared_flat.hpp"
 
 #include <cmath>
 
@@ -45,6 +47,7 @@ struct Leaves {
             vertices = f.hierarchy->vertex_internal;
             faces = face_order.data();
         }
+        if (!call.tick(0.05)) return call.was_cancelled();
         return cylinders.build(state.foliation, vertices, faces, call);
     }
 };
@@ -70,6 +73,29 @@ hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_coun
     }
     return HMF_OK;
 }
+
+// The flat surface of a foliation on the caller's side: the one that is kept with
+// it, or one of its own after improve(state, unit).
+struct FlatOf {
+    const FlatSurface* flat = nullptr;
+    double unit = 1;
+
+    template <class Improve>
+    hmf_status find(const hmf_foliation& foliation, Entry& entry, Improve improve) {
+        Call& call = entry.call;
+        unit = foliation.unit;
+        if (const hmf_status status = shared_flat(foliation, entry, flat)) return status;
+        if (flat) return HMF_OK;
+        flat = &own_;
+        State state;
+        if (load_solved(foliation, state, call) || improve(state, unit) || flat_surface(state, own_, call))
+            return call.status();
+        return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
+    }
+
+private:
+    FlatSurface own_;
+};
 
 hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, hmf_trace_options& all,
                               Call& call) {
@@ -136,10 +162,11 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
 }
 
 // Writes corners, dilatations and differentials, triangle by triangle.
-void write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
-                     hmf_parameterization& to) {
+hmf_status write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
+                           hmf_parameterization& to, Call& call) {
     double* uv = fill(to.corner_uv);
     for (size_t t = 0; t < side.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
         const AffineMap& map = from.map[t];
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         fill(to.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
@@ -150,29 +177,32 @@ void write_triangles(const Parameterization& from, const Mesh& mesh, const Array
             *uv++ = static_cast<double>(from.layout.v[h]) * unit;
         }
     }
+    return HMF_OK;
 }
 
 // Writes transitions and seams, each edge from the first triangle of the caller that has it.
-hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliation, const Mesh& mesh,
-                       const Array<uint32_t>& side, double unit, hmf_parameterization& to, Call& call) {
+hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliation, const FlatOf& flat,
+                       const Array<uint32_t>& side, hmf_parameterization& to, Call& call) {
     const hmf_hierarchy& h = *foliation.hierarchy;
+    const Mesh& mesh = loop_mesh(h, foliation.level);
     Array<uint8_t> met;
     if (!met.allocate_filled(call.memory, mesh.edge_count, 0)) return call.out_of_memory();
     for (size_t t = 0; t < side.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
         uint32_t g = side[t];
         for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
             const uint32_t internal = edge_of(g);
             if (met[internal]) continue;
             met[internal] = 1;
             const size_t e = foliation.level == 0 ? h.triangle_edges[3 * t + s] : internal;
-            const Transition map = from.transition(mesh, g);
+            const Transition map = from.transition(mesh, flat.flat->bundle, g);
             const bool seam = from.is_seam(internal, map);
             to.seam_edge_count += seam;
             if (seam) to.seam_length += from.length[internal];
             fill(to.seam)[e] = seam;
             fill(to.transition)[3 * e] = map.sign;
-            fill(to.transition)[3 * e + 1] = static_cast<double>(map.u) * unit;
-            fill(to.transition)[3 * e + 2] = static_cast<double>(map.v) * unit;
+            fill(to.transition)[3 * e + 1] = static_cast<double>(map.u) * flat.unit;
+            fill(to.transition)[3 * e + 2] = static_cast<double>(map.v) * flat.unit;
         }
     }
     return HMF_OK;
@@ -191,23 +221,26 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
     if (!(all.tolerance >= 0) || (all.seam_edge_count && !all.seam_edges))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "tolerance must not be negative, and seam_edges not NULL where there are some.");
+    const hmf_hierarchy& h = *foliation->hierarchy;
     const size_t level = foliation->level;
-    State state, caller;
-    Parameterization made;
+    const Mesh& mesh = loop_mesh(h, level);
     Array<uint32_t> side, seam_edges;
-    if (read_seam_edges(*foliation, all, seam_edges, call) || load_solved(*foliation, state, call)
-        || check_harmonic(state, all.tolerance > 0 ? all.tolerance : 1e-2, call))
-        return call.status();
-    if (!side_of_triangles(*foliation->hierarchy, level, side, call.memory)) return call.out_of_memory();
-    if (made.build(state, foliation->unit, side, seam_edges, call)) return call.status();
+    FlatOf flat;
+    Parameterization made;
+    if (read_seam_edges(*foliation, all, seam_edges, call)) return call.status();
+    const auto improve = [&](State& state, double&) {
+        return check_harmonic(state, all.tolerance > 0 ? all.tolerance : 1e-2, call);
+    };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    if (!side_of_triangles(h, level, side, call.memory)) return call.out_of_memory();
+    if (made.build(mesh, h.levels[level].position, *flat.flat, flat.unit, side, seam_edges, call)) return call.status();
 
-    const Mesh& mesh = state.foliation.mesh;
     hmf_parameterization counts{};
     counts.struct_size = sizeof counts;
     counts.vertex_count = mesh.vertex_count;
     counts.edge_count = mesh.edge_count;
     counts.triangle_count = mesh.face_count;
-    counts.linear_iterations = made.flat.iterations;
+    counts.linear_iterations = flat.flat->iterations;
     if (made.measure(counts, call)) return call.status();
     ResultBlock block;
     block.room(counts, counts.corner_uv, size_t{6} * mesh.face_count);
@@ -216,15 +249,15 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
     block.room(counts, counts.cone, mesh.vertex_count);
     block.room(counts, counts.dilatation, mesh.face_count);
     block.room(counts, counts.differential, size_t{2} * mesh.face_count);
-    hmf_parameterization* result = block.make(counts, *foliation->hierarchy, call);
+    hmf_parameterization* result = block.make(counts, h, call);
     if (!result) return call.status();
-    write_triangles(made, mesh, side, foliation->unit, *result);
-    if (!call.tick(0.99) || write_edges(made, *foliation, mesh, side, foliation->unit, *result, call)) {
+    if (write_triangles(made, mesh, side, flat.unit, *result, call)
+        || write_edges(made, *foliation, flat, side, *result, call)) {
         free_block(result);
-        return call.stopped();
+        return call.status();
     }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        fill(result->cone)[v] = made.cone[level == 0 ? foliation->hierarchy->vertex_internal[v] : v];
+        fill(result->cone)[v] = made.cone[level == 0 ? h.vertex_internal[v] : v];
     result->seconds = call.seconds();
     *out = result;
     call.tick(1);
@@ -256,11 +289,16 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
         if (leaves.load(*foliation, call) || read_levels(leaves.state.foliation, leaves.cylinders, levels, call))
             return call.status();
     }
-    State state;
-    if (load_solved(*foliation, state, call)) return call.status();
+    FlatOf flat;
+    State state; // becomes |dv|
+    const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    for (double& height : levels.height) height *= foliation->unit / flat.unit;
+    if (load_values(*foliation, foliation->level, state, call)) return call.status();
     Lines made(state.foliation, level.position, foliation->unit, all.length_limit, call);
     if (!made.start()) return call.out_of_memory();
-    if (trace_conjugate(state, foliation->unit, all, side, levels, made, call)) return call.status();
+    if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
+        return call.status();
     return hand_over(*foliation, made, call, out);
 }
 

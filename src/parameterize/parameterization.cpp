@@ -51,10 +51,8 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
 namespace {
 
 // Length of each edge for the seams; those that the caller prefers hardly count.
-hmf_status seam_lengths(const State& state, const Array<uint32_t>& cheap, Array<double>& length, Array<double>& cost,
-                        Call& call) {
-    const Mesh& mesh = state.foliation.mesh;
-    const double* position = state.hierarchy->levels[state.level].position;
+hmf_status seam_lengths(const Mesh& mesh, const double* position, const Array<uint32_t>& cheap, Array<double>& length,
+                        Array<double>& cost, Call& call) {
     if (!length.allocate(call.memory, mesh.edge_count) || !cost.allocate(call.memory, mesh.edge_count))
         return call.out_of_memory();
     double least = 0;
@@ -73,9 +71,7 @@ hmf_status seam_lengths(const State& state, const Array<uint32_t>& cheap, Array<
     return HMF_OK;
 }
 
-AffineMap map_of(const State& state, const Layout& layout, uint32_t side, double unit) {
-    const Mesh& mesh = state.foliation.mesh;
-    const double* position = state.hierarchy->levels[state.level].position;
+AffineMap map_of(const Mesh& mesh, const double* position, const Layout& layout, uint32_t side, double unit) {
     const uint32_t h[3] = {side, mesh.next[side], mesh.prev(side)};
     double u[3], v[3];
     for (int c = 0; c < 3; ++c) {
@@ -146,19 +142,16 @@ private:
 
 } // namespace
 
-Transition Parameterization::transition(const Mesh& mesh, uint32_t h) const {
+Transition Parameterization::transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const {
     const uint32_t t = twin(h), there = mesh.next[t];
     const int8_t sign =
-        static_cast<int8_t>(layout.chart[mesh.face[h]] * layout.chart[mesh.face[t]] * flat.bundle.turn[edge_of(h)]);
+        static_cast<int8_t>(layout.chart[mesh.face[h]] * layout.chart[mesh.face[t]] * bundle.turn[edge_of(h)]);
     return {sign, layout.u[there] - sign * layout.u[h], layout.v[there] - sign * layout.v[h]};
 }
 
-hmf_status Parameterization::build(State& state, double unit, const Array<uint32_t>& side,
-                                   const Array<uint32_t>& seam_edges, Call& call) {
+hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
+                                   const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call) {
     Memory& memory = call.memory;
-    if (flat_surface(state, flat, call)) return call.status();
-    if (!flat_surface_to_input(state, flat, call)) return call.stopped();
-    const Mesh& mesh = state.foliation.mesh;
     VertexCharts charts;
     Array<uint8_t> is_cone;
     Array<double> cost;
@@ -171,7 +164,8 @@ hmf_status Parameterization::build(State& state, double unit, const Array<uint32
         is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
         if (is_cone[v]) start = mesh.out[v];
     }
-    if (seam_lengths(state, seam_edges, length, cost, call)) return call.status();
+    if (!call.tick(0.82)) return call.was_cancelled();
+    if (seam_lengths(mesh, position, seam_edges, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return call.was_cancelled();
     if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, call)
         || !layout.build(mesh, flat.bundle, flat.du, flat.dv, start, seams, call))
@@ -179,7 +173,7 @@ hmf_status Parameterization::build(State& state, double unit, const Array<uint32
     if (!map.allocate(memory, mesh.face_count)) return call.out_of_memory();
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.95)) return call.was_cancelled();
-        map[t] = map_of(state, layout, side[t], unit);
+        map[t] = map_of(mesh, position, layout, side[t], unit);
     }
     return HMF_OK;
 }
@@ -187,7 +181,10 @@ hmf_status Parameterization::build(State& state, double unit, const Array<uint32
 hmf_status Parameterization::measure(hmf_parameterization& out, Call& call) const {
     Measure measure;
     if (!measure.allocate(map.size(), call.memory)) return call.out_of_memory();
-    for (uint32_t t = 0; t < map.size(); ++t) measure.add(t, map[t]);
+    for (uint32_t t = 0; t < map.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.96)) return call.was_cancelled();
+        measure.add(t, map[t]);
+    }
     if (!call.tick(0.97)) return call.was_cancelled();
     measure.finish(out);
     return call.tick(0.98) ? HMF_OK : call.was_cancelled();

@@ -24,20 +24,18 @@ struct Transition {
 
 // Everything on the caller's side of the level, by internal numbers.
 struct Parameterization {
-    FlatSurface flat;
     Layout layout;
     Seams seams;
     Array<int32_t> cone;  // per vertex, multiples of pi
     Array<AffineMap> map; // per triangle of the caller
     Array<double> length; // per edge, in space
 
-    // state: harmonic, where it is solved; goes to the caller's side.  side:
-    // half-edge of side 0 of each triangle.  seam_edges: internal numbers where
-    // seams cost nothing.
-    hmf_status build(State& state, double unit, const Array<uint32_t>& side, const Array<uint32_t>& seam_edges,
-                     Call& call);
+    // mesh: of the caller's side, with positions.  side: half-edge of side 0 of
+    // each triangle.  seam_edges: internal numbers where seams cost nothing.
+    hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
+                     const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call);
     // From face(h) to face(twin h).
-    Transition transition(const Mesh& mesh, uint32_t h) const;
+    Transition transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const;
     bool is_seam(uint32_t edge, const Transition& t) const {
         return seams.on[edge] || t.sign < 0 || t.u != 0 || t.v != 0;
     }
