@@ -21,13 +21,25 @@ namespace cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using readers::Json;
+
+// null: not JSON.
+Json parsed(std::string_view text) {
+    try {
+        return readers::parse_json(text);
+    } catch (const readers::JsonError&) { return {}; }
+}
 
 Json failed(const std::string& mesh, int status, const std::string& sentence) {
     return {{"version", version_text()},
             {"input", mesh},
             {"exit_status", status},
             {"errors", std::vector<std::string>{sentence}}};
+}
+
+int status_in(const Json& result) {
+    const Json* const status = result.find("exit_status");
+    return status ? static_cast<int>(status->number()) : EXIT_RESOURCES;
 }
 
 std::vector<std::string> meshes_in(const std::string& folder) {
@@ -50,13 +62,12 @@ std::set<std::string> done_in(const std::string& path) {
     const std::string text = read_file(path);
     size_t begin = 0, line = 1;
     for (size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1, ++line) {
-        const Json row =
-            Json::parse(text.begin() + std::ptrdiff_t(begin), text.begin() + std::ptrdiff_t(end), nullptr, false);
-        const auto input = row.is_object() ? row.find("input") : row.end();
-        if (!row.is_object() || input == row.end() || !input->is_string())
+        const Json row = parsed(std::string_view(text).substr(begin, end - begin));
+        const Json* const input = row.find("input");
+        if (!input || !input->text())
             throw Failure(EXIT_BAD_INPUT,
                           path + ":" + std::to_string(line) + ": not a line of hmf batch; give another name to --out");
-        done.insert(input->get<std::string>());
+        done.insert(*input->text());
     }
     if (begin < text.size()) std::filesystem::resize_file(path, begin, code);
     return done;
@@ -83,8 +94,7 @@ struct Child {
         status = failure.exit_status;
         sentence = failure.what();
     } catch (const std::exception&) {}
-    if (!sentence.empty())
-        std::printf("%s", failed(mesh, status, sentence).dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+    if (!sentence.empty()) std::printf("%s", failed(mesh, status, sentence).dump().c_str());
     std::fflush(stdout);
     std::_Exit(status);
 }
@@ -116,7 +126,7 @@ Json result_of(Child& child) {
     close(child.pipe);
     int status = 0;
     while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {}
-    Json result = Json::parse(child.text, nullptr, false);
+    Json result = parsed(child.text);
     if (result.is_object()) return result;
     return failed(child.mesh, EXIT_RESOURCES,
                   WIFSIGNALED(status) ? std::string("ended by signal ") + std::to_string(WTERMSIG(status))
@@ -179,15 +189,14 @@ ExitStatus batch(const std::vector<std::string>& words, bool help) {
             const std::string mesh = children[i].mesh;
             children.erase(children.begin() + std::ptrdiff_t(i));
             // What was interrupted is tried again the next time.
-            if (was_interrupted() && result.value("exit_status", 0) == EXIT_LIMIT) continue;
-            const std::string line = result.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+            if (was_interrupted() && status_in(result) == EXIT_LIMIT) continue;
+            const std::string line = result.dump() + "\n";
             written =
                 std::fwrite(line.data(), 1, line.size(), file) == line.size() && std::fflush(file) == 0 && written;
-            const int status = result.value("exit_status", 0);
-            std::printf("[%zu/%zu] %s: %s\n", ++count, all, mesh.c_str(),
-                        result.contains("energy") && status == EXIT_SOLVED
-                            ? "solved"
-                            : result["errors"].at(0).get<std::string>().c_str());
+            const Json* const errors = result.find("errors");
+            const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
+            const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
+            std::printf("[%zu/%zu] %s: %s\n", ++count, all, mesh.c_str(), sentence ? sentence->c_str() : "solved");
             std::fflush(stdout);
         }
     }

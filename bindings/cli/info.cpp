@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "../readers/json.hpp"
 #include "library.hpp"
 #include "progress.hpp"
 #include "read_mesh.hpp"
@@ -29,10 +29,10 @@ void info(const std::string& path, bool json) {
     progress.clear();
     if (status != HMF_OK) {
         if (json && status >= 300 && status < 400) {
-            const nlohmann::ordered_json refused = {{"mesh", mesh_name},        {"valid", false},
-                                                    {"status", status},         {"text", hmf_status_string(status)},
-                                                    {"message", error.message}, {"index", error.index}};
-            std::printf("%s\n", refused.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+            const readers::Json refused = {{"mesh", mesh_name},        {"valid", false},
+                                           {"status", status},         {"text", hmf_status_string(status)},
+                                           {"message", error.message}, {"index", error.index}};
+            std::printf("%s\n", refused.dump(2).c_str());
         }
         fail_with(status, error, mesh_name);
     }
@@ -74,21 +74,21 @@ void info(const std::string& path, bool json) {
     const size_t genus = hmf_genus(hierarchy.get());
     const uint64_t memory = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), nullptr);
     if (json) {
-        const nlohmann::ordered_json report = {{"mesh", mesh_name},
-                                               {"valid", true},
-                                               {"vertices", counts.vertex_count},
-                                               {"edges", counts.edge_count},
-                                               {"triangles", counts.triangle_count},
-                                               {"genus", genus},
-                                               {"non_delaunay_edges", negative},
-                                               {"min_angle", least_angle},
-                                               {"max_angle", largest_angle},
-                                               {"mean_edge_length", mean_edge},
-                                               {"area", area},
-                                               {"box_low", {low[0], low[1], low[2]}},
-                                               {"box_high", {high[0], high[1], high[2]}},
-                                               {"memory_estimate_bytes", memory}};
-        std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+        const readers::Json report = {{"mesh", mesh_name},
+                                      {"valid", true},
+                                      {"vertices", counts.vertex_count},
+                                      {"edges", counts.edge_count},
+                                      {"triangles", counts.triangle_count},
+                                      {"genus", genus},
+                                      {"non_delaunay_edges", negative},
+                                      {"min_angle", least_angle},
+                                      {"max_angle", largest_angle},
+                                      {"mean_edge_length", mean_edge},
+                                      {"area", area},
+                                      {"box_low", std::vector<double>(low, low + 3)},
+                                      {"box_high", std::vector<double>(high, high + 3)},
+                                      {"memory_estimate_bytes", memory}};
+        std::printf("%s\n", report.dump(2).c_str());
         return;
     }
     std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), genus);

@@ -82,8 +82,8 @@ struct Set {
     }
 };
 
-struct Json {
-    using Value = nlohmann::ordered_json;
+struct Get {
+    using Value = readers::Json;
     const Option& o;
 
     Value operator()(const bool* target) const { return *target; }
@@ -191,9 +191,9 @@ void print_help(const Options& options, const std::string& command, const std::s
     for (const Option& o : options) {
         std::string text = o.help;
         if (o.range[0]) text += std::string(", in ") + o.range;
-        const nlohmann::ordered_json value = std::visit(Json{o}, o.target);
-        if (!is_flag(o) && !value.is_null() && !value.empty())
-            text += " (default " + (value.is_string() ? value.get<std::string>() : value.dump()) + ")";
+        const readers::Json value = std::visit(Get{o}, o.target);
+        if (value.text() || value.is_number())
+            text += " (default " + (value.text() ? *value.text() : value.dump()) + ")";
         const std::string head = std::string("  ") + o.name + (by_place(o) || is_flag(o) ? "" : " ") + o.value;
         std::printf("%s", head.c_str());
         if (head.size() > 26) std::printf("\n%*s", 28, "");
@@ -203,11 +203,11 @@ void print_help(const Options& options, const std::string& command, const std::s
     }
 }
 
-nlohmann::ordered_json values_of(const Options& options) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::object();
+readers::Json values_of(const Options& options) {
+    readers::Json all = {};
     for (const Option& o : options)
         if (!by_place(o) && (o.role != Option::OUTPUT || !o.given.empty()))
-            all[o.name + 2] = std::visit(Json{o}, o.target);
+            all.set(o.name + 2, std::visit(Get{o}, o.target));
     return all;
 }
 

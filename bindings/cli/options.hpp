@@ -4,11 +4,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "../readers/json.hpp"
 
 namespace cli {
 
@@ -60,7 +61,7 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
 void print_help(const Options& options, const std::string& command, const std::string& about);
 
 // Every option with its value as it is now; null: none.  Outputs only where they were given.
-nlohmann::ordered_json values_of(const Options& options);
+readers::Json values_of(const Options& options);
 
 // Files that will be written, those beside others as well.
 std::vector<std::string> outputs_of(const Options& options);

@@ -23,7 +23,7 @@ namespace cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using readers::Json;
 
 // Counts the bytes that the library holds.
 struct Meter {
@@ -301,35 +301,34 @@ private:
 
     Json report_json(double seconds) const {
         const hmf_report& r = *report_;
-        Json levels = Json::array(), singular = Json::array();
+        Json::Array levels, singular;
         for (uint64_t k = 0; k < r.level_count; ++k) {
             const hmf_level_report& level = r.levels[k];
-            levels.push_back({{"vertices", level.vertices},
-                              {"edges", level.edges},
-                              {"nld", level.raised_count},
-                              {"raised_count", level.raised_count},
-                              {"iterations", level.iterations},
-                              {"linear_solves", level.linear_solves},
-                              {"optimize_seconds", level.optimize_seconds},
-                              {"interpolate_seconds", level.interpolate_seconds}});
+            levels.push_back(Json{{"vertices", level.vertices},
+                                  {"edges", level.edges},
+                                  {"nld", level.raised_count},
+                                  {"raised_count", level.raised_count},
+                                  {"iterations", level.iterations},
+                                  {"linear_solves", level.linear_solves},
+                                  {"optimize_seconds", level.optimize_seconds},
+                                  {"interpolate_seconds", level.interpolate_seconds}});
         }
         static const char* const kinds[] = {"", "vertex", "triangle", "cluster"};
         for (const hmf_singularity& s : f_.singular)
-            singular.push_back({{"kind", kinds[s.kind & 3]},
-                                {"index", s.index},
-                                {"element", s.element},
-                                {"size", s.size},
-                                {"position", s.position}});
+            singular.push_back(Json{{"kind", kinds[s.kind & 3]},
+                                    {"index", s.index},
+                                    {"element", s.element},
+                                    {"size", s.size},
+                                    {"position", std::vector<double>(s.position, s.position + 3)}});
         Json report = {{"version", version_text()},
                        {"input", r_.mesh},
                        {"options", values_of(options_)},
                        {"exit_status", static_cast<int>(outcome_.exit_status)},
                        {"errors", outcome_.errors},
-                       {"mesh",
-                        {{"vertices", finest_.vertex_count},
-                         {"edges", finest_.edge_count},
-                         {"triangles", finest_.triangle_count},
-                         {"genus", hmf_genus(hierarchy_.get())}}},
+                       {"mesh", Json{{"vertices", finest_.vertex_count},
+                                     {"edges", finest_.edge_count},
+                                     {"triangles", finest_.triangle_count},
+                                     {"genus", hmf_genus(hierarchy_.get())}}},
                        {"method", method_name(r.method)},
                        {"levels", levels},
                        {"loops", loops_.count},
@@ -351,30 +350,30 @@ private:
                        {"peak_memory_bytes", meter_.peak}};
         if (parameterization_) {
             const hmf_parameterization& p = *parameterization_;
-            report["dilatation_mean"] = p.dilatation_mean;
-            report["dilatation_median"] = p.dilatation_median;
+            report.set("dilatation_mean", p.dilatation_mean);
+            report.set("dilatation_median", p.dilatation_median);
             // Not finite where more than a hundredth of the area is degenerate.
-            report["dilatation_p99"] = std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json();
-            report["flipped_triangles"] = p.flipped_triangles;
-            report["degenerate_triangles"] = p.degenerate_triangles;
-            report["seam_edges"] = p.seam_edge_count;
-            report["seam_length"] = p.seam_length;
-            report["parameterize_seconds"] = p.seconds;
+            report.set("dilatation_p99", std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json());
+            report.set("flipped_triangles", p.flipped_triangles);
+            report.set("degenerate_triangles", p.degenerate_triangles);
+            report.set("seam_edges", p.seam_edge_count);
+            report.set("seam_length", p.seam_length);
+            report.set("parameterize_seconds", p.seconds);
         }
         if (leaves_ > 0) {
-            Json cylinders = Json::array();
+            Json::Array cylinders;
             for (uint64_t k = 0; cylinders_ && k < cylinders_->count; ++k) {
                 const hmf_cylinder& c = cylinders_->list[k];
-                cylinders.push_back({{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
-                                     {"height", c.height},
-                                     {"circumference", c.circumference},
-                                     {"modulus", c.modulus},
-                                     {"area", c.area}});
+                cylinders.push_back(Json{{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
+                                         {"height", c.height},
+                                         {"circumference", c.circumference},
+                                         {"modulus", c.modulus},
+                                         {"area", c.area}});
             }
-            report["leaves"] = leaves_;
-            report["cylinders"] = cylinders;
+            report.set("leaves", leaves_);
+            report.set("cylinders", cylinders);
         }
-        if (quads_ > 0) report["quads"] = quads_;
+        if (quads_ > 0) report.set("quads", quads_);
         return report;
     }
 

@@ -3,7 +3,6 @@
 
 #include <hmf/hmf.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -1,16 +1,15 @@
 #include "write_results.hpp"
 
-#include <png.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <memory>
+#include <filesystem>
 
 #include "failure.hpp"
 #include "options.hpp"
 #include "output.hpp"
+#include "png.hpp"
 
 namespace cli {
 
@@ -42,9 +41,8 @@ void write_values_npy(const std::string& path, const std::vector<double>& values
     output.close();
 }
 
-void write_report(const std::string& path, const nlohmann::ordered_json& report) {
-    // Names of files may be in any encoding.
-    const std::string text = report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+void write_report(const std::string& path, const readers::Json& report) {
+    const std::string text = report.dump(2) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());
     output.close();
@@ -78,15 +76,9 @@ void write_history(const std::string& path, const hmf_report& report) {
 }
 
 void write_png(const std::string& path, const Image& image) {
-    png_image png;
-    std::memset(&png, 0, sizeof png);
-    png.version = PNG_IMAGE_VERSION;
-    png.width = image.width;
-    png.height = image.height;
-    png.format = PNG_FORMAT_RGB;
+    const std::string bytes = png_of(image);
     Output output(path);
-    if (!png_image_write_to_stdio(&png, output.file(), 0, image.rgb.data(), 0, nullptr))
-        throw Failure(EXIT_RESOURCES, path + ": " + png.message);
+    std::fwrite(bytes.data(), 1, bytes.size(), output.file());
     output.close();
 }
 

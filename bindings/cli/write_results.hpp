@@ -1,10 +1,10 @@
 // Files with results.  All throw Failure(EXIT_RESOURCES) when the disk refuses.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "../readers/json.hpp"
 #include "library.hpp"
 #include "potential.hpp"
 #include "read_mesh.hpp"
@@ -14,7 +14,7 @@ namespace cli {
 
 void write_values_csv(const std::string& path, const Foliation& foliation);
 void write_values_npy(const std::string& path, const std::vector<double>& values);
-void write_report(const std::string& path, const nlohmann::ordered_json& report);
+void write_report(const std::string& path, const readers::Json& report);
 // One loop a line, as --loops reads them.
 void write_loops(const std::string& path, const hmf_loop_set& loops, const std::vector<double>& weights);
 void write_history(const std::string& path, const hmf_report& report);
