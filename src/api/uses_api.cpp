@@ -325,8 +325,9 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         heights[c] = static_cast<double>(leaves.cylinders.list[c].height) * foliation->unit;
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
-    if (load_solved(*foliation, solved, call)
-        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, foliation->unit, list, call))
+    double unit = foliation->unit;
+    if (load_solved(*foliation, solved, call) || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
+        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, unit, list, call))
         return call.status();
     if (loops
         && match_loops(h, leaves.state, leaves.cylinders, foliation->unit, given.level, given.loops, given.weights,

@@ -1,7 +1,5 @@
 #include "cylinder_measures.hpp"
 
-#include "../solve/to_minimum.hpp"
-
 #include <cmath>
 
 namespace hmf {
@@ -78,7 +76,7 @@ hmf_status measure_cylinders(const Foliation& f, const Cylinders& cylinders, Sta
     Curves middle;
     if (!labels.choose(cylinders, call.memory)) return call.out_of_memory();
     if (stretch(*solved.hierarchy, solved.level, f, cylinders, labels, stretched, call)
-        || to_minimum(solved, unit, call) || find_at_minimum(solved, stretched, labels, measured, found, call))
+        || find_at_minimum(solved, stretched, labels, measured, found, call))
         return call.status();
     const double* weight = solved.hierarchy->levels[solved.level].weight;
     if (!area.allocate(call.memory, n)) return call.out_of_memory();
