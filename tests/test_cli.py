@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 import unittest
+import zlib
 
 TOOL = None
 
@@ -83,6 +84,34 @@ class Case(unittest.TestCase):
         for part in says:
             self.assertIn(part, text)
         return done
+
+
+def pixels_of(png):
+    """Rows of (red, green, blue) of a PNG, after every check that its format allows."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, chunks = 8, []
+    while at < len(png):
+        length, name = struct.unpack(">I4s", png[at:at + 8])
+        data, (crc,) = png[at + 8:at + 8 + length], struct.unpack(">I", png[at + 8 + length:at + 12 + length])
+        assert crc == zlib.crc32(name + data)
+        chunks.append((name, data))
+        at += 12 + length
+    assert [name for name, _ in chunks] == [b"IHDR", b"IDAT", b"IEND"]
+    width, height, *rest = struct.unpack(">IIBBBBB", chunks[0][1])
+    assert rest == [8, 2, 0, 0, 0]
+    raw, size = zlib.decompress(chunks[1][1]), 3 * width + 1
+    assert len(raw) == size * height
+    rows, above = [], bytes(3 * width)
+    for y in range(height):
+        assert raw[y * size] == 4
+        row = bytearray(raw[y * size + 1:(y + 1) * size])
+        for x in range(3 * width):
+            a, b, c = row[x - 3] if x >= 3 else 0, above[x], above[x - 3] if x >= 3 else 0
+            p = a + b - c
+            row[x] = (row[x] + min((a, b, c), key=lambda q: abs(p - q))) & 255
+        rows.append([tuple(row[3 * x:3 * x + 3]) for x in range(width)])
+        above = row
+    return rows
 
 
 class Usage(Case):
@@ -340,6 +369,12 @@ class Solve(Case):
         png = self.read("i.png")
         self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(struct.unpack(">II", png[16:24]), (1400, 1050))
+        picture = pixels_of(png)
+        self.assertEqual((len(picture), len(picture[0])), (1050, 1400))
+        # Red, white, green and the background.
+        self.assertGreater(sum(r > 2 * g and r > 2 * b for row in picture for r, g, b in row), 10000)
+        self.assertGreater(sum(g > 1.5 * r and g > 1.5 * b for row in picture for r, g, b in row), 100)
+        self.assertGreater(len(set(color for row in picture for color in row)), 1000)
 
     def test_report(self):
         """The report costs nothing but its numbers, and tells what was done."""
@@ -440,7 +475,14 @@ class Solve(Case):
         obj, image = self.path("t.obj"), self.path("i.png")
         self.run_tool("solve", self.mesh, "--obj", obj, "--image", image, "--pattern", "checkerboard", "--report", self.path("r.json"))
         self.assertEqual(self.read("i.png")[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual(self.read("t.png")[:8], b"\x89PNG\r\n\x1a\n")
+        tile = pixels_of(self.read("t.png"))
+        red, white = (190, 40, 48), (246, 243, 236)
+        self.assertEqual((len(tile), len(tile[0])), (256, 256))
+        for y, row in enumerate(tile):
+            for x, color in enumerate(row):
+                square = red if (64 <= x < 192) != (64 <= y < 192) else white
+                line = x % 64 in (0, 63) or y % 64 in (0, 63)
+                self.assertEqual(color, tuple(c * 3 // 4 for c in square) if line else square)
         self.assertIn("map_Kd t.png", self.read("t.mtl").decode())
         lines = self.read("t.obj").decode().splitlines()
         self.assertIn("mtllib t.mtl", lines)
