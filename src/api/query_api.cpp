@@ -1,129 +1,185 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../foliation/whitehead.hpp"
-#include "values.hpp"
+#include "caller_numbers.hpp"
+#include "foliation_object.hpp"
 
 using namespace hmf;
 
 namespace {
 
-// Loads the caller's values on a level, validated; poles are allowed where
-// they are the question.
-hmf_status load_values(const hmf_hierarchy* h, size_t level, const double* values, size_t count, size_t finest,
-                       State& state, double& unit, Call& call, bool poles_allowed = false) {
-    if (check_level(h, level, call) || check_level(h, finest, call)) return call.status();
-    if (!state.allocate(*h, finest, call.memory)) return call.out_of_memory();
-    state.load(level, Side::input);
-    return import_values(state, values, count, unit, poles_allowed, call);
-}
+const hmf_hierarchy* hierarchy_of(const hmf_foliation* foliation) { return foliation ? foliation->hierarchy : nullptr; }
 
-hmf_status to_intrinsic(State& state, Call& call) {
-    if (state.level == 0 && !state.to_intrinsic(call)) return call.out_of_memory();
-    return HMF_OK;
-}
+// Indices by internal numbers, and the caller's numbers for them.
+struct Indices {
+    Array<int32_t> at_vertex, at_face;
+    Array<uint32_t> cluster, size, lowest, face;
+
+    hmf_status count(State& state, Call& call) {
+        Foliation& f = state.foliation;
+        const hmf_hierarchy& h = *state.hierarchy;
+        const uint32_t n = f.mesh.vertex_count, m = f.mesh.face_count;
+        if (!at_vertex.allocate(call.memory, n) || !at_face.allocate(call.memory, m)
+            || !cluster.allocate(call.memory, n) || !size.allocate(call.memory, n)
+            || !lowest.allocate_filled(call.memory, n, NONE) || !face.allocate(call.memory, m))
+            return call.out_of_memory();
+        count_singularities(f, at_vertex.data(), cluster.data(), size.data(), at_face.data());
+        if (f.out_of_memory) return call.out_of_memory();
+        internal_vertex = state.level == 0 ? h.vertex_internal : nullptr;
+        // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
+        for (uint32_t v = n; v-- > 0;) lowest[cluster[internal(v)]] = v;
+        for (uint32_t t = 0; t < m; ++t) face[t] = state.level == 0 ? internal_face(h, t) : t;
+        return HMF_OK;
+    }
+
+    uint32_t internal(uint32_t v) const { return internal_vertex ? internal_vertex[v] : v; }
+    // Index of the cluster whose lowest vertex is v, else 0.
+    int32_t index_at(uint32_t v) const {
+        const uint32_t c = cluster[internal(v)];
+        return lowest[c] == v ? at_vertex[c] : 0;
+    }
+
+private:
+    const uint32_t* internal_vertex = nullptr;
+};
+
+// Where singularities lie in space; a cluster at the mean of its vertices.
+class Places {
+public:
+    Places(const State& state, const Indices& indices) :
+        mesh_(state.foliation.mesh), position_(state.hierarchy->levels[state.level].position), indices_(indices) {}
+
+    void of_vertex(uint32_t internal, double* at) const {
+        std::memcpy(at, position_ + 3 * size_t{internal}, 3 * sizeof(double));
+    }
+
+    void of_face(uint32_t side, double* at) const {
+        const uint32_t corner[3] = {mesh_.origin[side], mesh_.target(side), mesh_.origin[mesh_.prev(side)]};
+        for (size_t a = 0; a < 3; ++a)
+            at[a] = (position_[3 * size_t{corner[0]} + a] + position_[3 * size_t{corner[1]} + a]
+                     + position_[3 * size_t{corner[2]} + a])
+                  / 3;
+    }
+
+    // Of all clusters with a place in the list: one pass.
+    void of_clusters(const Array<uint32_t>& place, hmf_singularity* list) const {
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            const uint32_t c = indices_.cluster[v];
+            if (place[c] == NONE || indices_.size[c] < 2) continue;
+            hmf_singularity& s = list[place[c]];
+            for (size_t a = 0; a < 3; ++a) s.position[a] += position_[3 * size_t{v} + a] / s.size;
+        }
+    }
+
+private:
+    const Mesh& mesh_;
+    const double* position_;
+    const Indices& indices_;
+};
 
 } // namespace
 
 extern "C" {
 
-hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, const double* values, size_t count,
-                           size_t to_level, double* out_values, size_t out_capacity, hmf_error* error) {
-    Query query(hierarchy, error);
-    Call& call = query.call;
-    if (query.check(hierarchy, from_level, out_values) || check_level(hierarchy, to_level, call)) return call.status();
-    if (check_capacity(out_capacity, hierarchy->levels[to_level].mesh.edge_count, "out_values", call))
+hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const hmf_control* control,
+                           hmf_foliation** out, hmf_error* error) {
+    Entry entry(hierarchy_of(foliation), control, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy_of(foliation), out) || check_foliation(foliation, call)
+        || check_level(*foliation->hierarchy, level, call))
         return call.status();
     State state;
-    double unit = 1;
-    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit,
-                    call))
-        return call.status();
-    if (!state.go_to(to_level, call)) return call.out_of_memory();
-    return export_values(state, unit, out_values, call);
+    if (load_values(*foliation, level, state, call)) return call.status();
+    if (!state.go_to(level, call)) return call.stopped();
+    Making making;
+    making.unit = foliation->unit;
+    return make_foliation(state, making, call, out);
 }
 
-hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out,
-                      hmf_error* error) {
-    Query query(hierarchy, error);
-    Call& call = query.call;
-    if (query.check(hierarchy, level, out)) return call.status();
+hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control, double* out, hmf_error* error) {
+    Entry entry(hierarchy_of(foliation), control, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy_of(foliation), static_cast<const void*>(out))) return call.status();
     State state;
-    double unit = 1;
-    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
-        return call.status();
-    *out = energy(state.foliation, hierarchy->levels[level].weight) * unit * unit;
+    if (load_solved(*foliation, state, call)) return call.status();
+    const double* weight = foliation->hierarchy->levels[foliation->level].weight;
+    *out = energy(state.foliation, weight) * foliation->unit * foliation->unit;
     return HMF_OK;
 }
 
-hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out,
-                         size_t capacity, hmf_error* error) {
-    Query query(hierarchy, error);
-    Call& call = query.call;
-    if (query.check(hierarchy, level, out)) return call.status();
-    const uint32_t n = hierarchy->levels[level].mesh.vertex_count;
+hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* control, double* out, size_t capacity,
+                         hmf_error* error) {
+    Entry entry(hierarchy_of(foliation), control, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy_of(foliation), static_cast<const void*>(out)) || check_foliation(foliation, call))
+        return call.status();
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    const Level& level = h.levels[foliation->level];
+    const uint32_t n = level.mesh.vertex_count;
     if (check_capacity(capacity, n, "residuals", call)) return call.status();
     State state;
-    double unit = 1;
-    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
-        return call.status();
     Rings rings;
     Star star;
     Array<double> residual;
-    const double* weight = hierarchy->levels[level].weight;
-    if (!rings.build(state.foliation.mesh, weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
+    if (load_solved(*foliation, state, call)) return call.status();
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
         || !residual.allocate(call.memory, n))
         return call.out_of_memory();
-    residuals(state.foliation, rings, weight, star, residual.data(), call);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
-    for (uint32_t v = 0; v < n; ++v) out[v] = residual[level == 0 ? hierarchy->vertex_internal[v] : v];
+    residuals(state.foliation, rings, level.weight, star, residual.data(), call);
+    if (state.foliation.out_of_memory || call.cancelled()) return call.stopped();
+    for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
     return HMF_OK;
 }
 
-hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count,
-                             int32_t* vertex_index, size_t vertex_capacity, int32_t* triangle_index,
-                             size_t triangle_capacity, uint32_t* vertex_cluster, size_t cluster_capacity,
-                             hmf_singularity* list, size_t list_capacity, size_t* list_count, hmf_error* error) {
-    Query query(hierarchy, error);
-    Call& call = query.call;
-    if (query.check(hierarchy, level, list_count)) return call.status();
-    const Mesh& mesh = level == 0 ? hierarchy->input : hierarchy->levels[level].mesh;
-    const uint32_t n = mesh.vertex_count, m = mesh.face_count;
-    if ((vertex_index && check_capacity(vertex_capacity, n, "vertex_index", call))
-        || (triangle_index && check_capacity(triangle_capacity, m, "triangle_index", call))
-        || (vertex_cluster && check_capacity(cluster_capacity, n, "vertex_cluster", call)))
-        return call.status();
+hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* control, hmf_singularity_set** out,
+                             hmf_error* error) {
+    Entry entry(hierarchy_of(foliation), control, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy_of(foliation), out)) return call.status();
     State state;
-    double unit = 1;
-    if (load_values(hierarchy, level, values, count, level, state, unit, call, true)) return call.status();
-    Array<int32_t> at_vertex, at_face;
-    Array<uint32_t> cluster, size, lowest;
-    if (!at_vertex.allocate(call.memory, n) || !at_face.allocate(call.memory, m) || !cluster.allocate(call.memory, n)
-        || !size.allocate(call.memory, n) || !lowest.allocate_filled(call.memory, n, NONE))
+    Indices indices;
+    Array<uint32_t> place, side; // of a cluster in the list; half-edge of each triangle
+    if (load_values(*foliation, foliation->level, state, call)) return call.status();
+    if (!call.tick(0.3)) return call.was_cancelled();
+    if (indices.count(state, call)) return call.status();
+    if (!call.tick(0.6)) return call.was_cancelled();
+    const uint32_t n = state.foliation.mesh.vertex_count, m = state.foliation.mesh.face_count;
+    if (!place.allocate_filled(call.memory, n, NONE)
+        || !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
         return call.out_of_memory();
-    count_singularities(state.foliation, at_vertex.data(), cluster.data(), size.data(), at_face.data());
-    if (state.foliation.out_of_memory) return call.out_of_memory();
-    // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
-    const auto internal = [&](uint32_t v) { return level == 0 ? hierarchy->vertex_internal[v] : v; };
-    for (uint32_t v = n; v-- > 0;) lowest[cluster[internal(v)]] = v;
-    const auto face_of = [&](uint32_t t) { return level == 0 ? internal_face(*hierarchy, t) : t; };
-    size_t found = 0;
-    for (uint32_t v = 0; v < n; ++v) found += lowest[cluster[internal(v)]] == v && at_vertex[cluster[internal(v)]] != 0;
-    for (uint32_t t = 0; t < m; ++t) found += at_face[t] != 0;
-    if (list && check_capacity(list_capacity, found, "list", call)) return call.status();
-    size_t at = 0;
+    uint64_t found = 0;
+    for (uint32_t v = 0; v < n; ++v) found += indices.index_at(v) != 0;
+    for (uint32_t t = 0; t < m; ++t) found += indices.at_face[t] != 0;
+
+    hmf_singularity_set counts{sizeof(hmf_singularity_set), 0, n, m, found, nullptr, nullptr, nullptr, nullptr};
+    ResultBlock block;
+    block.room(counts, counts.list, static_cast<size_t>(found));
+    block.room(counts, counts.vertex_index, n);
+    block.room(counts, counts.vertex_cluster, n);
+    block.room(counts, counts.triangle_index, m);
+    hmf_singularity_set* made = block.make(counts, *foliation->hierarchy, call);
+    if (!made) return call.status();
+    hmf_singularity* const list = fill(made->list);
+    const Places places(state, indices);
+    uint32_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
-        const uint32_t c = cluster[internal(v)];
-        const bool first = lowest[c] == v;
-        if (vertex_index) vertex_index[v] = first ? at_vertex[c] : 0;
-        if (vertex_cluster) vertex_cluster[v] = lowest[c];
-        if (list && first && at_vertex[c] != 0)
-            list[at++] = {size[c] > 1 ? HMF_SINGULAR_CLUSTER : HMF_SINGULAR_VERTEX, at_vertex[c], v, size[c]};
+        const uint32_t internal = indices.internal(v), c = indices.cluster[internal];
+        const int32_t index = fill(made->vertex_index)[v] = indices.index_at(v);
+        fill(made->vertex_cluster)[v] = indices.lowest[c];
+        if (index == 0) continue;
+        const bool single = indices.size[c] < 2;
+        list[at] = {single ? HMF_SINGULAR_VERTEX : HMF_SINGULAR_CLUSTER, index, v, indices.size[c], {0, 0, 0}};
+        if (single) places.of_vertex(internal, list[at].position);
+        place[c] = at++;
     }
+    places.of_clusters(place, list);
     for (uint32_t t = 0; t < m; ++t) {
-        const int32_t index = at_face[face_of(t)];
-        if (triangle_index) triangle_index[t] = index;
-        if (list && index != 0) list[at++] = {HMF_SINGULAR_TRIANGLE, index, t, 1};
+        const int32_t index = fill(made->triangle_index)[t] = indices.at_face[indices.face[t]];
+        if (index == 0) continue;
+        list[at] = {HMF_SINGULAR_TRIANGLE, index, t, 1, {0, 0, 0}};
+        places.of_face(side[t], list[at++].position);
     }
-    *list_count = found;
+    *out = made;
+    call.tick(1);
     return HMF_OK;
 }
 

@@ -91,6 +91,10 @@ hmf_status Call::out_of_memory() {
                 "The allocator returned no memory. Free some, or use a smaller mesh.");
 }
 
+hmf_status Call::was_cancelled() {
+    return fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+}
+
 bool Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;

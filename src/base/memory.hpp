@@ -177,6 +177,9 @@ public:
 #endif
         ;
     hmf_status out_of_memory(); // status and sentence of memory.failure()
+    hmf_status was_cancelled(); // HMF_CANCELLED and its sentence
+    // Of a stage that returned false: cancelled, or out of memory.
+    hmf_status stopped() { return cancelled_ ? was_cancelled() : out_of_memory(); }
     hmf_status status() const { return status_; }
 
     // Reports progress, mapped into the current range; false: cancelled.  With

@@ -13,6 +13,8 @@
 // it in order gives levels[0].mesh; unflipping backwards returns.
 #pragma once
 
+#include <atomic>
+
 #include "../base/memory.hpp"
 #include "../mesh/mesh.hpp"
 
@@ -21,8 +23,9 @@ namespace hmf {
 struct BuildOptions {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     double ratio = 0.5;
-    uint64_t coarsest = 1000; // vertices; build_hierarchy raises it to 40 * genus
-    double mollify = 0;       // margin of the triangle inequalities on level 0, in mean edge lengths
+    uint64_t coarsest = 1000;     // vertices; build_hierarchy raises it to 40 * genus
+    uint64_t position_stride = 0; // bytes from one vertex to the next, 0 = packed
+    double mollify = 0;           // margin of the triangle inequalities on level 0, in mean edge lengths
 };
 
 struct Level {
@@ -51,6 +54,7 @@ struct hmf_hierarchy {
     hmf_release_fn release;
     void* allocator_user;
     uint64_t memory_limit;
+    mutable std::atomic<uint64_t> references{1}; // the caller's and those of foliations
 
     uint32_t genus = 0;
     hmf::Mesh input;                     // the caller's triangulation, internal numbers; shares arrays with

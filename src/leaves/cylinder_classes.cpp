@@ -141,7 +141,7 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     SolveOptions options;
     options.tolerance = 1e-8;
     options.stop_level = state.level;
-    Recorder recorder(nullptr, call, 1);
+    Recorder recorder(false, call, 1);
     const hmf_status status = run_cascade(state, options, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
     if (cylinders.build(f, nullptr, nullptr, call) || labels.find(cylinders, found, call)) return call.status();

@@ -1,6 +1,7 @@
 // Leaves as polylines on the surface in space.
 #pragma once
 
+#include "../../include/hmf/uses.h"
 #include "cylinders.hpp"
 
 namespace hmf {

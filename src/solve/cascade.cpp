@@ -6,25 +6,20 @@
 
 namespace hmf {
 
-hmf_level_report* Recorder::level(size_t index) {
-    return report_ && report_->levels && index < report_->level_capacity ? &report_->levels[index] : nullptr;
+hmf_status Recorder::count_levels(size_t n) {
+    if (!wanted_) return HMF_OK;
+    report.level_count = n;
+    return levels.allocate_filled(call_.memory, n, hmf_level_report{}) ? HMF_OK : call_.out_of_memory();
 }
 
-void Recorder::count_levels(size_t n) {
-    if (report_) report_->level_count = n;
-}
+hmf_level_report* Recorder::level(size_t index) { return index < levels.size() ? &levels[index] : nullptr; }
 
 void Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
-    if (!report_) return;
-    if (report_->history && report_->history_count < report_->history_capacity) {
-        hmf_history_entry& entry = report_->history[report_->history_count];
-        entry.seconds = call_.seconds();
-        entry.energy = energy_units * unit_ * unit_;
-        entry.residual_max = residual_max;
-        entry.level = static_cast<uint32_t>(level);
-        entry.kind = kind;
-    }
-    ++report_->history_count;
+    if (!wanted_) return;
+    const hmf_history_entry entry{call_.seconds(), energy_units * unit_ * unit_, residual_max,
+                                  static_cast<uint32_t>(level), kind};
+    if (!history.push(entry)) out_of_memory_ = true;
+    else ++report.history_count;
 }
 
 bool LevelWork::prepare() {
@@ -120,7 +115,7 @@ hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recor
 
 hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder) {
     const hmf_hierarchy& h = *state.hierarchy;
-    recorder.count_levels(state.level - options.stop_level + 1);
+    if (recorder.count_levels(state.level - options.stop_level + 1)) return call.status();
     // Progress: each level its share of the edges.
     double total = 0, done = 0;
     for (size_t k = options.stop_level; k <= state.level; ++k)
@@ -133,7 +128,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         hmf_level_report statistics{};
         statistics.vertices = level.mesh.vertex_count;
         statistics.edges = level.mesh.edge_count;
-        statistics.nld = level.raised_count;
+        statistics.raised_count = level.raised_count;
         hmf_level_report* entry = recorder.level(k - options.stop_level);
         if (entry) statistics.interpolate_seconds = entry->interpolate_seconds;
         call.range(done, done + 0.9 * share);
@@ -141,6 +136,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         if (!stop_improving) {
             const hmf_status here = optimise(state, options, call, recorder, statistics);
             if (here >= HMF_ERROR_NULL) return here;
+            if (recorder.out_of_memory()) return call.out_of_memory();
             // Only the last level decides, unless the whole call ran out of something.
             status = here;
         } else if (call.finishing()) {

@@ -21,21 +21,30 @@ struct Certificate {
     double residual_max, residual_mean;
 };
 
-// Writes the caller's report; every member may be called without one.
+// Keeps the report of a solve, its unit, and what the last level knew.
 class Recorder {
 public:
-    Recorder(hmf_report* report, const Call& call, double unit) : report_(report), call_(call), unit_(unit) {}
-    hmf_level_report* level(size_t index); // entry of a level, nullptr if not wanted; index 0 = stop level
+    // wanted: with rows for levels and events; else it only carries the unit.
+    Recorder(bool wanted, Call& call, double unit) : report{}, wanted_(wanted), call_(call), unit_(unit) {
+        levels.start(call.memory);
+        history.start(call.memory);
+    }
+    hmf_status count_levels(size_t n);
+    hmf_level_report* level(size_t index); // row of a level, nullptr if not wanted; index 0 = stop level
+    // out_of_memory() tells if there was no room.
     void event(size_t level, uint32_t kind, double energy_units, double residual_max);
-    void count_levels(size_t n);
-    hmf_report* report() const { return report_; }
+    bool out_of_memory() const { return out_of_memory_; }
     double unit() const { return unit_; }
     void set_unit(double unit) { unit_ = unit; }
+
+    hmf_report report;
+    Array<hmf_level_report> levels; // finest first
+    Array<hmf_history_entry> history;
     Certificate certificate{}; // of the last level
 
 private:
-    hmf_report* report_;
-    const Call& call_;
+    bool wanted_, out_of_memory_ = false;
+    Call& call_;
     double unit_;
 };
 

@@ -1,0 +1,23 @@
+// Between the caller's numbers of level 0 and the internal ones.  On other
+// levels they are the same.
+#pragma once
+
+#include "../solve/state.hpp"
+
+namespace hmf {
+
+// Internal half-edge of side 0 of a triangle of the caller: the side of its
+// first edge that is followed by its second one; and its face.
+uint32_t internal_side(const hmf_hierarchy& h, size_t triangle);
+uint32_t internal_face(const hmf_hierarchy& h, size_t triangle);
+
+// Half-edge of side 0 of each triangle of the caller's mesh or of a coarser level.
+bool side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Memory& memory);
+
+// Internal face of each triangle of the caller.
+hmf_status caller_faces(const hmf_hierarchy& h, Array<uint32_t>& face, Call& call);
+
+// caller[internal[i]] = i
+hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
+
+} // namespace hmf

@@ -1,0 +1,70 @@
+// The beginning of every call of the interface: account of memory, error,
+// progress, options, and the checks of arguments that most calls share.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+
+namespace hmf {
+
+// A structure of the caller, read with its struct_size: missing fields become
+// zero, a longer structure must end in zeros.  NULL: all zero.
+template <class Options>
+bool copy_options(const Options* from, Options& to) {
+    std::memset(static_cast<void*>(&to), 0, sizeof to);
+    if (!from) return true;
+    uint32_t size = 0;
+    std::memcpy(&size, from, sizeof size);
+    if (size < sizeof size || size > 4096) return false;
+    const unsigned char* bytes = reinterpret_cast<const unsigned char*>(from);
+    for (size_t i = sizeof to; i < size; ++i)
+        if (bytes[i] != 0) return false;
+    std::memcpy(static_cast<void*>(&to), from, size < sizeof to ? size : sizeof to);
+    return true;
+}
+
+// As above; fails the call with a sentence that names the structure.
+hmf_status unusable_options(const char* name, Call& call);
+template <class Options>
+hmf_status read_options(const Options* from, Options& to, const char* name, Call& call) {
+    return copy_options(from, to) ? HMF_OK : unusable_options(name, call);
+}
+
+// The control of the caller; all NULL if it is absent or unusable.
+struct Control {
+    explicit Control(const hmf_control* from) : usable(copy_options(from, given)) {
+        if (!usable) std::memset(static_cast<void*>(&given), 0, sizeof given);
+    }
+    hmf_control given;
+    bool usable;
+};
+
+// A call on a hierarchy (NULL is allowed until check): its allocations are
+// counted on top of those of the hierarchy.
+class Entry {
+    Control control_;
+    hmf_error* error_;
+
+public:
+    Entry(const hmf_hierarchy* hierarchy, const hmf_control* control, hmf_error* error);
+
+    Memory memory;
+    Call call;
+
+    // The same call on the memory of something that outlives it.
+    Call part(Memory& own) const { return {own, error_, control_.given.progress, control_.given.progress_user}; }
+
+    // hierarchy, control and out are there; *out becomes NULL.
+    template <class Result>
+    hmf_status check(const hmf_hierarchy* hierarchy, Result** out) {
+        if (out) *out = nullptr;
+        return check(hierarchy, static_cast<const void*>(out));
+    }
+    // For outputs of the caller, which stay as they are.
+    hmf_status check(const hmf_hierarchy* hierarchy, const void* out);
+};
+
+hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call);
+hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);
+hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call);
+
+} // namespace hmf

@@ -1,0 +1,69 @@
+// The foliation of the interface: the caller's values, and on level 0 the
+// integers on the intrinsic triangulation, where it was solved.
+//
+//     solve, relax --> state on the intrinsic side --copy--> solved
+//                          | reversed flips
+//                          v
+//                      state on the caller's side ----------> values = integers * unit
+//
+// One block (result.hpp), immutable.  It holds on to its hierarchy.
+#pragma once
+
+#include "../solve/solve.hpp"
+#include "result.hpp"
+
+namespace hmf {
+struct SharedFlat;
+}
+
+struct hmf_foliation {
+    const hmf_hierarchy* hierarchy;
+    size_t level;
+    double unit;           // a power of two; values are integers of it below 2^53
+    uint64_t count;        // edges of the level
+    const double* values;  // count, in the caller's order
+    const int64_t* solved; // count, internal order, intrinsic side of level 0; NULL: the same as the values
+    uint64_t poles;        // of the values; only foliations of the caller have any
+    uint64_t has_report;   // 1 or 0
+    hmf_report report;
+    mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it
+};
+
+namespace hmf {
+
+// What make_foliation needs beside the values of a state.
+struct Making {
+    double unit = 1;
+    uint64_t poles = 0;
+    const int64_t* solved = nullptr;
+    const Recorder* recorder = nullptr; // NULL: no report
+};
+
+// The values of a state on its level (level 0: the caller's side) as an object.
+// Fails if a value has more bits than a double.
+hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out);
+
+// The foliation is there, and has no poles.
+hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
+
+// Its values into a state on its level, the caller's side on level 0; the
+// state has room down to level `finest`.
+hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);
+// The same on the side where it is solved: what to measure and improve.
+hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call);
+
+// Values of the caller into a state on its level.  Finds the unit.  Validates:
+// finite, exact, triangle inequalities, parity; counts the poles.
+hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles, Call& call);
+
+hmf_status refuse_poles(uint64_t poles, Call& call);
+
+// Unit for weights whose largest is `largest`: it is below 2^48 units, so values up to 32 weights are exact doubles.
+double unit_of_weights(double largest);
+
+// Internal number of an edge of the caller.
+inline uint32_t internal_edge(const hmf_hierarchy& h, size_t level, size_t e) {
+    return level == 0 ? h.edge_internal[e] : static_cast<uint32_t>(e);
+}
+
+} // namespace hmf

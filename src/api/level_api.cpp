@@ -1,0 +1,143 @@
+// hmf.h: levels.
+#include "../mesh/weights.hpp"
+#include "entry.hpp"
+
+using namespace hmf;
+
+extern "C" {
+
+size_t hmf_level_count(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->level_count : 0; }
+
+size_t hmf_genus(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->genus : 0; }
+
+hmf_status hmf_level_counts(const hmf_hierarchy* hierarchy, size_t level, hmf_level_info* out, hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(out)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Level& from = hierarchy->levels[level];
+    out->vertex_count = from.mesh.vertex_count;
+    out->edge_count = from.mesh.edge_count;
+    out->triangle_count = from.mesh.face_count;
+    out->raised_count = from.raised_count;
+    return HMF_OK;
+}
+
+hmf_status hmf_level_edge_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* edge_vertices,
+                                   size_t capacity, hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(edge_vertices)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Mesh& mesh = hierarchy->levels[level].mesh;
+    if (check_capacity(capacity, size_t{2} * mesh.edge_count, "edge_vertices", call)) return call.status();
+    if (level > 0) {
+        std::memcpy(edge_vertices, mesh.origin, size_t{2} * mesh.edge_count * sizeof(uint32_t));
+        return HMF_OK;
+    }
+    for (size_t t = mesh.face_count; t-- > 0;) // the first triangle decides the order
+        for (size_t s = 3; s-- > 0;) {
+            const size_t e = hierarchy->triangle_edges[3 * t + s];
+            edge_vertices[2 * e] = hierarchy->triangle_vertices[3 * t + s];
+            edge_vertices[2 * e + 1] = hierarchy->triangle_vertices[3 * t + (s + 1) % 3];
+        }
+    return HMF_OK;
+}
+
+} // extern "C"
+
+namespace {
+
+// Half-edge of side 0 of each face of a level above 0: the lowest.
+template <class Visit>
+void for_each_face(const Mesh& mesh, Visit visit) {
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+        if (h < mesh.next[h] && h < mesh.prev(h)) visit(mesh.face[h], h);
+}
+
+} // namespace
+
+extern "C" {
+
+hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_edges,
+                                    size_t capacity, hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(triangle_edges)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Mesh& mesh = hierarchy->levels[level].mesh;
+    if (check_capacity(capacity, size_t{3} * mesh.face_count, "triangle_edges", call)) return call.status();
+    if (level == 0) {
+        std::memcpy(triangle_edges, hierarchy->triangle_edges, size_t{3} * mesh.face_count * sizeof(uint32_t));
+        return HMF_OK;
+    }
+    for_each_face(mesh, [&](uint32_t face, uint32_t h) {
+        triangle_edges[size_t{3} * face] = edge_of(h);
+        triangle_edges[size_t{3} * face + 1] = edge_of(mesh.next[h]);
+        triangle_edges[size_t{3} * face + 2] = edge_of(mesh.prev(h));
+    });
+    return HMF_OK;
+}
+
+hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_vertices,
+                                       size_t capacity, hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(triangle_vertices)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Mesh& mesh = hierarchy->levels[level].mesh;
+    if (check_capacity(capacity, size_t{3} * mesh.face_count, "triangle_vertices", call)) return call.status();
+    if (level == 0) {
+        std::memcpy(triangle_vertices, hierarchy->triangle_vertices, size_t{3} * mesh.face_count * sizeof(uint32_t));
+        return HMF_OK;
+    }
+    for_each_face(mesh, [&](uint32_t face, uint32_t h) {
+        triangle_vertices[size_t{3} * face] = mesh.origin[h];
+        triangle_vertices[size_t{3} * face + 1] = mesh.origin[mesh.next[h]];
+        triangle_vertices[size_t{3} * face + 2] = mesh.origin[mesh.prev(h)];
+    });
+    return HMF_OK;
+}
+
+hmf_status hmf_level_weights(const hmf_hierarchy* hierarchy, size_t level, double* weights, size_t capacity,
+                             hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(weights)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Level& from = hierarchy->levels[level];
+    const uint32_t n = from.mesh.edge_count;
+    if (check_capacity(capacity, n, "weights", call)) return call.status();
+    if (level > 0) {
+        std::memcpy(weights, from.weight, n * sizeof(double));
+        return HMF_OK;
+    }
+    const Mesh& mesh = hierarchy->input;
+    const double* x = from.position;
+    for (uint32_t e = 0; e < n; ++e) {
+        const uint32_t h = 2 * hierarchy->edge_internal[e], t = twin(h);
+        const double* i = x + size_t{3} * mesh.origin[h];
+        const double* j = x + size_t{3} * mesh.origin[t];
+        weights[e] = 0.5
+                   * (cotangent(x + size_t{3} * mesh.origin[mesh.prev(h)], i, j)
+                      + cotangent(x + size_t{3} * mesh.origin[mesh.prev(t)], j, i));
+    }
+    return HMF_OK;
+}
+
+hmf_status hmf_level_positions(const hmf_hierarchy* hierarchy, size_t level, double* positions, size_t capacity,
+                               hmf_error* error) {
+    Entry entry(hierarchy, nullptr, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, static_cast<const void*>(positions)) || check_level(*hierarchy, level, call))
+        return call.status();
+    const Level& from = hierarchy->levels[level];
+    const size_t n = from.mesh.vertex_count;
+    if (check_capacity(capacity, 3 * n, "positions", call)) return call.status();
+    for (size_t v = 0; v < n; ++v)
+        std::memcpy(positions + 3 * v, from.position + 3 * (level == 0 ? size_t{hierarchy->vertex_internal[v]} : v),
+                    3 * sizeof(double));
+    return HMF_OK;
+}
+
+} // extern "C"

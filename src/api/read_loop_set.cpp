@@ -1,0 +1,76 @@
+#include "read_loop_set.hpp"
+
+#include "caller_numbers.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t own, WeightedLoops& out, Call& call) {
+    Loops& loops = out.loops;
+    const double* given_weights = nullptr;
+    GivenLoops given{};
+    if (!set) {
+        out.level = own;
+        if (library_loops(h, own, HMF_LOOPS_CUT, call, loops)) return call.status();
+    } else {
+        hmf_loop_set all;
+        if (read_options(set, all, "hmf_loop_set", call)) return call.status();
+        if (all.level >= h.level_count) return check_level(h, static_cast<size_t>(all.level), call);
+        const size_t level = out.level = static_cast<size_t>(all.level);
+        if (all.element_kind != HMF_LOOP_TRIANGLES && all.element_kind != HMF_LOOP_VERTICES)
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                             "element_kind is %d. Use HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES.",
+                             static_cast<int>(all.element_kind));
+        if (all.count == 0 || !all.offsets || !all.elements)
+            return call.fail(all.count == 0 ? HMF_ERROR_LOOP_COUNT : HMF_ERROR_NULL, HMF_ELEMENT_LOOP, 0,
+                             "There are no loops. Give at least one, or NULL for the loops that the library makes.");
+        for (uint64_t c = 0; c < all.count; ++c)
+            if (all.offsets[c + 1] < all.offsets[c] || all.offsets[0] != 0)
+                return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c,
+                                 "The offsets of loop %llu decrease, or do not start at 0.",
+                                 static_cast<unsigned long long>(c));
+        const uint64_t elements = all.offsets[all.count];
+        const Mesh& mesh = loop_mesh(h, level);
+        Array<uint32_t> internal;
+        const uint32_t* used = all.elements;
+        if (level == 0) {
+            if (!internal.allocate(call.memory, elements)) return call.out_of_memory();
+            const bool triangles = all.element_kind == HMF_LOOP_TRIANGLES;
+            const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
+            for (uint64_t i = 0; i < elements; ++i)
+                internal[i] = all.elements[i] >= limit ? NONE
+                            : triangles                ? internal_face(h, all.elements[i])
+                                                       : h.vertex_internal[all.elements[i]];
+            used = internal.data();
+        }
+        if (read_loops(mesh, all.element_kind, all.count, all.offsets, used, call, loops)) return call.status();
+        given_weights = all.weights;
+        given = {all.element_kind, all.offsets, all.elements};
+    }
+    const size_t count = loops.count();
+    double largest = given_weights ? 0 : 1;
+    double smallest = given_weights ? HUGE_VAL : 1;
+    for (size_t c = 0; given_weights && c < count; ++c) {
+        const double w = given_weights[c];
+        if (!(w > 0) || !(w < 1e100) || w < 1e-100)
+            return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
+                             "The weight of loop %llu is %g. Weights are positive and finite.",
+                             static_cast<unsigned long long>(c), w);
+        if (w > largest) largest = w;
+        if (w < smallest) smallest = w;
+    }
+    if (largest / smallest > 1048576.0)
+        return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, 0,
+                         "The weights span a factor of %g. Keep them within 2^20.", largest / smallest);
+    out.unit = unit_of_weights(largest);
+    if (!out.weights.allocate(call.memory, count)) return call.out_of_memory();
+    for (size_t c = 0; c < count; ++c)
+        out.weights[c] = static_cast<int64_t>((given_weights ? given_weights[c] : 1.0) / out.unit);
+    if (!set) return HMF_OK;
+    const Mesh& mesh = loop_mesh(h, out.level);
+    const hmf_status status = check_loops(mesh, loops, call, &given);
+    return status ? status : pull_tight(mesh, call, loops);
+}
+
+} // namespace hmf

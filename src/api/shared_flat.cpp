@@ -1,0 +1,50 @@
+#include "shared_flat.hpp"
+
+#include <new>
+
+namespace hmf {
+
+namespace {
+
+void free_part(const hmf_hierarchy& h, SharedFlat* part) {
+    if (!part) return;
+    Memory own(h.allocate, h.release, h.allocator_user, 0, sizeof *part);
+    part->~SharedFlat();
+    own.give(part, sizeof *part);
+}
+
+hmf_status build(const hmf_foliation& foliation, FlatSurface& flat, Call& call) {
+    State state;
+    if (load_solved(foliation, state, call) || flat_surface(state, flat, call)) return call.status();
+    return flat_surface_to_input(state, flat, call) ? HMF_OK : call.stopped();
+}
+
+} // namespace
+
+hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out) {
+    constexpr double minimum = 1e-8;
+    out = nullptr;
+    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
+    if (!(residual >= 0) || residual > minimum) return HMF_OK;
+    SharedFlat* part = foliation.flat.load(std::memory_order_acquire);
+    if (!part) {
+        const hmf_hierarchy& h = *foliation.hierarchy;
+        void* block = entry.memory.take(sizeof(SharedFlat));
+        if (!block) return entry.call.out_of_memory();
+        SharedFlat* made = new (block) SharedFlat(h);
+        Call call = entry.part(made->memory);
+        if (build(foliation, made->flat, call)) {
+            free_part(h, made);
+            return call.status();
+        }
+        entry.call.range(0.8, 1);
+        if (foliation.flat.compare_exchange_strong(part, made, std::memory_order_acq_rel)) part = made;
+        else free_part(h, made);
+    }
+    out = &part->flat;
+    return HMF_OK;
+}
+
+void free_shared_flat(hmf_foliation& foliation) { free_part(*foliation.hierarchy, foliation.flat.load()); }
+
+} // namespace hmf

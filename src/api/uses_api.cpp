@@ -1,0 +1,379 @@
+// uses.h: parameterise, trace, cylinders, quads.
+#include "../../include/hmf/uses.h"
+
+#include "../leaves/cylinder_measures.hpp"
+#include "../leaves/quad_mesh.hpp"
+#include "../leaves/trace.hpp"
+#include "../parameterize/parameterization.hpp"
+#include "../solve/to_minimum.hpp"
+#include "caller_numbers.hpp"
+#include "read_loop_set.hpp"
+#include "shared_flat.hpp"
+
+#include <cmath>
+
+using namespace hmf;
+
+namespace {
+
+// A call on a foliation without poles.
+class UseEntry : public Entry {
+public:
+    UseEntry(const hmf_foliation* foliation, const hmf_control* control, hmf_error* error) :
+        Entry(foliation ? foliation->hierarchy : nullptr, control, error), foliation_(foliation) {}
+    template <class Result>
+    hmf_status check(Result** out) {
+        if (Entry::check(foliation_ ? foliation_->hierarchy : nullptr, out)) return call.status();
+        return check_foliation(foliation_, call);
+    }
+
+private:
+    const hmf_foliation* foliation_;
+};
+
+// The foliation on the caller's side of its level, with the order in which the
+// caller numbers vertices and faces, and its cylinders.
+struct Leaves {
+    State state;
+    Array<uint32_t> face_order;
+    const uint32_t* vertices = nullptr;
+    const uint32_t* faces = nullptr;
+    Cylinders cylinders;
+
+    hmf_status load(const hmf_foliation& f, Call& call) {
+        if (load_values(f, f.level, state, call)) return call.status();
+        if (f.level == 0) {
+            if (caller_faces(*f.hierarchy, face_order, call)) return call.status();
+            vertices = f.hierarchy->vertex_internal;
+            faces = face_order.data();
+        }
+        return cylinders.build(state.foliation, vertices, faces, call);
+    }
+};
+
+hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_count, Call& call) {
+    if (options.point_count > 0 && (!options.point_triangles || !options.point_barycentrics))
+        return call.fail(
+            HMF_ERROR_NULL, HMF_ELEMENT_OPTION, 0,
+            "point_triangles or point_barycentrics is NULL. Give one triangle and three coordinates for each point.");
+    if (options.point_count > UINT32_MAX / 2)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are too many points.");
+    for (uint64_t i = 0; i < options.point_count; ++i) {
+        if (options.point_triangles[i] >= triangle_count)
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_NONE, i,
+                             "Point %llu lies in triangle %u, which does not exist.",
+                             static_cast<unsigned long long>(i), static_cast<unsigned>(options.point_triangles[i]));
+        const double* b = options.point_barycentrics + 3 * i;
+        const double sum = b[0] + b[1] + b[2];
+        if (!(b[0] >= 0 && b[1] >= 0 && b[2] >= 0) || !(sum > 1 - 1e-6 && sum < 1 + 1e-6))
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_NONE, i,
+                             "The barycentric coordinates of point %llu are negative, or their sum is not 1.",
+                             static_cast<unsigned long long>(i));
+    }
+    return HMF_OK;
+}
+
+// The flat surface of a foliation on the caller's side: the one that is kept with
+// it, or one of its own after improve(state, unit).
+struct FlatOf {
+    const FlatSurface* flat = nullptr;
+    double unit = 1;
+
+    template <class Improve>
+    hmf_status find(const hmf_foliation& foliation, Entry& entry, Improve improve) {
+        Call& call = entry.call;
+        unit = foliation.unit;
+        if (const hmf_status status = shared_flat(foliation, entry, flat)) return status;
+        if (flat) return HMF_OK;
+        flat = &own_;
+        State state;
+        if (load_solved(foliation, state, call) || improve(state, unit) || flat_surface(state, own_, call))
+            return call.status();
+        return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
+    }
+
+private:
+    FlatSurface own_;
+};
+
+hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, hmf_trace_options& all,
+                              Call& call) {
+    if (read_options(options, all, "hmf_trace_options", call)) return call.status();
+    if (!(all.spacing >= 0) || !(all.length_limit >= 0) || !std::isfinite(all.spacing)
+        || !std::isfinite(all.length_limit))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "spacing and length_limit must be finite and not negative; 0 means none.");
+    if (all.leaves < HMF_LEAVES_DEFAULT || all.leaves > HMF_LEAVES_CONJUGATE)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are no leaves %d. Use HMF_LEAVES_*.",
+                         static_cast<int>(all.leaves));
+    if (check_points(all, level.mesh.face_count, call)) return call.status();
+    if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
+    if (all.leaves == HMF_LEAVES_CONJUGATE && all.length_limit == 0)
+        all.length_limit = 10 * std::sqrt(surface_area(level.mesh, level.position));
+    return HMF_OK;
+}
+
+// Lines that are made, as the caller gets them.
+hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
+    const hmf_hierarchy& h = *foliation.hierarchy;
+    if (foliation.level == 0) {
+        Array<uint32_t> caller;
+        if (inverse_numbers(h.edge_internal, h.input.edge_count, caller, call)) return call.status();
+        for (uint32_t& e : made.edges) e = e == NONE ? HMF_NONE : caller[e];
+    }
+    hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
+    ResultBlock block;
+    block.array(lines, lines.lines, made.list.size(), made.list.data());
+    block.array(lines, lines.offsets, made.offsets.size(), made.offsets.data());
+    block.array(lines, lines.points, made.points.size(), made.points.data());
+    block.array(lines, lines.point_edges, made.edges.size(), made.edges.data());
+    *out = block.make(lines, h, call);
+    return call.status();
+}
+
+// Middle leaves as triangle loops of the caller.
+hmf_status name_middle_leaves(const Leaves& leaves, Curves& curves, Array<uint32_t>& triangles, Call& call) {
+    const Mesh& mesh = leaves.state.foliation.mesh;
+    Array<uint32_t> triangle_of_face;
+    if (middle_leaves(leaves.state.foliation, leaves.cylinders, nullptr, curves, call)) return call.status();
+    if (!triangles.allocate(call.memory, curves.crossings.size())) return call.out_of_memory();
+    // The triangle that each crossing leads into.
+    for (size_t i = 0; i < triangles.size(); ++i) triangles[i] = mesh.face[twin(curves.crossings[i].half_edge)];
+    if (!leaves.faces) return HMF_OK;
+    if (inverse_numbers(leaves.faces, mesh.face_count, triangle_of_face, call)) return call.status();
+    for (uint32_t& t : triangles) t = triangle_of_face[t];
+    return HMF_OK;
+}
+
+// The seam edges of the caller by internal numbers.
+hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameterize_options& all,
+                           Array<uint32_t>& internal, Call& call) {
+    if (!internal.allocate(call.memory, static_cast<size_t>(all.seam_edge_count))) return call.out_of_memory();
+    for (size_t i = 0; i < internal.size(); ++i) {
+        const uint32_t e = all.seam_edges[i];
+        if (e >= foliation.count)
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e,
+                             "seam_edges names edge %u; the level has %llu edges.", static_cast<unsigned>(e),
+                             static_cast<unsigned long long>(foliation.count));
+        internal[i] = internal_edge(*foliation.hierarchy, foliation.level, e);
+    }
+    return HMF_OK;
+}
+
+// Writes corners, dilatations and differentials, triangle by triangle.
+void write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
+                     hmf_parameterization& to) {
+    double* uv = fill(to.corner_uv);
+    for (size_t t = 0; t < side.size(); ++t) {
+        const AffineMap& map = from.map[t];
+        const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
+        fill(to.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
+        for (size_t a = 0; a < 2; ++a) fill(to.differential)[2 * t + a] = map.differential[a];
+        uint32_t h = side[t];
+        for (size_t s = 0; s < 3; ++s, h = mesh.next[h]) {
+            *uv++ = static_cast<double>(from.layout.u[h]) * unit;
+            *uv++ = static_cast<double>(from.layout.v[h]) * unit;
+        }
+    }
+}
+
+// Writes transitions and seams, each edge from the first triangle of the caller that has it.
+hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliation, const FlatOf& flat,
+                       const Array<uint32_t>& side, hmf_parameterization& to, Call& call) {
+    const hmf_hierarchy& h = *foliation.hierarchy;
+    const Mesh& mesh = loop_mesh(h, foliation.level);
+    Array<uint8_t> met;
+    if (!met.allocate_filled(call.memory, mesh.edge_count, 0)) return call.out_of_memory();
+    for (size_t t = 0; t < side.size(); ++t) {
+        uint32_t g = side[t];
+        for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
+            const uint32_t internal = edge_of(g);
+            if (met[internal]) continue;
+            met[internal] = 1;
+            const size_t e = foliation.level == 0 ? h.triangle_edges[3 * t + s] : internal;
+            const Transition map = from.transition(mesh, flat.flat->bundle, g);
+            const bool seam = from.is_seam(internal, map);
+            to.seam_edge_count += seam;
+            if (seam) to.seam_length += from.length[internal];
+            fill(to.seam)[e] = seam;
+            fill(to.transition)[3 * e] = map.sign;
+            fill(to.transition)[3 * e + 1] = static_cast<double>(map.u) * flat.unit;
+            fill(to.transition)[3 * e + 2] = static_cast<double>(map.v) * flat.unit;
+        }
+    }
+    return HMF_OK;
+}
+
+} // namespace
+
+extern "C" {
+
+hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameterize_options* options,
+                            const hmf_control* control, hmf_parameterization** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    hmf_parameterize_options all;
+    if (entry.check(out) || read_options(options, all, "hmf_parameterize_options", call)) return call.status();
+    if (!(all.tolerance >= 0) || (all.seam_edge_count && !all.seam_edges))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "tolerance must not be negative, and seam_edges not NULL where there are some.");
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    const size_t level = foliation->level;
+    const Mesh& mesh = loop_mesh(h, level);
+    Array<uint32_t> side, seam_edges;
+    FlatOf flat;
+    Parameterization made;
+    if (read_seam_edges(*foliation, all, seam_edges, call)) return call.status();
+    const auto improve = [&](State& state, double&) {
+        return check_harmonic(state, all.tolerance > 0 ? all.tolerance : 1e-2, call);
+    };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    if (!side_of_triangles(h, level, side, call.memory)) return call.out_of_memory();
+    if (made.build(mesh, h.levels[level].position, *flat.flat, flat.unit, side, seam_edges, call)) return call.status();
+
+    hmf_parameterization counts{};
+    counts.struct_size = sizeof counts;
+    counts.vertex_count = mesh.vertex_count;
+    counts.edge_count = mesh.edge_count;
+    counts.triangle_count = mesh.face_count;
+    counts.linear_iterations = flat.flat->iterations;
+    if (made.measure(counts, call)) return call.status();
+    ResultBlock block;
+    block.room(counts, counts.corner_uv, size_t{6} * mesh.face_count);
+    block.room(counts, counts.transition, size_t{3} * mesh.edge_count);
+    block.room(counts, counts.seam, mesh.edge_count);
+    block.room(counts, counts.cone, mesh.vertex_count);
+    block.room(counts, counts.dilatation, mesh.face_count);
+    block.room(counts, counts.differential, size_t{2} * mesh.face_count);
+    hmf_parameterization* result = block.make(counts, h, call);
+    if (!result) return call.status();
+    write_triangles(made, mesh, side, flat.unit, *result);
+    if (!call.tick(0.99) || write_edges(made, *foliation, flat, side, *result, call)) {
+        free_block(result);
+        return call.stopped();
+    }
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        fill(result->cone)[v] = made.cone[level == 0 ? h.vertex_internal[v] : v];
+    result->seconds = call.seconds();
+    *out = result;
+    call.tick(1);
+    return HMF_OK;
+}
+
+hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* options, const hmf_control* control,
+                     hmf_lines** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    if (entry.check(out)) return call.status();
+    const Level& level = foliation->hierarchy->levels[foliation->level];
+    hmf_trace_options all;
+    if (read_trace_options(options, level, all, call)) return call.status();
+    Array<uint32_t> side;
+    if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
+        return call.out_of_memory();
+    if (all.leaves != HMF_LEAVES_CONJUGATE) {
+        Leaves leaves;
+        if (leaves.load(*foliation, call)) return call.status();
+        Lines made(leaves.state.foliation, level.position, foliation->unit, all.length_limit, call);
+        if (!made.start()) return call.out_of_memory();
+        if (trace_leaves(all, side, leaves.cylinders, made, call)) return call.status();
+        return hand_over(*foliation, made, call, out);
+    }
+    ConjugateLevels levels;
+    if (all.spacing > 0) {
+        Leaves leaves;
+        if (leaves.load(*foliation, call) || read_levels(leaves.state.foliation, leaves.cylinders, levels, call))
+            return call.status();
+    }
+    FlatOf flat;
+    State state; // becomes |dv|
+    const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    for (double& height : levels.height) height *= foliation->unit / flat.unit;
+    if (load_values(*foliation, foliation->level, state, call)) return call.status();
+    Lines made(state.foliation, level.position, foliation->unit, all.length_limit, call);
+    if (!made.start()) return call.out_of_memory();
+    if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
+        return call.status();
+    return hand_over(*foliation, made, call, out);
+}
+
+hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loops, const hmf_control* control,
+                         hmf_cylinder_set** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    if (entry.check(out)) return call.status();
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    WeightedLoops given;
+    if (loops && read_loop_set(h, loops, 0, given, call)) return call.status();
+    Leaves leaves;
+    State solved;
+    Curves curves;
+    Array<uint32_t> triangles;
+    Array<hmf_cylinder> list;
+    Array<double> heights;
+    if (leaves.load(*foliation, call) || name_middle_leaves(leaves, curves, triangles, call)) return call.status();
+    const size_t n = leaves.cylinders.list.size();
+    if (!list.allocate(call.memory, n) || !heights.allocate(call.memory, n)
+        || !leaves.cylinders.find_vertices(leaves.state.foliation, call.memory))
+        return call.out_of_memory();
+    for (size_t c = 0; c < n; ++c) {
+        heights[c] = static_cast<double>(leaves.cylinders.list[c].height) * foliation->unit;
+        list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
+    }
+    if (load_solved(*foliation, solved, call)
+        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, foliation->unit, list, call))
+        return call.status();
+    if (loops
+        && match_loops(h, leaves.state, leaves.cylinders, foliation->unit, given.level, given.loops, given.weights,
+                       given.unit, list, call))
+        return call.status();
+
+    struct Made {
+        hmf_cylinder_set set;
+        hmf_loop_set leaves;
+    } made{{sizeof(hmf_cylinder_set), 0, n, nullptr, nullptr},
+           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr}};
+    ResultBlock block;
+    block.array(made, made.set.list, n, list.data());
+    block.array(made, made.leaves.offsets, n + 1, curves.offsets.data());
+    block.array(made, made.leaves.elements, triangles.size(), triangles.data());
+    block.array(made, made.leaves.weights, n, heights.data());
+    Made* result = block.make(made, h, call);
+    if (!result) return call.status();
+    result->set.leaves = &result->leaves;
+    *out = &result->set;
+    return HMF_OK;
+}
+
+hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* options, const hmf_control* control,
+                     hmf_quad_mesh** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    hmf_quad_options all;
+    if (entry.check(out) || read_options(options, all, "hmf_quad_options", call)) return call.status();
+    if (!(all.edge_length >= 0) || !std::isfinite(all.edge_length))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "edge_length must be finite and not negative; 0 means the default.");
+    Leaves leaves;
+    FlatMetric metric;
+    QuadMesh made;
+    if (leaves.load(*foliation, call)) return call.status();
+    Foliation& f = leaves.state.foliation;
+    const double* position = foliation->hierarchy->levels[foliation->level].position;
+    if (flat_metric(f, position, leaves.cylinders, metric, call)) return call.status();
+    const double step = all.edge_length > 0
+                          ? all.edge_length * std::sqrt(metric.flat_area / metric.area)
+                          : std::sqrt(metric.flat_area / (0.5 * static_cast<double>(f.mesh.face_count)));
+    if (!(step > 0) || !std::isfinite(step))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
+    if (make_quads(f, position, leaves.cylinders, step, made, call)) return call.status();
+    hmf_quad_mesh mesh{sizeof(hmf_quad_mesh), 0, made.positions.size() / 3, made.quads.size() / 4, nullptr, nullptr};
+    ResultBlock block;
+    block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
+    block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());
+    *out = block.make(mesh, *foliation->hierarchy, call);
+    return call.status();
+}
+
+} // extern "C"

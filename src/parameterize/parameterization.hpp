@@ -1,0 +1,46 @@
+// The global conformal parameterisation ([W] section 5) in the caller's terms:
+//
+//   foliation --flat_surface--> (du, dv) --cut_through_cones--> seams
+//             --layout--> (u, v) per corner --> transitions, dilatations
+#pragma once
+
+#include "../../include/hmf/uses.h"
+#include "dilatation.hpp"
+#include "flat_surface.hpp"
+#include "seams.hpp"
+
+namespace hmf {
+
+// Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
+// few vertices: the way between the two triangulations of level 0 may have to
+// move some.  They are relaxed.
+hmf_status check_harmonic(State& state, double tolerance, Call& call);
+
+// From an edge's first triangle to its second: (u', v') = sign * (u, v) + (u, v of this).
+struct Transition {
+    int8_t sign;
+    int64_t u, v;
+};
+
+// Everything on the caller's side of the level, by internal numbers.
+struct Parameterization {
+    Layout layout;
+    Seams seams;
+    Array<int32_t> cone;  // per vertex, multiples of pi
+    Array<AffineMap> map; // per triangle of the caller
+    Array<double> length; // per edge, in space
+
+    // mesh: of the caller's side, with positions.  side: half-edge of side 0 of
+    // each triangle.  seam_edges: internal numbers where seams cost nothing.
+    hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
+                     const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call);
+    // From face(h) to face(twin h).
+    Transition transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const;
+    bool is_seam(uint32_t edge, const Transition& t) const {
+        return seams.on[edge] || t.sign < 0 || t.u != 0 || t.v != 0;
+    }
+    // Statistics of the dilatation, flipped and degenerate triangles, area.
+    hmf_status measure(hmf_parameterization& out, Call& call) const;
+};
+
+} // namespace hmf

@@ -1,0 +1,25 @@
+#include "to_minimum.hpp"
+
+namespace hmf {
+
+hmf_status to_minimum(State& state, double& unit, Call& call) {
+    constexpr double largest_excess = 1e-2;
+    const double* weight = state.hierarchy->levels[state.level].weight;
+    const double before = energy(state.foliation, weight) * unit * unit;
+    Recorder recorder(false, call, unit);
+    SolveOptions options;
+    options.tolerance = 1e-8;
+    options.stop_level = state.level;
+    const hmf_status status = run_cascade(state, options, call, recorder);
+    if (call.cancelled()) return call.was_cancelled();
+    if (status >= HMF_ERROR_NULL) return status;
+    unit = recorder.unit();
+    const double excess = before / (energy(state.foliation, weight) * unit * unit) - 1;
+    if (excess > largest_excess)
+        return call.fail(HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ELEMENT_NONE, 0,
+                         "The energy of the values is %.2g times that of the minimum. Improve them with hmf_relax.",
+                         excess + 1);
+    return HMF_OK;
+}
+
+} // namespace hmf
