@@ -13,7 +13,7 @@
 #![allow(non_camel_case_types)]
 
 // Written by bindgen; tests/bindings_match_header.rs tells when it is out of date.
-#[allow(missing_docs)]
+#[allow(missing_docs, clippy::undocumented_unsafe_blocks)]
 mod bindings {
     include!("bindings.rs");
 }

@@ -1,8 +1,8 @@
 //! Values on the edges of a level, and what they are like.
 
+use crate::error::Result;
 #[cfg(doc)]
 use crate::error::Status;
-use crate::error::Result;
 use crate::hierarchy::Hierarchy;
 use crate::loops::Loops;
 use crate::owned::{arrays, call, make, slice, Owned};

@@ -2,15 +2,15 @@
 #![warn(rust_2018_idioms)]
 
 // Each module uses those above it only.
-mod records;
 mod error;
-mod progress;
-mod owned;
 mod memory;
+mod owned;
+mod progress;
+mod records;
 // What hmf.h has: a hierarchy, loops, foliations, solving.
+mod foliation;
 mod hierarchy;
 mod loops;
-mod foliation;
 mod solve;
 // What uses.h has.
 mod uses;

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, Status};
 use crate::hierarchy::Hierarchy;
 use crate::owned::{make, slice, Owned};
-use crate::records::{codes, options, Read};
+use crate::records::{codes, Read};
 use hmf_sys as sys;
 
 codes! {
@@ -74,7 +74,8 @@ impl Loops {
         let count = set.count as usize;
         // SAFETY: the header gives each array so many elements.
         let (offsets, weights) = unsafe { (slice(set.offsets, set.count + 1), slice(set.weights, set.count)) };
-        let elements = unsafe { slice(set.elements, offsets[count]) }; // SAFETY: as above.
+        // SAFETY: as above.
+        let elements = unsafe { slice(set.elements, offsets[count]) };
         Loops {
             level: set.level.read(),
             element_kind: set.element_kind.read(),
@@ -151,13 +152,15 @@ impl Loops {
 
     /// For calls during which `self` is borrowed.
     pub(crate) fn as_raw(&self) -> sys::hmf_loop_set {
-        options!(hmf_loop_set
+        sys::hmf_loop_set {
+            struct_size: std::mem::size_of::<sys::hmf_loop_set>() as u32,
             element_kind: self.element_kind as i32,
             level: self.level as u64,
             count: self.len() as u64,
             offsets: self.offsets.as_ptr(),
             elements: self.elements.as_ptr(),
-            weights: self.weights.as_ptr())
+            weights: self.weights.as_ptr(),
+        }
     }
 }
 

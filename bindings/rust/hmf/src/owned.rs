@@ -99,9 +99,7 @@ macro_rules! arrays {
 pub(crate) use arrays;
 
 /// Makes a call with the progress closure of this thread; `Ok` for success.
-pub(crate) fn call(
-    make: impl FnOnce(*const sys::hmf_control, *mut sys::hmf_error) -> sys::hmf_status,
-) -> Result<()> {
+pub(crate) fn call(make: impl FnOnce(*const sys::hmf_control, *mut sys::hmf_error) -> sys::hmf_status) -> Result<()> {
     let result = unchecked(make);
     progress::go_on_with_panic();
     result

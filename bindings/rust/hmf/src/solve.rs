@@ -155,9 +155,7 @@ impl<'a> Solver<'a> {
         }
         let options = sys::hmf_solve_options { stop_level: 0, ..self.options };
         // SAFETY: the handle is valid.
-        self.run(|out, control, error| unsafe {
-            sys::hmf_relax(foliation.as_ptr(), &options, control, out, error)
-        })
+        self.run(|out, control, error| unsafe { sys::hmf_relax(foliation.as_ptr(), &options, control, out, error) })
     }
 
     fn run(

@@ -1,8 +1,8 @@
 //! The cylinders that the critical leaves cut the surface into.
 
+use crate::error::Result;
 #[cfg(doc)]
 use crate::error::Status;
-use crate::error::Result;
 use crate::foliation::Foliation;
 use crate::loops::Loops;
 use crate::owned::{make, slice, Owned};

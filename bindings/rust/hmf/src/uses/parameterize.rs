@@ -1,8 +1,8 @@
 //! Conformal parameterisation of a harmonic foliation.
 
+use crate::error::Result;
 #[cfg(doc)]
 use crate::error::Status;
-use crate::error::Result;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, Owned};
 use crate::progress::{Closure, Progress};

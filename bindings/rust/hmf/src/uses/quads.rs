@@ -1,8 +1,8 @@
 //! Quad meshes along the leaves.
 
+use crate::error::Result;
 #[cfg(doc)]
 use crate::error::Status;
-use crate::error::Result;
 use crate::foliation::Foliation;
 use crate::owned::{arrays, make, Owned};
 use crate::records::options;

@@ -120,8 +120,10 @@ impl<'a> Tracer<'a> {
             make(|out, control, error| unsafe { sys::hmf_trace(foliation, &options, control, out, error) })
         })?;
         // SAFETY: the header gives the arrays so many elements.
-        let (raw, offsets) = unsafe { (slice(block.lines, block.line_count), slice(block.offsets, block.line_count + 1)) };
-        let line = |(raw, ends): (&sys::hmf_line, &[u64])| Line { points: ends[0].read()..ends[1].read(), ..raw.read() };
+        let (raw, offsets) =
+            unsafe { (slice(block.lines, block.line_count), slice(block.offsets, block.line_count + 1)) };
+        let line =
+            |(raw, ends): (&sys::hmf_line, &[u64])| Line { points: ends[0].read()..ends[1].read(), ..raw.read() };
         let lines = raw.iter().zip(offsets.windows(2)).map(line).collect();
         Ok(Leaves { block, lines })
     }
