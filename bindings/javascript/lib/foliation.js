@@ -29,6 +29,12 @@ export class Foliation {
     }
 
     dispose() {
+        this.hierarchy.refuseWhenBusy();
+        this.discard();
+    }
+
+    /** Internal: frees it, also during a call. */
+    discard() {
         if (!this.disposed) this.hierarchy.abandon(this, this.#address);
         this.#address = 0;
     }

@@ -108,7 +108,7 @@ export class Hierarchy {
     }
 
     dispose() {
-        this.#refuseWhenBusy();
+        this.refuseWhenBusy();
         forgotten.unregister(this);
         this.#held.freeAll();
     }
@@ -117,13 +117,14 @@ export class Hierarchy {
         this.dispose();
     }
 
-    #refuseWhenBusy() {
+    /** Internal. */
+    refuseWhenBusy() {
         if (this.#busy) throw new Error('This hierarchy is in use by the call whose progress callback is running. Use it after that call.');
     }
 
     /** Internal: runs work(frame, address) and gives back what it took; options may have a progress function. */
     perform(options, work) {
-        this.#refuseWhenBusy();
+        this.refuseWhenBusy();
         if (this.disposed) throw new Error('This hierarchy has been disposed of. Build it again with new Hierarchy(positions, triangles).');
         this.#busy = true;
         try {
@@ -141,7 +142,6 @@ export class Hierarchy {
 
     /** Internal: frees it. */
     abandon(foliation, address) {
-        this.#refuseWhenBusy();
         forgotten.unregister(foliation);
         this.#held.free(address);
     }

@@ -13,8 +13,8 @@ import { statusName } from './error.js';
 export { HmfError } from './error.js';
 
 // What one does with a foliation (uses.h), apart from what it is like (hmf.h).
-for (const use of [parameterize, trace, cylinders, quads])
-    Object.defineProperty(Foliation.prototype, use.name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
+for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads }))
+    Object.defineProperty(Foliation.prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
 
 export async function load(source) {
     const module = await Module.load(source);

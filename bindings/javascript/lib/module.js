@@ -128,7 +128,7 @@ export class Module {
             this.#callbacks.delete(id);
         }
         if (!entry.failed) return result;
-        result?.dispose?.(); // it threw in its last call, when the result was there
+        result?.discard?.(); // it threw in its last call, when the foliation was there
         throw entry.exception;
     }
 
