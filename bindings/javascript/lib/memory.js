@@ -103,7 +103,7 @@ export class Frame {
         const view = this.#module.view;
         for (const [key, value] of Object.entries(fields)) {
             const { offset, type } = structures[name].fields[key];
-            writers[type](view, address + offset, value);
+            (writers[type] ?? writers.pointer)(view, address + offset, value);
         }
     }
 

@@ -249,21 +249,21 @@ test('positions and triangles may be arrays of any kind', () => {
     const { positions, triangles } = smallTorus(), expected = new hmf.Hierarchy(positions, triangles), { values } = expected.solve();
     for (const Positions of [Float64Array, Float32Array, Int16Array, Array])
         for (const Triangles of [Uint32Array, Uint16Array, Uint8Array, Int32Array, Array]) {
-            using_(new hmf.Hierarchy(Positions.from(positions), Triangles.from(triangles)), hierarchy => {
+            withHierarchy(new hmf.Hierarchy(Positions.from(positions), Triangles.from(triangles)), hierarchy => {
                 assert.deepEqual(hierarchy.solve().values, values);
                 assert.deepEqual(hierarchy.levels[0].positions(), positions);
             });
         }
-    using_(new hmf.Hierarchy(Uint16Array.from(positions, x => x + 3), Uint32Array.from(triangles)), hierarchy =>
+    withHierarchy(new hmf.Hierarchy(Uint16Array.from(positions, x => x + 3), Uint32Array.from(triangles)), hierarchy =>
         hierarchy.solve().values.forEach((value, e) => assert.ok(Math.abs(value - values[e]) < 1e-9)));
     // One third is another number with 24 bits.
     const third = positions.map(x => x / 3);
-    using_(new hmf.Hierarchy(Float32Array.from(third), triangles), hierarchy => assert.deepEqual(hierarchy.levels[0].positions(), third.map(Math.fround)));
+    withHierarchy(new hmf.Hierarchy(Float32Array.from(third), triangles), hierarchy => assert.deepEqual(hierarchy.levels[0].positions(), third.map(Math.fround)));
     assert.deepEqual(expected.foliation([...values]).values, values);
     expected.dispose();
 });
 
-function using_(hierarchy, work) {
+function withHierarchy(hierarchy, work) {
     try { work(hierarchy); } finally { hierarchy.dispose(); }
 }
 
