@@ -143,6 +143,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
         return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_NONE, 0,
                          "The values are not multiples of a common power of two within 52 bits. Pass values as the "
                          "library returned them.");
+    if (!call.tick(0.4)) return call.was_cancelled();
     for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
         const int64_t corner2 = f.corner2(h);
         if (corner2 >= 0 && corner2 % 2 == 0) continue;
@@ -158,6 +159,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
             static_cast<unsigned long long>(edge));
     }
+    if (!call.tick(0.5)) return call.was_cancelled();
     const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
     if (f.out_of_memory) return call.out_of_memory();
     poles = found.poles;
@@ -179,7 +181,9 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     Making making;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
+    if (!call.tick(0.1)) return call.was_cancelled();
     if (read_values(state, values, count, making.unit, making.poles, call)) return call.status();
+    if (!call.tick(0.9)) return call.was_cancelled();
     return make_foliation(state, making, call, out);
 }
 

@@ -46,6 +46,13 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
 // The foliation is there, and has no poles.
 hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
 
+// A solve left it with residuals of 1e-8 at most: what is measured there needs
+// no further step.
+inline bool is_minimum(const hmf_foliation& foliation) {
+    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
+    return residual >= 0 && residual <= 1e-8;
+}
+
 // Its values into a state on its level, the caller's side on level 0; the
 // state has room down to level `finest`.
 hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);

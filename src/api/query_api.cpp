@@ -22,8 +22,10 @@ struct Indices {
             || !cluster.allocate(call.memory, n) || !size.allocate(call.memory, n)
             || !lowest.allocate_filled(call.memory, n, NONE) || !face.allocate(call.memory, m))
             return call.out_of_memory();
+        if (!call.tick(0.3)) return call.was_cancelled();
         count_singularities(f, at_vertex.data(), cluster.data(), size.data(), at_face.data());
         if (f.out_of_memory) return call.out_of_memory();
+        if (!call.tick(0.5)) return call.was_cancelled();
         internal_vertex = state.level == 0 ? h.vertex_internal : nullptr;
         // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
         for (uint32_t v = n; v-- > 0;) lowest[cluster[internal(v)]] = v;
@@ -146,6 +148,7 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     if (!place.allocate_filled(call.memory, n, NONE)
         || !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
         return call.out_of_memory();
+    if (!call.tick(0.7)) return call.was_cancelled();
     uint64_t found = 0;
     for (uint32_t v = 0; v < n; ++v) found += indices.index_at(v) != 0;
     for (uint32_t t = 0; t < m; ++t) found += indices.at_face[t] != 0;
@@ -158,6 +161,11 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     block.room(counts, counts.triangle_index, m);
     hmf_singularity_set* made = block.make(counts, *foliation->hierarchy, call);
     if (!made) return call.status();
+    call.tick(0.8);
+    if (call.cancelled()) {
+        free_block(made);
+        return call.was_cancelled();
+    }
     hmf_singularity* const list = fill(made->list);
     const Places places(state, indices);
     uint32_t at = 0;

@@ -22,10 +22,8 @@ hmf_status build(const hmf_foliation& foliation, FlatSurface& flat, Call& call) 
 } // namespace
 
 hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out) {
-    constexpr double minimum = 1e-8;
     out = nullptr;
-    const double residual = foliation.has_report ? foliation.report.residual_max : 1;
-    if (!(residual >= 0) || residual > minimum) return HMF_OK;
+    if (!is_minimum(foliation)) return HMF_OK;
     SharedFlat* part = foliation.flat.load(std::memory_order_acquire);
     if (!part) {
         const hmf_hierarchy& h = *foliation.hierarchy;

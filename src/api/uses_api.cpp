@@ -47,6 +47,7 @@ struct Leaves {
             vertices = f.hierarchy->vertex_internal;
             faces = face_order.data();
         }
+        if (!call.tick(0.05)) return call.was_cancelled();
         return cylinders.build(state.foliation, vertices, faces, call);
     }
 };
@@ -161,10 +162,11 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
 }
 
 // Writes corners, dilatations and differentials, triangle by triangle.
-void write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
-                     hmf_parameterization& to) {
+hmf_status write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
+                           hmf_parameterization& to, Call& call) {
     double* uv = fill(to.corner_uv);
     for (size_t t = 0; t < side.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
         const AffineMap& map = from.map[t];
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         fill(to.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
@@ -175,6 +177,7 @@ void write_triangles(const Parameterization& from, const Mesh& mesh, const Array
             *uv++ = static_cast<double>(from.layout.v[h]) * unit;
         }
     }
+    return HMF_OK;
 }
 
 // Writes transitions and seams, each edge from the first triangle of the caller that has it.
@@ -185,6 +188,7 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
     Array<uint8_t> met;
     if (!met.allocate_filled(call.memory, mesh.edge_count, 0)) return call.out_of_memory();
     for (size_t t = 0; t < side.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
         uint32_t g = side[t];
         for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
             const uint32_t internal = edge_of(g);
@@ -247,10 +251,10 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
     block.room(counts, counts.differential, size_t{2} * mesh.face_count);
     hmf_parameterization* result = block.make(counts, h, call);
     if (!result) return call.status();
-    write_triangles(made, mesh, side, flat.unit, *result);
-    if (!call.tick(0.99) || write_edges(made, *foliation, flat, side, *result, call)) {
+    if (write_triangles(made, mesh, side, flat.unit, *result, call)
+        || write_edges(made, *foliation, flat, side, *result, call)) {
         free_block(result);
-        return call.stopped();
+        return call.status();
     }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v)
         fill(result->cone)[v] = made.cone[level == 0 ? h.vertex_internal[v] : v];
@@ -321,8 +325,9 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         heights[c] = static_cast<double>(leaves.cylinders.list[c].height) * foliation->unit;
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
-    if (load_solved(*foliation, solved, call)
-        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, foliation->unit, list, call))
+    double unit = foliation->unit;
+    if (load_solved(*foliation, solved, call) || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
+        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, unit, list, call))
         return call.status();
     if (loops
         && match_loops(h, leaves.state, leaves.cylinders, foliation->unit, given.level, given.loops, given.weights,

@@ -55,6 +55,7 @@ public:
         double here = 0;
         uint32_t inside = graph ? graph->sector_at(g_, c) : NONE;
         for (uint64_t n = 0; n < crossing_limit_; ++n) {
+            if (n % 16384 == 0 && !call_.tick(0)) return call_.was_cancelled();
             const Crossing next = follow(g_, c);
             point_at(g_, position_, next, point);
             const double grown =
@@ -196,9 +197,9 @@ hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* positi
         // Half a unit beside the vertex and its prong.
         const Crossing start{twin(s.last), width(g, s.last) - 1};
         point_at(g, position, start, point);
-        if (!lines.add(point, edge_of(s.last)) || tracer.trace(start, 0, &graph, line.length, line.end)
-            || !lines.end_line(line))
-            return call.out_of_memory();
+        if (!lines.add(point, edge_of(s.last))) return call.out_of_memory();
+        if (tracer.trace(start, 0, &graph, line.length, line.end)) return call.status();
+        if (!lines.end_line(line)) return call.out_of_memory();
     }
     return HMF_OK;
 }

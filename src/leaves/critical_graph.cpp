@@ -37,6 +37,7 @@ hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_ord
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
     if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE))
         return call.out_of_memory();
+    if (!call.tick(0)) return call.was_cancelled();
     return find_zeros(f, vertex_order, face_order, call);
 }
 
@@ -59,6 +60,7 @@ hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, cons
             return call.status();
     }
     if (pair_arcs(call)) return call.status();
+    if (!call.tick(0)) return call.was_cancelled();
     return sort_marks(f, call.memory) ? HMF_OK : call.out_of_memory();
 }
 
@@ -72,6 +74,7 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
         return call.out_of_memory();
     count_singularities(f, at_vertex.data(), cluster.data(), nullptr, at_face.data());
     if (f.out_of_memory) return call.out_of_memory();
+    if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
         const uint32_t v = vertex_order ? vertex_order[i] : i, lowest = cluster[v];
         const int32_t index = at_vertex[lowest];
@@ -83,6 +86,7 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
         for (uint32_t u : f.members)
             if (!add_sectors_of_vertex(f, zero, u)) return call.out_of_memory();
     }
+    if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side_of_face[mesh.face[h]] = h;
     for (uint32_t i = 0; i < mesh.face_count; ++i) {
         const uint32_t t = face_order ? face_order[i] : i;
@@ -165,6 +169,7 @@ hmf_status CriticalGraph::trace_boundary(const Foliation& f, Crossing start, Cal
                              static_cast<unsigned long long>(crossing_limit_));
         const uint64_t index = crossings.size();
         if (!crossings.push(c)) return call.out_of_memory();
+        if (index % 65536 == 0 && !call.tick(0)) return call.was_cancelled();
         const uint32_t s = sector_at(f, c);
         if (s != NONE && s != inside) {
             if (left == NONE)

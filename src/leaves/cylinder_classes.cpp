@@ -64,6 +64,7 @@ hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinder
     if (!votes.allocate_filled(call.memory, n * n, uint64_t{0}) || !found.allocate_filled(call.memory, n, NONE))
         return call.out_of_memory();
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (e % 65536 == 0 && !call.tick(0)) return call.was_cancelled();
         bool room = true;
         along.clear();
         other.clear();
@@ -98,6 +99,7 @@ hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const A
     if (!out.offsets.push(0)) return call.out_of_memory();
     for (uint32_t i = 0; i < cylinders.list.size(); ++i) {
         const uint32_t c = found ? (*found)[i] : i;
+        if (!call.tick(0)) return call.was_cancelled();
         if (!closed_leaf(f, cylinders.leaf_at(f, c, cylinders.list[c].height | 1), cylinders.graph.crossing_limit(),
                          leaf))
             return call.memory.failure()

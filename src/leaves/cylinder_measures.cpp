@@ -1,7 +1,5 @@
 #include "cylinder_measures.hpp"
 
-#include "../solve/to_minimum.hpp"
-
 #include <cmath>
 
 namespace hmf {
@@ -13,8 +11,9 @@ hmf_status stretch(const hmf_hierarchy& h, size_t level, const Foliation& f, con
                    const Labels& labels, State& stretched, Call& call) {
     if (!stretched.allocate(h, level, call.memory)) return call.out_of_memory();
     stretched.load(level, Side::input);
+    if (!call.tick(0)) return call.was_cancelled();
     labels.stretch(f, cylinders, stretched.foliation.value);
-    return HMF_OK;
+    return call.tick(0) ? HMF_OK : call.was_cancelled();
 }
 
 // found[c]: the cylinder of `measured`, at the minimum, that is cylinder c of the caller's side.
@@ -26,9 +25,10 @@ hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels
     if (measured.build(solved.foliation, nullptr, nullptr, call)
         || labelled.build(stretched.foliation, nullptr, nullptr, call) || labels.find(labelled, of_label, call))
         return call.status();
-    if (!measured.find_vertices(solved.foliation, call.memory)
-        || !labelled.find_vertices(stretched.foliation, call.memory) || !found.allocate(call.memory, of_label.size()))
-        return call.out_of_memory();
+    if (!measured.find_vertices(solved.foliation, call.memory) || !call.tick(0)
+        || !labelled.find_vertices(stretched.foliation, call.memory) || !call.tick(0)
+        || !found.allocate(call.memory, of_label.size()))
+        return call.stopped();
     if (match_on_edges(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
                        on_edges, call))
         return call.status();
@@ -76,10 +76,11 @@ hmf_status measure_cylinders(const Foliation& f, const Cylinders& cylinders, Sta
     Curves middle;
     if (!labels.choose(cylinders, call.memory)) return call.out_of_memory();
     if (stretch(*solved.hierarchy, solved.level, f, cylinders, labels, stretched, call)
-        || to_minimum(solved, unit, call) || find_at_minimum(solved, stretched, labels, measured, found, call))
+        || find_at_minimum(solved, stretched, labels, measured, found, call))
         return call.status();
     const double* weight = solved.hierarchy->levels[solved.level].weight;
     if (!area.allocate(call.memory, n)) return call.out_of_memory();
+    if (!call.tick(0)) return call.was_cancelled();
     cylinder_areas(solved.foliation, measured, weight, area.data());
     if (middle_leaves(solved.foliation, measured, &found, middle, call)) return call.status();
     for (size_t c = 0; c < n; ++c) {

@@ -18,6 +18,7 @@ hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const ui
     if (!of_boundary.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
     for (uint32_t b = 0; b < n; ++b) {
         if (of_boundary[b] != NONE) continue;
+        if (!call.tick(0)) return call.was_cancelled();
         const Crossing back = reversed(f, graph.crossings[graph.boundaries[b].begin]);
         Cylinder c{b, NONE, 0, pieces.size(), 0};
         Mark found;

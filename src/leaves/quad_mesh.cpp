@@ -135,6 +135,7 @@ public:
         if (refuse_wide_zeros()) return call_.status();
         for (uint32_t b = 0; b < boundaries; ++b) measure(graph_.boundaries[b]);
         for (size_t a = 0; a < arcs; ++a) length_[a] = arc_to_[a] - arc_from_[a];
+        if (!call_.tick(0)) return call_.was_cancelled();
         if (quad_sizes(cylinders_, length_, step, columns_, rows_, call_)) return call_.status();
         if (join_zeros()) return call_.status();
         if (!place_zeros()) return call_.out_of_memory();
@@ -356,6 +357,7 @@ private:
         if (height > most) height = most;
         uint64_t piece = 0;
         const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
+        if (!call_.tick(0)) return call_.was_cancelled();
         if (!closed_leaf(f_, start, graph_.crossing_limit(), leaf_))
             return call_.memory.failure()
                      ? call_.out_of_memory()

@@ -164,6 +164,7 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
         is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
         if (is_cone[v]) start = mesh.out[v];
     }
+    if (!call.tick(0.82)) return call.was_cancelled();
     if (seam_lengths(mesh, position, seam_edges, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return call.was_cancelled();
     if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, call)
@@ -180,7 +181,10 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
 hmf_status Parameterization::measure(hmf_parameterization& out, Call& call) const {
     Measure measure;
     if (!measure.allocate(map.size(), call.memory)) return call.out_of_memory();
-    for (uint32_t t = 0; t < map.size(); ++t) measure.add(t, map[t]);
+    for (uint32_t t = 0; t < map.size(); ++t) {
+        if (t % 65536 == 0 && !call.tick(0.96)) return call.was_cancelled();
+        measure.add(t, map[t]);
+    }
     if (!call.tick(0.97)) return call.was_cancelled();
     measure.finish(out);
     return call.tick(0.98) ? HMF_OK : call.was_cancelled();

@@ -79,7 +79,7 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     Array<uint32_t> component;
     {
         Forest forest;
-        if (!forest.build(mesh, length, is_cone, call)) return false;
+        if (!forest.build(mesh, length, is_cone, call) || !call.tick(0)) return false;
         for (uint32_t v = 0; v < n; ++v)
             if (forest.parent[v] != NONE) seams.tree[edge_of(forest.parent[v])] = 2; // not to be crossed
         uint32_t free_edges = 0;
@@ -98,14 +98,18 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     if (!call.tick(0)) return false;
     if (!component.allocate(memory, mesh.face_count)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
-    for (const uint32_t e : edges.item)
+    uint32_t steps = 0;
+    for (const uint32_t e : edges.item) {
+        if (++steps % STRIDE == 0 && !call.tick(0)) return false;
         if (unite(component.data(), mesh.face[2 * e], mesh.face[2 * e + 1])) seams.tree[e] = 1;
+    }
     for (uint32_t e = 0; e < m; ++e) {
         seams.on[e] = seams.tree[e] != 1;
         seams.tree[e] = seams.tree[e] == 1;
     }
     // Ends that are no cones heal.
     Array<uint32_t> degree, queue;
+    if (!call.tick(0)) return false;
     if (!degree.allocate_filled(memory, n, 0) || !queue.allocate(memory, n)) return false;
     for (uint32_t h = 0; h < 2 * m; ++h) degree[mesh.origin[h]] += seams.on[edge_of(h)];
     uint32_t size = 0;
