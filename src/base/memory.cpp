@@ -44,25 +44,45 @@ void Memory::give(void* block, size_t bytes) {
     release_(user_, block, bytes);
 }
 
+namespace {
+constexpr size_t aligned(size_t bytes) { return (bytes + 15) / 16 * 16; }
+} // namespace
+
 void Arena::clear() {
     while (blocks_) {
         Block* block = blocks_;
         blocks_ = block->next;
         memory_.give(block, block->bytes);
     }
+    at_ = end_ = nullptr;
+    block_bytes_ = smallest_block;
+}
+
+char* Arena::new_block(size_t bytes) {
+    bytes += aligned(sizeof(Block));
+    void* block = memory_.take(bytes);
+    if (!block) return nullptr;
+    blocks_ = new (block) Block{blocks_, bytes};
+    return static_cast<char*>(block) + aligned(sizeof(Block));
 }
 
 void* Arena::take_bytes(size_t count, size_t size) {
-    const size_t header = (sizeof(Block) + 15) / 16 * 16;
     if (count > (SIZE_MAX / 4) / size) {
         memory_.take(SIZE_MAX);
         return nullptr;
     }
-    const size_t bytes = header + count * size;
-    void* block = memory_.take(bytes);
-    if (!block) return nullptr;
-    blocks_ = new (block) Block{blocks_, bytes};
-    return static_cast<char*>(block) + header;
+    const size_t bytes = aligned(count * size);
+    if (bytes > block_bytes_ / 4) return new_block(bytes);
+    if (!at_ || static_cast<size_t>(end_ - at_) < bytes) {
+        char* const fresh = new_block(block_bytes_);
+        if (!fresh) return nullptr;
+        at_ = fresh;
+        end_ = fresh + block_bytes_;
+        if (block_bytes_ < largest_block) block_bytes_ *= 2;
+    }
+    void* const taken = at_;
+    at_ += bytes;
+    return taken;
 }
 
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :

@@ -139,7 +139,11 @@ private:
     Memory* memory_ = nullptr;
 };
 
-// Blocks that are freed together: those of a hierarchy, or of a stage.
+// Arrays that are freed together: those of a hierarchy.  Small ones lie one
+// after the other in blocks, large ones in blocks of their own.
+//
+//     | block | array | array | array |  free  |    newest block first
+//                                      ^ at_   ^ end_
 class Arena {
 public:
     explicit Arena(Memory& memory) : memory_(memory) {}
@@ -148,6 +152,7 @@ public:
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
 
+    // n elements, not set; never nullptr for n = 0 unless out of memory.
     template <class T>
     T* take(size_t n) {
         return static_cast<T*>(take_bytes(n, sizeof(T)));
@@ -158,9 +163,13 @@ private:
         Block* next;
         size_t bytes;
     };
-    void* take_bytes(size_t count, size_t size); // never nullptr for count 0 unless out of memory
+    static constexpr size_t smallest_block = 4096, largest_block = 32768;
+    char* new_block(size_t bytes); // where its content begins
+    void* take_bytes(size_t count, size_t size);
     Memory& memory_;
     Block* blocks_ = nullptr;
+    char *at_ = nullptr, *end_ = nullptr; // free part of the block that is being filled
+    size_t block_bytes_ = smallest_block;
 };
 
 // State of one call of the interface: memory, error, progress, time.

@@ -378,7 +378,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     }
     const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
     const uint64_t records = V > schedule.vertices ? V - schedule.vertices : 0;
-    const uint64_t slack = 65536 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
+    const uint64_t slack = 131072 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
     const uint64_t input = 24 * F + 4 * V + 4 * E + 8 * E; // the caller's triangles, the maps, weights of level 0
     const uint64_t metric = 8 * E + 8 * F;
     const uint64_t work = 28 * E + 33 * V + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
