@@ -37,7 +37,6 @@ END
 
 # --- What is needed --------------------------------------------------------
 
-# The libraries of the tool are part of it: its tests are tests as well.
 ensure_packages() {
     local missing=()
     need() { # package, command that succeeds when it is there
@@ -56,9 +55,6 @@ ensure_packages() {
     need python3-venv python3 -c 'import venv, ensurepip'
     need libgtest-dev test -e $include/gtest/gtest.h
     need libeigen3-dev test -e $include/eigen3/Eigen/Core
-    need libcli11-dev test -e $include/CLI/CLI.hpp
-    need nlohmann-json3-dev test -e $include/nlohmann/json.hpp
-    need libpng-dev test -e $include/png.h
     [ ${#missing[@]} -eq 0 ] && return 0
 
     local sudo=
