@@ -20,7 +20,7 @@ passed=0 failed=0 skipped=0
 describe() {
     cat <<'END'
 format        layout of the C and C++ sources
-header        hmf.h in C89, C99, C11, C17 and C++17, included twice
+header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README

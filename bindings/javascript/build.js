@@ -1,5 +1,5 @@
 // npm run build: dist/hmf.wasm, the core as WebAssembly, dist/layout.js, what
-// hmf.h says about functions, structures and constants, and a copy of LICENSE.
+// hmf.h and uses.h say about functions, structures and constants, and a copy of LICENSE.
 //
 // The layout is read from the syntax tree of clang and measured by a program
 // that the same clang compiles for the same target, so neither can differ from
@@ -16,10 +16,10 @@ import { fileURLToPath } from 'node:url';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
 const root = join(here, '..', '..');
-const header = join(root, 'include', 'hmf', 'hmf.h');
+const include = join(root, 'include'), header = join(include, 'hmf', 'uses.h'); // with hmf.h in it
 const compiler = process.env.WASI_SDK_PATH ? join(process.env.WASI_SDK_PATH, 'bin', 'clang++') : 'clang++';
 
-const TARGET = ['--target=wasm32-wasi'];
+const TARGET = ['--target=wasm32-wasi', '-I', include];
 // No contraction, as in the other builds of the core.  Bulk memory, saturating
 // conversions and sign extension are in every browser since 2021; without the
 // second each conversion from double to integer has a branch.
@@ -36,7 +36,7 @@ function compile(parameters) {
     }
 }
 
-/** Functions, structures with typed fields, and constants of hmf.h. */
+/** Functions, structures with typed fields, and constants of both headers. */
 function readHeader() {
     const tree = JSON.parse(compile(['-x', 'c', '-fsyntax-only', '-Xclang', '-ast-dump=json', header]));
     const functions = [], structures = {};
@@ -59,8 +59,10 @@ function fieldType(field) {
     const written = field.type.qualType;
     const simple = { uint32_t: 'u32', int32_t: 'i32', hmf_status: 'i32', uint64_t: 'u64', int64_t: 'i64', double: 'f64', size_t: 'pointer' }[written];
     if (simple) return simple;
-    const text = /^char\[(\d+)\]$/.exec(type);
-    if (text) return `text${text[1]}`;
+    const row = /^(char|double)\[(\d+)\]$/.exec(type);
+    if (row) return `${row[1] === 'char' ? 'text' : 'row'}${row[2]}`;
+    const array = /^const (u?int\d+_t|double) \*$/.exec(written);
+    if (array) return `${{ double: 'Float64', uint8_t: 'Uint8', int32_t: 'Int32', uint32_t: 'Uint32', uint64_t: 'BigUint64' }[array[1]]}Array`;
     if (type.includes('*')) return 'pointer';
     throw new Error(`build.js has no reading for the type ${written} of the field ${field.name}. Add it to fieldType and to lib/memory.js.`);
 }
@@ -89,7 +91,7 @@ async function measure(structures) {
 const { functions, structures, constants } = readHeader();
 const measured = await measure(structures);
 mkdirSync(join(here, 'dist'), { recursive: true });
-writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h; do not edit.
+writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h and uses.h; do not edit.
 export const functions = ${JSON.stringify(functions, null, 4)};
 export const structures = ${JSON.stringify(measured, null, 4)};
 export const constants = ${JSON.stringify(constants, null, 4)};
@@ -104,6 +106,6 @@ const core = readdirSync(join(root, 'src'), { withFileTypes: true })
     .sort();
 const output = join(here, 'dist', 'hmf.wasm');
 // The stack lies first, so that an overflow traps instead of overwriting data.
-compile(['-mexec-model=reactor', ...CODE, '-I', join(root, 'include'), ...core, join(here, 'src', 'glue.cpp'),
+compile(['-mexec-model=reactor', ...CODE, ...core, join(here, 'src', 'glue.cpp'),
     ...functions.map(name => `-Wl,--export=${name}`), '-Wl,--strip-all', '-Wl,--stack-first', '-Wl,-z,stack-size=1048576', '-o', output]);
 console.log(`dist/hmf.wasm: ${statSync(output).size} bytes, ${functions.length} functions`);

@@ -50,7 +50,7 @@ packages() {
     local files
     cargo package --list --allow-dirty --locked -p hmf > "$work/hmf.list" &&
         cargo package --list --allow-dirty --locked -p hmf-sys > "$work/hmf-sys.list" || return 1
-    for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h; do
+    for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h "$root"/include/hmf/uses.h; do
         grep -qxF "core/${files#"$root"/}" "$work/hmf-sys.list" || { echo "the package lacks $files"; return 1; }
     done
     grep -qx LICENSE "$work/hmf-sys.list" && grep -qx LICENSE "$work/hmf.list" && grep -qx README.md "$work/hmf.list" &&

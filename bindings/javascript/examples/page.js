@@ -127,11 +127,9 @@ worker.onmessage = ({ data }) => {
         solve();
     }
     if (data.type === 'solved') {
-        const triangles = mesh.triangles;
-        scene.u = potential(triangles, opened.triangleEdges, data.values, data.singularities);
+        scene.u = potential(mesh.triangles, opened.triangleEdges, data.values, data.singularities);
         scene.period = stripePeriod(scene);
-        scene.zeros = data.singularities.filter(({ index }) => index < 0)
-            .map(({ kind, element: at }) => (kind === 'triangle' ? [...triangles.subarray(3 * at, 3 * at + 3)] : [at]));
+        scene.zeros = data.singularities.filter(({ index }) => index < 0).map(({ position }) => position);
         report(data);
         element('progress').value = 1;
         busy(false);

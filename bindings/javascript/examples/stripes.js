@@ -188,9 +188,9 @@ export function paint(image, scene, rotation, zoom = 1) {
     }
     // Zeros as buttons on the surface.
     const radius = 0.0115 * size * scale;
-    for (const corners of scene.zeros ?? []) {
-        const mean = array => corners.reduce((sum, v) => sum + array[v], 0) / corners.length;
-        const [cx, cy, cz] = [mean(x), mean(y), mean(z)];
+    for (const position of scene.zeros ?? []) {
+        const [a, b, c] = position.map((at, k) => scale * (at - centre[k]));
+        const cx = width / 2 + r[0] * a + r[1] * b + r[2] * c, cy = height / 2 - (r[3] * a + r[4] * b + r[5] * c), cz = r[6] * a + r[7] * b + r[8] * c;
         for (let row = Math.max(0, Math.ceil(cy - radius)); row <= Math.min(height - 1, cy + radius); ++row) {
             for (let column = Math.max(0, Math.ceil(cx - radius)); column <= Math.min(width - 1, cx + radius); ++column) {
                 const dx = column + 0.5 - cx, dy = row + 0.5 - cy, square = radius * radius - dx * dx - dy * dy, at = row * width + column;

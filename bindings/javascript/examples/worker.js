@@ -69,12 +69,28 @@ const pause = () => new Promise(resolve => setTimeout(resolve));
 async function solveByLevels(weighted) {
     const { levels } = hierarchy, total = levels.reduce((sum, level) => sum + level.edgeCount, 0);
     let foliation = null, done = 0;
+    /** The next foliation, made of the last one, which is not needed any more. */
+    const replace = next => {
+        foliation?.dispose();
+        foliation = next;
+    };
     for (let index = levels.length - 1; index >= 0; --index) {
         await pause();
-        if (asked === 'cancel') return null;
-        if (asked === 'finish' && foliation) return foliation.interpolate(0);
+        if (asked === 'cancel') {
+            replace(null);
+            return null;
+        }
+        if (asked === 'finish' && foliation) {
+            replace(foliation.interpolate(0));
+            return foliation;
+        }
         const next = done + levels[index].edgeCount, report = progress('solve', done / total, next / total);
-        foliation = foliation ? foliation.interpolate(index).relax({ progress: report }) : hierarchy.solve({ loops: weighted, stopLevel: index, progress: report });
+        if (foliation) {
+            replace(foliation.interpolate(index));
+            replace(foliation.relax({ progress: report }));
+        } else {
+            foliation = hierarchy.solve({ loops: weighted, stopLevel: index, progress: report });
+        }
         done = next;
     }
     return foliation;
@@ -88,6 +104,7 @@ async function solve({ weights }) {
     // Carried up from a coarser level, it has no report of its own.
     const report = foliation.report ?? { status: 'HMF_CANCELLED', energy: foliation.energy() };
     answer({ type: 'solved', values: foliation.values, report, singularities: foliation.singularities().list });
+    foliation.dispose();
 }
 
 onmessage = ({ data }) => {

@@ -1,7 +1,7 @@
 // Checks of arguments: each message says what was given and what to give.
 // What only the library can judge (ranges, topology) is left to it.
 
-function described(value) {
+export function described(value) {
     if (value === null || value === undefined) return String(value);
     if (ArrayBuffer.isView(value)) return value[Symbol.toStringTag] ?? 'DataView';
     if (Array.isArray(value)) return 'Array';
@@ -9,16 +9,35 @@ function described(value) {
     return typeof value === 'object' ? value.constructor?.name ?? 'object' : `${typeof value} ${String(value)}`;
 }
 
-/** A typed array of one class, of any realm; its length a multiple of group or exactly count. */
-export function typedArray(value, Type, name, { group = 1, count } = {}) {
-    if (!ArrayBuffer.isView(value) || value[Symbol.toStringTag] !== Type.name)
-        throw new TypeError(`${name} is ${described(value)}; give a ${Type.name}, for example ${Type.name}.from(${name}).`);
+/** The length of an array must be a multiple of group, or exactly count. */
+function shaped(value, name, { group = 1, count } = {}) {
     if (count !== undefined && value.length !== count)
         throw new TypeError(`${name} has ${value.length} entries; give ${count}.`);
     if (value.length % group !== 0)
         throw new TypeError(`${name} has ${value.length} entries, not a multiple of ${group}; give ${group} for each element.`);
     return value;
 }
+
+/** A typed array of one of these kinds, of any realm, or any array whose entries pass a check. */
+function arrayOf(kinds, what, check) {
+    return (value, name, shape) => {
+        if (ArrayBuffer.isView(value) && kinds.includes(value[Symbol.toStringTag])) return shaped(value, name, shape);
+        if (value === null || typeof value !== 'object' || typeof value.length !== 'number')
+            throw new TypeError(`${name} is ${described(value)}; give a typed array or an array of ${what}.`);
+        for (let i = 0; i < value.length; ++i) check(value[i], `${name}[${i}]`);
+        return shaped(value, name, shape);
+    };
+}
+
+const whole = ['Uint32Array', 'Uint16Array', 'Uint8Array'];
+
+/** Real numbers; Frame.copy converts them. */
+export const numbers = arrayOf(['Float64Array', 'Float32Array', 'Int32Array', 'Int16Array', 'Int8Array', ...whole], 'numbers', realNumber);
+
+/** Whole numbers below 2^32. */
+export const indices = arrayOf(whole, 'indices', (index, name) => {
+    if (!Number.isInteger(index) || index < 0 || index > 0xffffffff) throw new TypeError(`${name} is ${described(index)}; give an index from 0.`);
+});
 
 /** A whole number from 0 to 2^53 - 1. */
 export function wholeNumber(value, name) {
@@ -52,28 +71,8 @@ export function optionsOf(value, name, known) {
     return value;
 }
 
-/** An object whose fields are checked one by one; more of them are allowed. */
-export function plainObject(value, name, fields) {
+function plainObject(value, name, fields) {
     if (typeof value !== 'object' || value === null || ArrayBuffer.isView(value) || Array.isArray(value))
         throw new TypeError(`${name} is ${described(value)}; give an object with ${fields}.`);
     return value;
-}
-
-/** Whole numbers below 2^32 in a typed array or an ordinary one. */
-export function indices(value, name) {
-    if (ArrayBuffer.isView(value) && value[Symbol.toStringTag] === 'Uint32Array') return value;
-    if (value === null || typeof value !== 'object' || typeof value.length !== 'number')
-        throw new TypeError(`${name} is ${described(value)}; give an array of indices.`);
-    return Uint32Array.from(value, (index, i) => {
-        if (!Number.isInteger(index) || index < 0 || index > 0xffffffff)
-            throw new TypeError(`${name}[${i}] is ${described(index)}; give an index from 0.`);
-        return index;
-    });
-}
-
-export function numbers(value, name) {
-    if (ArrayBuffer.isView(value) && value[Symbol.toStringTag] === 'Float64Array') return value;
-    if (value === null || typeof value !== 'object' || typeof value.length !== 'number')
-        throw new TypeError(`${name} is ${described(value)}; give an array of numbers.`);
-    return Float64Array.from(value, (number, i) => realNumber(number, `${name}[${i}]`));
 }

@@ -1,107 +1,95 @@
-// Foliation: one value for each edge of a level, and what can be asked of it.
+// Foliation: one value for each edge of a level, and what it is like.
 import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
-import { cylinders } from './cylinders.js';
-import { PARAMETERIZE_OPTIONS, parameterize } from './parameterization.js';
-import { QUAD_OPTIONS, quads } from './quads.js';
-import { TRACE_OPTIONS, trace } from './trace.js';
-import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeOptions, writeReport } from './solve.js';
+import { OPTIMIZE_OPTIONS, readReport, writeOptions } from './solve.js';
 
-const singularityKinds = namesOf('HMF_SINGULAR_').byValue;
+const kinds = namesOf('HMF_SINGULAR_').byValue;
+
+/** Symbol.dispose, also where the engine has none yet. */
+export const dispose = Symbol.dispose ?? Symbol.for('Symbol.dispose');
 
 export class Foliation {
-    constructor(hierarchy, level, values, report) {
+    #address;
+
+    /** Internal: of a call that made it; { address, status } of Frame.make. */
+    constructor(hierarchy, frame, { address, status }) {
+        this.#address = address;
+        hierarchy.adopt(this, address);
+        const count = frame.room(Uint32Array, 1), values = frame.module.invoke('hmf_foliation_values', address, count);
         this.hierarchy = hierarchy;
-        this.level = level;
-        this.values = values;
-        this.report = report;
+        this.level = frame.module.invoke('hmf_foliation_level', address);
+        this.unit = frame.module.invoke('hmf_foliation_unit', address);
+        this.values = frame.array(Float64Array, values, frame.array(Uint32Array, count, 1)[0]);
+        this.report = readReport(frame, address, status);
         Object.freeze(this);
     }
 
-    get #counts() {
-        return this.hierarchy.levels[this.level];
+    get disposed() {
+        return this.#address === 0 || this.hierarchy.disposed;
     }
 
-    interpolate(level) {
-        this.hierarchy.levelIndex(level);
-        return this.hierarchy.perform((frame, address) => {
-            const count = this.hierarchy.levels[level].edgeCount;
-            const out = frame.room(Float64Array, count);
-            frame.call('hmf_interpolate', address, this.level, frame.copy(this.values), this.values.length, level, out, count);
-            return new Foliation(this.hierarchy, level, frame.result(Float64Array, out, count), null);
+    dispose() {
+        this.hierarchy.refuseWhenBusy();
+        this.discard();
+    }
+
+    /** Internal: frees it, also during a call. */
+    discard() {
+        if (!this.disposed) this.hierarchy.abandon(this, this.#address);
+        this.#address = 0;
+    }
+
+    [dispose]() {
+        this.dispose();
+    }
+
+    /** Internal: runs work(frame, address) and gives back what it took. */
+    perform(options, work) {
+        return this.hierarchy.perform(options, frame => {
+            if (this.#address === 0) throw new Error('This foliation has been disposed of. Make it again, with hierarchy.solve(), say.');
+            return work(frame, this.#address);
         });
+    }
+
+    /** The same for a call whose options are progress alone. */
+    #ask(options, work) {
+        return this.perform(optionsOf(options, 'options', ['progress']), work);
+    }
+
+    interpolate(level, options) {
+        this.hierarchy.levelIndex(level);
+        return this.#ask(options, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_interpolate', address, level)));
     }
 
     relax(options) {
-        const given = optionsOf(options, 'options', OPTIMISE_OPTIONS);
-        return this.hierarchy.perform((frame, address) => frame.module.withProgress(given.progress, fields => {
-            const settings = writeOptions(frame, given, fields);
-            const report = writeReport(frame, 1, given);
-            const count = this.values.length, values = frame.copy(this.values);
-            const status = frame.call('hmf_relax', address, this.level, settings, values, count, report);
-            if (!valuesWritten(frame, report)) throw frame.error(status);
-            return new Foliation(this.hierarchy, this.level, frame.result(Float64Array, values, count), readReport(frame, report, status));
-        }));
+        const given = optionsOf(options, 'options', OPTIMIZE_OPTIONS);
+        return this.perform(given, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_relax', address, writeOptions(frame, given))));
     }
 
-    energy() {
-        return this.hierarchy.perform((frame, address) => {
+    energy(options) {
+        return this.#ask(options, (frame, address) => {
             const out = frame.room(Float64Array, 1);
-            frame.call('hmf_energy', address, this.level, frame.copy(this.values), this.values.length, out);
-            return frame.result(Float64Array, out, 1)[0];
+            frame.finish('hmf_energy', address, frame.control, out);
+            return frame.array(Float64Array, out, 1)[0];
         });
     }
 
-    residuals() {
-        return this.hierarchy.perform((frame, address) => {
-            const count = this.#counts.vertexCount;
-            const out = frame.room(Float64Array, count);
-            frame.call('hmf_residuals', address, this.level, frame.copy(this.values), this.values.length, out, count);
-            return frame.result(Float64Array, out, count);
+    residuals(options) {
+        return this.#ask(options, (frame, address) => {
+            const count = this.hierarchy.levels[this.level].vertexCount, out = frame.room(Float64Array, count);
+            frame.finish('hmf_residuals', address, frame.control, out, count);
+            return frame.array(Float64Array, out, count);
         });
     }
 
-    singularities() {
-        return this.hierarchy.perform((frame, address) => {
-            const { vertexCount, triangleCount } = this.#counts;
-            const values = frame.copy(this.values), countAt = frame.room(Uint32Array, 1);
-            const vertexIndex = frame.room(Int32Array, vertexCount), triangleIndex = frame.room(Int32Array, triangleCount);
-            const cluster = frame.room(Uint32Array, vertexCount);
-            frame.call('hmf_singularities', address, this.level, values, this.values.length, vertexIndex, vertexCount,
-                triangleIndex, triangleCount, cluster, vertexCount, 0, 0, countAt);
-            const [count] = frame.result(Uint32Array, countAt, 1);
-            const list = frame.structure('hmf_singularity', {}, count);
-            frame.call('hmf_singularities', address, this.level, values, this.values.length, 0, 0, 0, 0, 0, 0, list, count, countAt);
+    singularities(options) {
+        return this.#ask(options, (frame, address) => {
+            const result = frame.result('hmf_singularities', address);
+            const { list, count, vertex_count, triangle_count } = frame.read('hmf_singularity_set', result);
             return {
-                list: Array.from({ length: count }, (_, i) => {
-                    const one = frame.read('hmf_singularity', list, i);
-                    return { ...one, kind: singularityKinds.get(one.kind) ?? `kind ${one.kind}` };
-                }),
-                vertexIndex: frame.result(Int32Array, vertexIndex, vertexCount),
-                triangleIndex: frame.result(Int32Array, triangleIndex, triangleCount),
-                vertexCluster: frame.result(Uint32Array, cluster, vertexCount),
+                list: frame.list('hmf_singularity', list, count).map(one => ({ ...one, kind: kinds.get(one.kind) ?? `kind ${one.kind}` })),
+                ...frame.arrays('hmf_singularity_set', result, { vertex_index: vertex_count, triangle_index: triangle_count, vertex_cluster: vertex_count }),
             };
         });
-    }
-
-    parameterize(options) {
-        const given = optionsOf(options, 'options', PARAMETERIZE_OPTIONS);
-        return this.hierarchy.perform((frame, address) => frame.module.withProgress(given.progress,
-            fields => parameterize(frame, address, this.#counts, this.values, given, fields)));
-    }
-
-    trace(options) {
-        const given = optionsOf(options, 'options', TRACE_OPTIONS);
-        return this.hierarchy.perform((frame, address) => trace(frame, address, this.level, this.values, given));
-    }
-
-    cylinders(options) {
-        const { loops } = optionsOf(options, 'options', ['loops']);
-        return this.hierarchy.perform((frame, address) => cylinders(frame, address, this.level, this.values, loops));
-    }
-
-    quads(options) {
-        const given = optionsOf(options, 'options', QUAD_OPTIONS);
-        return this.hierarchy.perform((frame, address) => quads(frame, address, this.level, this.values, given));
     }
 }

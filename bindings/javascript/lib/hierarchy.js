@@ -1,31 +1,58 @@
 // Hierarchy: a mesh with its coarser levels (hmf_build and what reads it).
 import { Frame } from './memory.js';
-import { Foliation } from './foliation.js';
+import { Foliation, dispose } from './foliation.js';
 import { namesOf } from './error.js';
-import { callback, choice, optionsOf, realNumber, typedArray, wholeNumber } from './arguments.js';
-import { levelOf, makeLoops, writeLoops } from './loops.js';
-import { OPTIMISE_OPTIONS, readReport, valuesWritten, writeInitial, writeOptions, writeReport } from './solve.js';
+import { choice, described, indices, numbers, optionsOf, realNumber, wholeNumber } from './arguments.js';
+import { makeLoops, writeLoops } from './loops.js';
+import { OPTIMIZE_OPTIONS, writeOptions } from './solve.js';
 
 const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
-/** Symbol.dispose, also where the engine has none yet. */
-const dispose = Symbol.dispose ?? Symbol.for('Symbol.dispose');
+/** A hierarchy and its foliations in the memory of the module. */
+class Held {
+    foliations = new Set();
 
-// A safety net for hierarchies that nobody disposed of.
-const forgotten = new FinalizationRegistry(({ module, address }) => {
-    if (!module.broken) module.invoke('hmf_destroy', address);
-});
+    constructor(module, address) {
+        this.module = module;
+        this.address = address;
+    }
 
-function writeBuildOptions(frame, options, more = {}) {
-    const fields = { ...frame.module.allocators, ...more };
+    free(foliation) {
+        if (this.foliations.delete(foliation) && !this.module.broken) this.module.invoke('hmf_foliation_destroy', foliation);
+    }
+
+    freeAll() {
+        for (const foliation of this.foliations) this.free(foliation);
+        if (this.address !== 0 && !this.module.broken) this.module.invoke('hmf_destroy', this.address);
+        this.address = 0;
+    }
+}
+
+// A safety net for what nobody disposed of.
+const forgotten = new FinalizationRegistry(({ held, foliation }) => (foliation === undefined ? held.freeAll() : held.free(foliation)));
+
+function writeBuildOptions(frame, options) {
+    const fields = { ...frame.module.allocators };
     if (options.collapse !== undefined) fields.collapse = choice(options.collapse, 'collapse', collapses);
     if (options.ratio !== undefined) fields.ratio = realNumber(options.ratio, 'ratio');
     if (options.coarsest !== undefined) fields.coarsest = wholeNumber(options.coarsest, 'coarsest');
     if (options.mollify !== undefined) fields.mollify = realNumber(options.mollify, 'mollify');
     if (options.memoryLimit !== undefined) fields.memory_limit = wholeNumber(options.memoryLimit, 'memoryLimit');
-    if (options.progress !== undefined) callback(options.progress, 'progress');
     return frame.structure('hmf_build_options', fields);
+}
+
+/** Runs work(frame) with the progress function of options, and gives back what it took. */
+function withFrame(module, options, work) {
+    const frame = new Frame(module);
+    try {
+        return module.withProgress(options.progress, fields => {
+            if (fields) frame.control = frame.structure('hmf_control', fields);
+            return work(frame);
+        });
+    } finally {
+        frame.close();
+    }
 }
 
 export function memoryEstimate(module, vertexCount, triangleCount, options) {
@@ -33,54 +60,39 @@ export function memoryEstimate(module, vertexCount, triangleCount, options) {
     wholeNumber(triangleCount, 'triangleCount');
     // size_t of the module has 32 bits; larger meshes are unusable, as the library says with 0.
     if (vertexCount > 0xffffffff || triangleCount > 0xffffffff) return 0;
-    const frame = new Frame(module);
-    try {
-        const address = writeBuildOptions(frame, optionsOf(options, 'options', BUILD_OPTIONS));
-        return Number(BigInt.asUintN(64, module.invoke('hmf_memory_estimate', vertexCount, triangleCount, address)));
-    } finally {
-        frame.close();
-    }
+    const { progress, ...given } = optionsOf(options, 'options', BUILD_OPTIONS);
+    return withFrame(module, {}, frame =>
+        Number(BigInt.asUintN(64, module.invoke('hmf_memory_estimate', vertexCount, triangleCount, writeBuildOptions(frame, given)))));
 }
 
 export class Hierarchy {
-    #module;
-    #address = 0;
+    #held;
     #busy = false;
     #levels;
 
     constructor(module, positions, triangles, options) {
-        typedArray(positions, Float64Array, 'positions', { group: 3 });
-        typedArray(triangles, Uint32Array, 'triangles', { group: 3 });
+        numbers(positions, 'positions', { group: 3 });
+        indices(triangles, 'triangles', { group: 3 });
         const given = optionsOf(options, 'options', BUILD_OPTIONS);
-        this.#module = module;
-        const frame = new Frame(module);
+        this.#held = new Held(module, 0);
+        forgotten.register(this, { held: this.#held }, this);
         try {
-            const out = frame.room(Uint32Array, 1);
-            module.withProgress(given.progress, fields => {
-                const address = writeBuildOptions(frame, given, fields);
-                const status = frame.call('hmf_build', frame.copy(positions), positions.length / 3, 0,
-                    frame.copy(triangles), triangles.length / 3, address, out);
-                if (status !== 0) throw frame.error(status);
-                this.#address = frame.result(Uint32Array, out, 1)[0];
-                // Registered here: the callback may have thrown in its last call.
-                forgotten.register(this, { module, address: this.#address }, this);
+            withFrame(module, given, frame => {
+                const settings = writeBuildOptions(frame, given), points = frame.copy(Float64Array, positions), corners = frame.copy(Uint32Array, triangles);
+                const { address } = frame.make('hmf_build', points, positions.length / 3, corners, triangles.length / 3, settings);
+                this.#held.address = address;
+                const count = module.invoke('hmf_level_count', address);
+                this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {
+                    const out = frame.structure('hmf_level_info');
+                    frame.call('hmf_level_counts', address, index, out);
+                    return new Level(this, index, frame.plain('hmf_level_info', out));
+                }));
             });
-            const count = module.invoke('hmf_level_count', this.#address);
-            this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => new Level(this, index, this.#counts(frame, index))));
-            this.genus = module.invoke('hmf_genus', this.#address);
-            Object.defineProperty(this, 'genus', { writable: false });
+            Object.defineProperty(this, 'genus', { value: module.invoke('hmf_genus', this.#held.address), enumerable: true });
         } catch (error) {
             this.dispose();
             throw error;
-        } finally {
-            frame.close();
         }
-    }
-
-    #counts(frame, index) {
-        const out = frame.structure('hmf_level_info');
-        frame.call('hmf_level_counts', this.#address, index, out);
-        return frame.read('hmf_level_info', out);
     }
 
     get levels() {
@@ -88,42 +100,50 @@ export class Hierarchy {
     }
 
     get memoryBytes() {
-        return this.perform((frame, address) => Number(BigInt.asUintN(64, frame.module.invoke('hmf_hierarchy_memory', address))));
+        return this.perform({}, (frame, address) => Number(BigInt.asUintN(64, frame.module.invoke('hmf_hierarchy_memory', address))));
     }
 
     get disposed() {
-        return this.#address === 0;
+        return this.#held.address === 0;
     }
 
     dispose() {
-        if (this.#address === 0) return;
-        this.#refuseWhenBusy();
+        this.refuseWhenBusy();
         forgotten.unregister(this);
-        const address = this.#address;
-        this.#address = 0;
-        if (!this.#module.broken) this.#module.invoke('hmf_destroy', address);
+        this.#held.freeAll();
     }
 
     [dispose]() {
         this.dispose();
     }
 
-    #refuseWhenBusy() {
+    /** Internal. */
+    refuseWhenBusy() {
         if (this.#busy) throw new Error('This hierarchy is in use by the call whose progress callback is running. Use it after that call.');
     }
 
-    /** Internal: runs work(frame, address) and gives back what it took. */
-    perform(work) {
-        this.#refuseWhenBusy();
-        if (this.#address === 0) throw new Error('This hierarchy has been disposed of. Build it again with new Hierarchy(positions, triangles).');
-        const frame = new Frame(this.#module);
+    /** Internal: runs work(frame, address) and gives back what it took; options may have a progress function. */
+    perform(options, work) {
+        this.refuseWhenBusy();
+        if (this.disposed) throw new Error('This hierarchy has been disposed of. Build it again with new Hierarchy(positions, triangles).');
         this.#busy = true;
         try {
-            return work(frame, this.#address);
+            return withFrame(this.#held.module, options, frame => work(frame, this.#held.address));
         } finally {
             this.#busy = false;
-            frame.close();
         }
+    }
+
+    /** Internal: a foliation of this hierarchy is there; it is freed with the hierarchy at the latest. */
+    adopt(foliation, address) {
+        this.#held.foliations.add(address);
+        forgotten.register(foliation, { held: this.#held, foliation: address }, foliation);
+    }
+
+    /** Internal: frees it. */
+    abandon(foliation, address) {
+        forgotten.unregister(foliation);
+        this.#held.free(address);
     }
 
     /** Internal: the index of a level, checked. */
@@ -133,41 +153,44 @@ export class Hierarchy {
         return level;
     }
 
-    loops(options) {
-        const { kind = 'cut', level = this.#levels.length - 1 } = optionsOf(options, 'options', ['kind', 'level']);
-        return this.perform((frame, address) => makeLoops(frame, address, this.levelIndex(level), kind));
+    #foliation(options, make) {
+        return this.perform(options, (frame, address) => new Foliation(this, frame, make(frame, address)));
     }
 
-    initialize(loops) {
-        return this.perform((frame, address) => {
+    loops(options) {
+        const given = optionsOf(options, 'options', ['kind', 'level', 'progress']), { kind = 'cut', level = this.#levels.length - 1 } = given;
+        this.levelIndex(level);
+        return this.perform(given, (frame, address) => makeLoops(frame, address, level, kind));
+    }
+
+    initialize(loops, options) {
+        return this.#foliation(optionsOf(options, 'options', ['progress']), (frame, address) => {
             const set = writeLoops(frame, loops);
-            const level = this.levelIndex(levelOf(loops, this.#levels.length - 1), 'loops.level');
-            const count = this.#levels[level].edgeCount;
-            const values = frame.room(Float64Array, count);
-            frame.call('hmf_initialize', address, set, values, count);
-            return new Foliation(this, level, frame.result(Float64Array, values, count), null);
+            if (loops !== undefined) this.levelIndex(loops.level ?? 0, 'loops.level');
+            return frame.make('hmf_initialize', address, set);
         });
     }
 
     solve(options) {
-        const given = optionsOf(options, 'options', [...OPTIMISE_OPTIONS, 'loops', 'initial', 'stopLevel']);
+        const given = optionsOf(options, 'options', [...OPTIMIZE_OPTIONS, 'loops', 'start', 'stopLevel']), { start } = given;
         const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
-        return this.perform((frame, address) => frame.module.withProgress(given.progress, fields => {
-            const set = writeLoops(frame, given.loops);
-            const settings = writeOptions(frame, given, { ...fields, ...writeInitial(frame, given.initial), stop_level: level });
-            const report = writeReport(frame, this.#levels.length, given);
-            const count = this.#levels[level].edgeCount;
-            const values = frame.room(Float64Array, count);
-            const status = frame.call('hmf_solve', address, set, settings, values, count, report);
-            if (!valuesWritten(frame, report)) throw frame.error(status);
-            return new Foliation(this, level, frame.result(Float64Array, values, count), readReport(frame, report, status));
-        }));
+        if (start !== undefined && !(start instanceof Foliation)) throw new TypeError(`start is ${described(start)}; give a Foliation.`);
+        const solve = address => this.#foliation(given, (frame, hierarchy) =>
+            frame.make('hmf_solve', hierarchy, writeLoops(frame, given.loops), writeOptions(frame, given, { stop_level: level, start: address })));
+        if (start === undefined) return solve(0);
+        // Not inside of perform: it may be of this hierarchy.  A callback must not dispose of it.
+        if (start.hierarchy === this) return solve(start.perform({}, (_, address) => address));
+        return start.perform({}, (frame, address) => {
+            if (frame.module !== this.#held.module) throw new TypeError('start is of another load(). Give a Foliation of the same one.');
+            return solve(address);
+        });
     }
 
-    foliation(values, level = 0) {
+    foliation(values, options) {
+        const given = optionsOf(typeof options === 'number' ? { level: options } : options, 'options', ['level', 'progress']), { level = 0 } = given;
         this.levelIndex(level);
-        typedArray(values, Float64Array, 'values', { count: this.#levels[level].edgeCount });
-        return new Foliation(this, level, values.slice(), null);
+        numbers(values, 'values', { count: this.#levels[level].edgeCount });
+        return this.#foliation(given, (frame, address) => frame.make('hmf_foliation_create', address, level, frame.copy(Float64Array, values), values.length));
     }
 }
 
@@ -177,19 +200,15 @@ export class Level {
 
     constructor(hierarchy, index, counts) {
         this.#hierarchy = hierarchy;
-        this.index = index;
-        this.vertexCount = counts.vertex_count;
-        this.edgeCount = counts.edge_count;
-        this.triangleCount = counts.triangle_count;
-        this.nonDelaunayCount = counts.non_delaunay_count;
+        Object.assign(this, { index, ...counts });
         Object.freeze(this);
     }
 
     #array(name, Type, count) {
-        return this.#hierarchy.perform((frame, address) => {
+        return this.#hierarchy.perform({}, (frame, address) => {
             const room = frame.room(Type, count);
             frame.call(name, address, this.index, room, count);
-            return frame.result(Type, room, count);
+            return frame.array(Type, room, count);
         });
     }
 

@@ -4,7 +4,8 @@
  *
  * All arrays that the library returns are copies that belong to the caller;
  * all arrays that it is given are copied and stay as they are.  All calls are
- * synchronous: in a page, make them in a Worker (examples/worker.js).
+ * synchronous: in a page, make them in a Worker (examples/worker.js).  Each call
+ * that can be long takes a progress function, by which it can be cancelled.
  */
 
 /**
@@ -21,24 +22,28 @@ export type Source = string | object;
  */
 export function load(source?: Source | Promise<Source>): Promise<Hmf>;
 
+/** Float64Array, Float32Array, Uint32Array, Uint16Array or another typed array of numbers, or an ordinary array. */
+export type Numbers = ArrayLike<number>;
+
 export interface Hmf {
     /** "major.minor.patch" */
     readonly version: string;
-    readonly Hierarchy: new (positions: Float64Array, triangles: Uint32Array, options?: BuildOptions) => Hierarchy;
+    readonly Hierarchy: new (positions: Numbers, triangles: Numbers, options?: BuildOptions) => Hierarchy;
     /** Upper bound of the bytes that building a hierarchy uses at its peak; 0 if the counts are unusable. */
     memoryEstimate(vertexCount: number, triangleCount: number, options?: BuildOptions): number;
     /** A short English text for any status. */
     statusText(status: number): string;
     /** "HMF_ERROR_MESH_BOUNDARY" and so on, as in hmf.h. */
     statusName(status: number): string;
-    /** Bytes that hierarchies and running calls use, and the size of the WebAssembly memory, which never shrinks. */
+    /** Bytes that hierarchies, foliations and running calls use, and the size of the WebAssembly memory, which never shrinks. */
     readonly memory: { readonly inUse: number; readonly size: number };
 }
 
 /**
  * What a callback wants: nothing or "continue"; "cancel" ends the call;
  * "finish" ends the improvement, and the foliation reached so far is carried to
- * the asked level and returned.  Building a hierarchy treats it as "cancel".
+ * the asked level and returned.  All calls but `solve` and `relax` treat it as
+ * "cancel".
  */
 export type ProgressAnswer = void | "continue" | "cancel" | "finish";
 
@@ -48,7 +53,11 @@ export type ProgressAnswer = void | "continue" | "cancel" | "finish";
  */
 export type Progress = (fraction: number) => ProgressAnswer;
 
-export interface BuildOptions {
+export interface ProgressOptions {
+    progress?: Progress;
+}
+
+export interface BuildOptions extends ProgressOptions {
     /** Which edges are collapsed, and to which point; default "midpoint". */
     collapse?: "default" | "midpoint" | "endpoint" | "qslim";
     /** Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5. */
@@ -63,15 +72,14 @@ export interface BuildOptions {
     mollify?: number;
     /** Bytes in use at any time, also in later calls with the hierarchy; default 0, no limit. */
     memoryLimit?: number;
-    progress?: Progress;
 }
 
 /**
  * A closed, connected, oriented triangle mesh of genus 1 or more, with its
  * coarser levels.  It may be used for any number of solves.
  *
- * It holds memory of WebAssembly until `dispose()`; `using` works as well.  A
- * hierarchy that is forgotten is freed at some later time.
+ * It and its foliations hold memory of WebAssembly until `dispose()`; `using`
+ * works as well.  A hierarchy that is forgotten is freed at some later time.
  */
 export interface Hierarchy extends Disposable {
     readonly genus: number;
@@ -81,16 +89,28 @@ export interface Hierarchy extends Disposable {
     readonly disposed: boolean;
 
     /** Loops made by the library; default: a cut system on the coarsest level. */
-    loops(options?: { kind?: LoopsKind; level?: number }): LoopSet;
+    loops(options?: LoopsOptions): LoopSet;
     /** The closed initial foliation of loops on their level; default: of `loops()`. */
-    initialize(loops?: LoopSet): Foliation;
+    initialize(loops?: LoopSet, options?: ProgressOptions): Foliation;
     /** The harmonic foliation in the class of the loops.  Limits are no exceptions: see `report.status`. */
     solve(options?: SolveOptions): Foliation;
-    /** A foliation with given values, one for each edge of the level (default 0). */
-    foliation(values: Float64Array, level?: number): Foliation;
+    /**
+     * A foliation of values, one for each edge of a level (default 0): results of
+     * the library, perhaps from a file with 17 digits.
+     */
+    foliation(values: Numbers, options?: number | FoliationOptions): Foliation;
 
-    /** Frees the memory; calling it again does nothing. */
+    /** Frees the memory, also of all its foliations; calling it again does nothing. */
     dispose(): void;
+}
+
+export interface LoopsOptions extends ProgressOptions {
+    kind?: LoopsKind;
+    level?: number;
+}
+
+export interface FoliationOptions extends ProgressOptions {
+    level?: number;
 }
 
 export interface Level {
@@ -99,7 +119,7 @@ export interface Level {
     readonly edgeCount: number;
     readonly triangleCount: number;
     /** Edges whose weight was below the floor and was raised to it. */
-    readonly nonDelaunayCount: number;
+    readonly raisedCount: number;
     /** Two vertices for each edge.  Level 0 numbers edges by their first appearance in the triangles. */
     edgeVertices(): Uint32Array;
     /** Three edges for each triangle; side s joins the corners s and s + 1. */
@@ -126,12 +146,12 @@ export interface LoopSet {
     elementKind: "triangles" | "vertices";
     /** Of the elements; default 0, the mesh of the caller. */
     level?: number;
-    loops: ArrayLike<number>[];
+    loops: Numbers[];
     /** Positive, one for each loop; default all 1. */
-    weights?: ArrayLike<number>;
+    weights?: Numbers;
 }
 
-export interface OptimizeOptions {
+export interface OptimizeOptions extends ProgressOptions {
     /** Default "newton", the most exact. */
     method?: "default" | "newton" | "whitehead" | "single-level";
     /** newton: the largest residual, default 1e-8; others: relative change of the energy per sweep, default 1e-6. */
@@ -140,9 +160,6 @@ export interface OptimizeOptions {
     timeLimit?: number;
     /** Sweeps per level; default 100000. */
     iterationLimit?: number;
-    /** Entries of the history that are kept; default 1000. */
-    historyCapacity?: number;
-    progress?: Progress;
 }
 
 export interface SolveOptions extends OptimizeOptions {
@@ -150,30 +167,38 @@ export interface SolveOptions extends OptimizeOptions {
     loops?: LoopSet;
     /**
      * A foliation to start from, whose class is then that of the result, instead
-     * of loops: of a hierarchy with the same triangles, perhaps at other
-     * positions (the last frame of an animation).
+     * of loops: of this hierarchy, or on level 0 of one with the same triangles
+     * at other positions (the last frame of an animation).
      */
-    initial?: { readonly values: Float64Array; readonly level: number };
+    start?: Foliation;
     /** Finest level to solve; default 0, the mesh of the caller. */
     stopLevel?: number;
 }
 
-/** One value for each edge of a level: the distance of its ends in a tree. */
-export interface Foliation {
+/**
+ * One value for each edge of a level: the distance of its ends in a tree.
+ *
+ * It holds memory of WebAssembly until `dispose()`, or until its hierarchy is
+ * disposed of.  `values` and `report` stay.
+ */
+export interface Foliation extends Disposable {
     readonly hierarchy: Hierarchy;
     readonly level: number;
     readonly values: Float64Array;
+    /** The power of two that all values are multiples of. */
+    readonly unit: number;
     /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
     readonly report: Report | null;
+    readonly disposed: boolean;
     /** Carried exactly to any other level, finer or coarser. */
-    interpolate(level: number): Foliation;
+    interpolate(level: number, options?: ProgressOptions): Foliation;
     /** Optimised on its level; this foliation stays as it is. */
     relax(options?: OptimizeOptions): Foliation;
     /** Dirichlet energy. */
-    energy(): number;
+    energy(options?: ProgressOptions): number;
     /** Violation of harmonicity at each vertex; 0 everywhere means: this is the unique minimum. */
-    residuals(): Float64Array;
-    singularities(): Singularities;
+    residuals(options?: ProgressOptions): Float64Array;
+    singularities(options?: ProgressOptions): Singularities;
     /** A global conformal parameterisation (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
     parameterize(options?: ParameterizeOptions): Parameterization;
     /** Leaves as polylines; without options those between zeros. */
@@ -183,12 +208,18 @@ export interface Foliation {
      * filled with closed leaves of its class.  With the loops that the foliation
      * belongs to, on any level, each cylinder names its own.
      */
-    cylinders(options?: { loops?: LoopSet }): Cylinder[];
+    cylinders(options?: CylinderOptions): Cylinders;
     /** A closed quad mesh along the leaves. */
     quads(options?: QuadOptions): QuadMesh;
+    /** Frees the memory; calling it again does nothing. */
+    dispose(): void;
 }
 
-export interface QuadOptions {
+export interface CylinderOptions extends ProgressOptions {
+    loops?: LoopSet;
+}
+
+export interface QuadOptions extends ProgressOptions {
     /** Wished mean length of an edge, in the unit of the positions; default: about half as many quads as triangles. */
     edgeLength?: number;
 }
@@ -205,7 +236,14 @@ export interface QuadMesh {
     quads: Uint32Array;
 }
 
-/** In the flat metric du^2 + dv^2.  The place in the list is that of `Line.cylinder`. */
+export interface Cylinders {
+    /** In the order of `Line.cylinder`. */
+    list: Cylinder[];
+    /** The leaf in the middle of each, as a loop of triangles of the level; weights: the heights. */
+    leaves: LoopSet;
+}
+
+/** In the flat metric du^2 + dv^2. */
 export interface Cylinder {
     /** Which of the given loops; null without. */
     loop: number | null;
@@ -216,16 +254,13 @@ export interface Cylinder {
     modulus: number;
     /** All areas add up to the energy. */
     area: number;
-    /** The leaf in its middle, as triangles that follow each other. */
-    leaf: Uint32Array;
 }
 
-export interface ParameterizeOptions {
+export interface ParameterizeOptions extends ProgressOptions {
     /** Largest residual of the foliation; default 1e-2. */
     tolerance?: number;
     /** Edges where seams cost nothing, so that they run there if they can. */
-    seamEdges?: ArrayLike<number>;
-    progress?: Progress;
+    seamEdges?: Numbers;
 }
 
 /**
@@ -262,7 +297,7 @@ export interface Parameterization {
     seconds: number;
 }
 
-export interface TraceOptions {
+export interface TraceOptions extends ProgressOptions {
     /** "foliation" (default): u is constant; "conjugate": v is constant, for harmonic foliations only. */
     leaves?: "default" | "foliation" | "conjugate";
     /** All leaves out of zeros. */
@@ -276,7 +311,7 @@ export interface TraceOptions {
      */
     lengthLimit?: number;
     /** Leaves through points: a triangle each, and three barycentric coordinates that add up to 1. */
-    through?: { triangles: ArrayLike<number>; barycentrics: ArrayLike<number> };
+    through?: { triangles: Numbers; barycentrics: Numbers };
 }
 
 /** A leaf.  Consecutive points lie in one triangle; no two leaves cross. */
@@ -323,6 +358,8 @@ export interface Singularity {
     element: number;
     /** Vertices of a cluster, else 1. */
     size: number;
+    /** Three coordinates: of the vertex; the middle of the triangle; the mean of the cluster. */
+    position: number[];
 }
 
 export interface Report {
@@ -331,7 +368,7 @@ export interface Report {
     method: string;
     converged: boolean;
     energy: number;
-    /** Largest of `residuals()`, on the intrinsic Delaunay triangulation. */
+    /** Largest of `residuals()`, on the intrinsic Delaunay triangulation; negative: not evaluated, as the call was cancelled before. */
     residualMax: number;
     residualMean: number;
     poles: number;
@@ -345,17 +382,15 @@ export interface Report {
     peakMemoryBytes: number;
     /** Finest first. */
     levels: LevelReport[];
-    /** In order of time, the first `historyCapacity` events. */
+    /** In order of time. */
     history: HistoryEntry[];
-    /** Number of events, kept or not. */
-    historyCount: number;
 }
 
 export interface LevelReport {
     vertices: number;
     edges: number;
     /** Edges with a raised weight. */
-    nld: number;
+    raisedCount: number;
     iterations: number;
     linearSolves: number;
     optimizeSeconds: number;

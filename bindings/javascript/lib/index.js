@@ -2,10 +2,19 @@
 // Hierarchy; everything else hangs on that.
 import { Module } from './module.js';
 import { Hierarchy, memoryEstimate } from './hierarchy.js';
+import { Foliation } from './foliation.js';
+import { cylinders } from './uses/cylinders.js';
+import { parameterize } from './uses/parameterize.js';
+import { quads } from './uses/quads.js';
+import { trace } from './uses/trace.js';
 import { wholeNumber } from './arguments.js';
 import { statusName } from './error.js';
 
 export { HmfError } from './error.js';
+
+// What one does with a foliation (uses.h), apart from what it is like (hmf.h).
+for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads }))
+    Object.defineProperty(Foliation.prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
 
 export async function load(source) {
     const module = await Module.load(source);

@@ -2,6 +2,7 @@
 // how its functions are called.
 import { readText } from './memory.js';
 import { HmfError } from './error.js';
+import { callback } from './arguments.js';
 import { constants } from '../dist/layout.js';
 
 const WASI_SUCCESS = 0;
@@ -107,23 +108,28 @@ export class Module {
         }
     }
 
-    /** Runs work(fields), where the fields of options make the library call the given function. */
-    withProgress(callback, work) {
-        if (callback === undefined) return work({});
-        const entry = { callback, failed: false, exception: undefined };
+    /**
+     * Runs work(fields), with fields of hmf_control that make the library call
+     * the given function, or null without one.
+     */
+    withProgress(progress, work) {
+        if (progress === undefined) return work(null);
+        const entry = { callback: callback(progress, 'progress'), failed: false, exception: undefined };
         const id = this.#next;
         this.#next = (this.#next + 1) >>> 0 || 1;
         this.#callbacks.set(id, entry);
+        let result;
         try {
-            const result = work({ progress: this.invoke('hmf_js_progress_fn'), progress_user: id });
-            if (entry.failed) throw entry.exception;
-            return result;
+            result = work({ progress: this.invoke('hmf_js_progress_fn'), progress_user: id });
         } catch (error) {
             // The cancellation was our answer to the exception.
             throw entry.failed && !this.broken ? entry.exception : error;
         } finally {
             this.#callbacks.delete(id);
         }
+        if (!entry.failed) return result;
+        result?.discard?.(); // it threw in its last call, when the foliation was there
+        throw entry.exception;
     }
 
     // An exception must not pass through the module: it would leave it half way.

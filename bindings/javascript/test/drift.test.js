@@ -1,5 +1,5 @@
-// The binding against hmf.h: whatever is new or different there fails here.
-// dist/layout.js is made by the build; these tests read the header themselves.
+// The binding against hmf.h and uses.h: whatever is new or different there fails here.
+// dist/layout.js is made by the build; these tests read the headers themselves.
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';
 import { test } from 'node:test';
@@ -7,31 +7,30 @@ import { constants, functions, structures } from '../dist/layout.js';
 import { load } from '../lib/index.js';
 
 const read = path => readFileSync(new URL(path, import.meta.url), 'utf8');
-const header = read('../../../include/hmf/hmf.h').replace(/\/\*[\s\S]*?\*\//g, ' ');
-const sources = readdirSync(new URL('../lib/', import.meta.url)).filter(name => name.endsWith('.js')).map(name => read(`../lib/${name}`)).join('\n');
+const header = ['hmf', 'uses'].map(name => read(`../../../include/hmf/${name}.h`)).join('\n').replace(/\/\*[\s\S]*?\*\//g, ' ');
+const sources = readdirSync(new URL('../lib/', import.meta.url), { recursive: true }).filter(name => name.endsWith('.js')).map(name => read(`../lib/${name}`)).join('\n');
 const types = read('../lib/index.d.ts');
 
 const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
 
-test('every function of the header is exported and used', async () => {
+test('every function of the headers is exported and used', async () => {
     const declared = [...header.matchAll(/HMF_API [^;(]*?\b(hmf_[a-z0-9_]+)\s*\(/g)].map(match => match[1]);
-    assert.ok(declared.length >= 24);
+    assert.ok(declared.length >= 30);
     assert.deepEqual([...functions].sort(), [...declared].sort(), 'the build is out of date: npm run build');
     const exported = (await load())._module.exportNames();
-    // Every structure of options starts as zero, which means the defaults.
-    const unused = declared.filter(name => !name.endsWith('_options_init') && !sources.includes(`'${name}'`));
+    const unused = declared.filter(name => !sources.includes(`'${name}'`));
     assert.deepEqual(unused, [], 'functions of hmf.h that JavaScript does not offer');
     assert.deepEqual(declared.filter(name => !exported.includes(name)), []);
 });
 
-test('every structure of the header has its fields in order, and JavaScript knows them', () => {
+test('every structure of the headers has its fields in order, and JavaScript knows them', () => {
     const declared = [...header.matchAll(/typedef struct (hmf_[a-z_]+)\s*\{([^}]*)\}/g)];
     assert.deepEqual(declared.map(([, name]) => name).sort(), Object.keys(structures).sort(), 'the build is out of date: npm run build');
     // Of C alone; arrays of JavaScript know their length.
-    const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'progress_user', 'reserved'];
-    const otherwise = ['hmf_report.level_count', 'hmf_report.values_written', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
-        'hmf_solve_options.initial_values', 'hmf_solve_options.initial_count', 'hmf_solve_options.initial_level',
-        'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics'];
+    const internal = ['struct_size', 'allocate', 'release', 'allocator_user', 'position_stride', 'progress_user', 'reserved'];
+    const otherwise = ['hmf_report.level_count', 'hmf_report.history_count', 'hmf_error.message', 'hmf_loop_set.count', 'hmf_loop_set.offsets', 'hmf_loop_set.elements',
+        'hmf_trace_options.point_count', 'hmf_trace_options.point_triangles', 'hmf_trace_options.point_barycentrics', 'hmf_lines.line_count',
+        'hmf_lines.point_count', 'hmf_lines.lines', 'hmf_lines.offsets', 'hmf_lines.point_edges', 'hmf_singularity_set.count', 'hmf_cylinder_set.count', 'hmf_quad_mesh.quad_count'];
     for (const [, name, body] of declared) {
         const fields = body.split(/[;,]/).map(field => /([a-z_0-9]+)(\[\d+\])?\s*$/.exec(field.trim())?.[1]).filter(Boolean);
         assert.deepEqual(Object.keys(structures[name].fields), fields, name);
@@ -42,13 +41,13 @@ test('every structure of the header has its fields in order, and JavaScript know
         }
         assert.ok(end <= structures[name].size);
         for (const field of fields) {
-            if (internal.includes(field) || /_capacity$/.test(field) || otherwise.includes(`${name}.${field}`)) continue;
+            if (internal.includes(field) || otherwise.includes(`${name}.${field}`)) continue;
             assert.match(types, new RegExp(`\\b${camel(field)}\\b`), `${name}.${field} is missing in index.d.ts`);
         }
     }
 });
 
-test('every constant of the header has its value, and the types list its name', () => {
+test('every constant of the headers has its value, and the types list its name', () => {
     const declared = [...header.matchAll(/^#define (HMF_[A-Z0-9_]+) (\d+|0x[0-9a-f]+)u?\s*$/gm)].map(([, name, value]) => [name, Number(value)]);
     assert.deepEqual(constants, Object.fromEntries(declared.sort(([a], [b]) => (a < b ? -1 : 1))), 'the build is out of date: npm run build');
     const prefixes = ['HMF_COLLAPSE_', 'HMF_METHOD_', 'HMF_LOOP_', 'HMF_LOOPS_', 'HMF_SINGULAR_', 'HMF_ELEMENT_', 'HMF_PROGRESS_', 'HMF_LINE_', 'HMF_END_', 'HMF_LEAVES_'];

@@ -53,8 +53,13 @@ test('loops, values, options and limits that the library refuses', () => {
     refused(() => hierarchy.initialize({ elementKind: 'vertices', loops: [ring, ring.map(v => v + 2)] }), 'HMF_ERROR_LOOP_PARALLEL', 'loop');
     const { values } = hierarchy.solve();
     const foliation = change => { const changed = values.slice(); change(changed); return hierarchy.foliation(changed); };
-    assert.equal(refused(() => foliation(v => { v[5] = -1; }).energy(), 'HMF_ERROR_VALUE_NOT_FINITE', 'edge').index, 5);
-    refused(() => foliation(v => { v[5] += 1; }).relax(), 'HMF_ERROR_VALUE_NOT_CLOSED', 'edge');
+    assert.equal(refused(() => foliation(v => { v[5] = -1; }), 'HMF_ERROR_VALUE_NOT_FINITE', 'edge').index, 5);
+    refused(() => foliation(v => { v[5] += 1; }), 'HMF_ERROR_VALUE_NOT_CLOSED', 'edge');
+    const pole = Float64Array.from(hierarchy.levels[0].edgeVertices()).reduce((at, v, i) => { if (v === 0) at[i >> 1] = 1; return at; }, new Float64Array(values.length));
+    const round = hierarchy.foliation(pole);
+    assert.ok(round.energy() > 0 && round.singularities().list.some(({ index, element }) => index > 0 && element === 0));
+    for (const work of [() => round.relax(), () => round.interpolate(0), () => round.residuals(), () => round.quads(), () => hierarchy.solve({ start: round })])
+        assert.throws(work, error => error.statusName === 'HMF_ERROR_VALUE_POLE');
     refused(() => hierarchy.solve({ tolerance: -1 }), 'HMF_ERROR_OPTIONS', 'option');
     refused(() => new hmf.Hierarchy(positions, triangles, { ratio: 7 }), 'HMF_ERROR_OPTIONS', 'option');
     refused(() => new hmf.Hierarchy(positions, triangles, { memoryLimit: 1000 }), 'HMF_ERROR_MEMORY_LIMIT', null);
@@ -66,9 +71,12 @@ test('wrong types and lengths say what to give', () => {
     const hierarchy = new hmf.Hierarchy(positions, triangles);
     const wrong = (work, pattern) => assert.throws(work, error => error instanceof TypeError && pattern.test(error.message) || assert.fail(`${error}`));
     const build = (...parameters) => () => new hmf.Hierarchy(...parameters);
-    wrong(build([...positions], triangles), /positions is Array; give a Float64Array/);
-    wrong(build(Float32Array.from(positions), triangles), /positions is Float32Array; give a Float64Array/);
-    wrong(build(positions, Int32Array.from(triangles)), /triangles is Int32Array; give a Uint32Array/);
+    wrong(build(new BigInt64Array(21), triangles), /positions\[0\] is bigint 0; give a number/);
+    wrong(build([...positions.slice(1), '7'], triangles), /positions\[20\] is string 7; give a number/);
+    wrong(build('positions', triangles), /positions is string positions; give a typed array or an array of numbers/);
+    wrong(build(positions, Int32Array.from(triangles, v => v - 1)), /triangles\[0\] is number -1; give an index from 0/);
+    wrong(build(positions, [0, 1, 2.5]), /triangles\[2\] is number 2.5; give an index from 0/);
+    wrong(build(positions, new ArrayBuffer(12)), /triangles is ArrayBuffer; give a typed array or an array of indices/);
     wrong(build(positions), /triangles is undefined/);
     wrong(build(null, triangles), /positions is null/);
     wrong(build(positions.subarray(1), triangles), /positions has 20 entries, not a multiple of 3/);
@@ -89,6 +97,10 @@ test('wrong types and lengths say what to give', () => {
     wrong(() => hierarchy.solve({ loops: { ...hierarchy.loops(), weights: [1, 2] } }), /weights has 2 entries; give 1/);
     wrong(() => hierarchy.foliation(new Float64Array(20)), /values has 20 entries; give 21/);
     wrong(() => hierarchy.foliation(new Float64Array(21), 3), /level is 3/);
+    wrong(() => hierarchy.foliation(new Float64Array(21), { levels: 0 }), /no option 'levels'/);
+    wrong(() => hierarchy.solve({ start: hierarchy.solve().values }), /start is Float64Array; give a Foliation/);
+    wrong(() => hierarchy.solve().energy({ progress: 1 }), /progress is number 1; give a function/);
+    wrong(() => hierarchy.solve().interpolate(0, { level: 0 }), /no option 'level'; there are progress/);
     wrong(() => hmf.memoryEstimate('7', 14), /vertexCount is string 7/);
     wrong(() => hmf.statusText('boundary'), /status is string boundary/);
     hierarchy.dispose();
@@ -128,6 +140,40 @@ test('progress rises, cancels, finishes, throws', () => {
     hierarchy.dispose();
 });
 
+test('each call that can be long reports, and can be cancelled', () => {
+    const { positions, triangles } = pretzel(2, 3), hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 200 });
+    const loops = hierarchy.loops({ kind: 'tunnel', level: 0 }), foliation = hierarchy.solve({ loops }), start = hierarchy.initialize(loops);
+    const calls = {
+        build: options => new hmf.Hierarchy(positions, triangles, options).dispose(),
+        loops: options => hierarchy.loops({ kind: 'tunnel', level: 0, ...options }),
+        initialize: options => hierarchy.initialize(loops, options),
+        foliation: options => hierarchy.foliation(foliation.values, options),
+        solve: options => hierarchy.solve(options),
+        relax: options => start.relax(options),
+        interpolate: options => foliation.interpolate(1, options),
+        energy: options => foliation.energy(options),
+        residuals: options => foliation.residuals(options),
+        singularities: options => foliation.singularities(options),
+        parameterize: options => foliation.parameterize(options),
+        trace: options => foliation.trace({ spacing: 0.1, ...options }),
+        cylinders: options => foliation.cylinders({ loops, ...options }),
+        quads: options => foliation.quads(options),
+    };
+    for (const [name, call] of Object.entries(calls)) {
+        const seen = [];
+        call({ progress: fraction => { seen.push(fraction); } });
+        assert.ok(seen.every((fraction, i) => fraction >= (seen[i - 1] ?? 0) && fraction <= 1), name);
+        // Some are through before the first report, on so small a mesh.
+        if (!['foliation', 'interpolate', 'energy', 'residuals', 'trace', 'quads'].includes(name)) assert.ok(seen.length > 0, name);
+        if (seen.length === 0) continue;
+        refused(() => call({ progress: () => 'cancel' }), 'HMF_CANCELLED', null);
+        const reason = new Error('enough');
+        assert.throws(() => call({ progress: () => { throw reason; } }), error => error === reason, name);
+    }
+    hierarchy.dispose();
+    assert.equal(hmf.memory.inUse, 0);
+});
+
 test('a callback may use other hierarchies, but not the one at work', () => {
     const { positions, triangles } = pretzel(2, 2), small = smallTorus();
     const hierarchy = new hmf.Hierarchy(positions, triangles);
@@ -143,7 +189,8 @@ test('a callback may use other hierarchies, but not the one at work', () => {
     } }).values;
     assert.deepEqual(values, expected);
     inner.dispose();
-    for (const forbidden of [() => hierarchy.dispose(), () => hierarchy.solve(), () => hierarchy.memoryBytes, () => hierarchy.levels[0].weights()])
+    const foliation = hierarchy.solve();
+    for (const forbidden of [() => foliation.dispose(), () => foliation.energy(), () => hierarchy.dispose(), () => hierarchy.solve(), () => hierarchy.memoryBytes, () => hierarchy.levels[0].weights()])
         assert.throws(() => hierarchy.solve({ progress: forbidden }), /in use by the call whose progress callback is running/);
     hierarchy.dispose();
 });
@@ -159,7 +206,16 @@ test('after dispose every use says so', () => {
         () => foliation.energy(), () => foliation.residuals(), () => foliation.singularities(), () => foliation.relax(), () => foliation.interpolate(0)])
         assert.throws(work, /has been disposed of/);
     assert.equal(level.edgeCount, 21, 'plain numbers stay');
+    assert.equal(foliation.disposed, true);
+    assert.deepEqual([foliation.values.length, foliation.report.status], [21, 'HMF_OK']);
+    foliation.dispose();
     const other = new hmf.Hierarchy(positions, triangles);
+    const [one, two] = [other.solve(), other.solve()];
+    one.dispose();
+    one.dispose();
+    assert.deepEqual([one.disposed, two.disposed], [true, false]);
+    for (const work of [() => one.energy(), () => one.trace(), () => other.solve({ start: one })]) assert.throws(work, /foliation has been disposed of/);
+    assert.ok(two.energy() > 0);
     other[Symbol.dispose ?? Symbol.for('Symbol.dispose')]();
     assert.equal(other.disposed, true);
 });

@@ -24,7 +24,7 @@ test('a thousand failing calls of each kind', () => {
     const { positions, triangles } = pretzel(1, 2);
     const hole = triangles.slice(0, -3);
     const hierarchy = new hmf.Hierarchy(positions, triangles);
-    const loops = hierarchy.loops(), bad = hierarchy.foliation(hierarchy.solve().values.map((x, i) => (i === 7 ? -1 : x)));
+    const loops = hierarchy.loops(), foliation = hierarchy.solve(), bad = foliation.values.map((x, i) => (i === 7 ? -1 : x));
     flat(1000, () => assert.throws(() => new hmf.Hierarchy(positions, hole)));
     flat(1000, () => assert.throws(() => new hmf.Hierarchy(positions, triangles, { memoryLimit: 100000 })));
     flat(1000, () => assert.throws(() => new hmf.Hierarchy(positions, triangles, { progress: () => { throw new Error('no'); } })));
@@ -33,18 +33,32 @@ test('a thousand failing calls of each kind', () => {
     flat(1000, () => assert.throws(() => hierarchy.solve({ progress: () => 'cancel' })));
     flat(1000, () => assert.throws(() => hierarchy.solve({ progress: () => { throw new Error('no'); } })));
     flat(1000, () => assert.throws(() => hierarchy.solve({ loops: { elementKind: 'vertices', loops: [[0, 1], [2, 'x']] } })));
-    flat(1000, () => assert.throws(() => bad.energy()));
-    flat(1000, () => assert.throws(() => bad.relax()));
+    flat(1000, () => assert.throws(() => hierarchy.foliation(bad)));
+    flat(1000, () => assert.throws(() => foliation.trace({ through: { triangles: [0], barycentrics: [2, 0, 0] } })));
+    flat(1000, () => assert.throws(() => foliation.cylinders({ progress: () => 'cancel' })));
+    // When the foliation is there already.
+    flat(100, () => assert.throws(() => hierarchy.solve({ progress: fraction => { if (fraction === 1) throw new Error('no'); } })));
     hierarchy.dispose();
     assert.equal(hmf.memory.inUse, 0);
 });
 
 test('many good calls', () => {
     const { positions, triangles } = smallTorus();
+    const lasting = new hmf.Hierarchy(positions, triangles), { values } = lasting.solve();
+    flat(200, () => {
+        const foliation = lasting.foliation(values), again = lasting.solve({ start: foliation });
+        foliation.dispose();
+        again.relax().dispose();
+        again.dispose();
+    });
+    lasting.dispose();
     flat(200, () => {
         const hierarchy = new hmf.Hierarchy(positions, triangles);
         const foliation = hierarchy.solve();
         foliation.singularities();
+        foliation.cylinders();
+        foliation.trace({ spacing: 0.1 });
+        foliation.parameterize();
         foliation.relax().interpolate(0).residuals();
         hierarchy.initialize(hierarchy.loops());
         hierarchy.dispose();
@@ -88,24 +102,29 @@ test('the end of the memory is an HmfError, and the library goes on', async () =
         assert.throws(work, error => error.statusName === 'HMF_ERROR_MEMORY' && /dispose/.test(error.advice));
         assert.equal(library.memory.inUse, inUse);
     };
-    // 32 bytes each: a little below and a little above 4 GiB.
-    refused(() => hierarchy.solve({ historyCapacity: 134217000 }));
-    refused(() => hierarchy.solve({ historyCapacity: 134217729 }));
     // 4.8 GB of zeros that nobody touches.
     refused(() => new library.Hierarchy(positions, new Uint32Array(1.2e9)));
     assert.equal(hierarchy.solve().report.status, 'HMF_OK');
     hierarchy.dispose();
 });
 
-test('a forgotten hierarchy is freed', async () => {
+test('forgotten foliations and hierarchies are freed', async () => {
     setFlagsFromString('--expose-gc');
     const collect = runInNewContext('gc');
     const library = await load(), { positions, triangles } = smallTorus();
+    const hierarchy = new library.Hierarchy(positions, triangles), { inUse } = library.memory;
+    const freed = async expected => {
+        for (let i = 0; i < 100 && library.memory.inUse > expected; ++i) {
+            collect();
+            await wait(10);
+        }
+        assert.equal(library.memory.inUse, expected);
+    };
+    (() => { for (let i = 0; i < 10; ++i) hierarchy.solve(); })();
+    assert.ok(library.memory.inUse > inUse);
+    await freed(inUse);
+    hierarchy.dispose();
     (() => { for (let i = 0; i < 10; ++i) new library.Hierarchy(positions, triangles).solve(); })();
     assert.ok(library.memory.inUse > 0);
-    for (let i = 0; i < 100 && library.memory.inUse > 0; ++i) {
-        collect();
-        await wait(10);
-    }
-    assert.equal(library.memory.inUse, 0);
+    await freed(0);
 });

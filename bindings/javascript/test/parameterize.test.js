@@ -93,9 +93,11 @@ test('what cannot be parameterised', () => {
     assert.throws(() => foliation.parameterize({ progress: () => 'cancel' }), error => error.statusName === 'HMF_CANCELLED');
     const reason = new Error('enough');
     assert.throws(() => foliation.parameterize({ progress: () => { throw reason; } }), error => error === reason);
+    foliation.parameterize(); // what it finds out about the minimum stays with the foliation
     const { inUse } = hmf.memory;
     for (let i = 0; i < 100; ++i) assert.throws(() => start.parameterize());
     foliation.parameterize();
     assert.equal(hmf.memory.inUse, inUse);
     hierarchy.dispose();
+    assert.equal(hmf.memory.inUse, 0);
 });

@@ -95,7 +95,7 @@ test('genus 3: leaves between zeros, leaves through points, a limit', () => {
 
 test('conjugate leaves cross each cylinder from side to side', () => {
     const { positions, triangles } = pretzel(3, 3);
-    const hierarchy = new hmf.Hierarchy(positions, triangles), foliation = hierarchy.solve(), cylinders = foliation.cylinders();
+    const hierarchy = new hmf.Hierarchy(positions, triangles), foliation = hierarchy.solve(), cylinders = foliation.cylinders().list;
     const spacing = 0.05, lines = foliation.trace({ leaves: 'conjugate', spacing });
     cylinders.forEach(({ circumference }, c) => {
         const across = lines.filter(line => line.cylinder === c);
@@ -111,23 +111,27 @@ test('conjugate leaves cross each cylinder from side to side', () => {
 test('one cylinder for each loop, as high as its weight', () => {
     const { positions, triangles } = pretzel(3, 3), weights = [1, 2, 0.5];
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 200 }), loops = { ...hierarchy.loops(), weights };
-    const foliation = hierarchy.solve({ loops }), cylinders = foliation.cylinders({ loops }), { triangleEdges } = described(hierarchy);
+    const foliation = hierarchy.solve({ loops }), { list: cylinders, leaves } = foliation.cylinders({ loops }), { triangleEdges } = described(hierarchy);
     assert.deepEqual(cylinders.map(({ loop }) => loop).sort(), [0, 1, 2]);
     const sides = new Map();
     for (const [edge, around] of triangleEdges) for (const t of around) sides.set(t, [...(sides.get(t) ?? []), edge]);
-    for (const { loop, height, circumference, modulus, area, leaf } of cylinders) {
+    assert.deepEqual([leaves.elementKind, leaves.level, leaves.loops.length], ['triangles', 0, 3]);
+    assert.deepEqual([...leaves.weights], cylinders.map(({ height }) => height));
+    for (const [i, { loop, height, circumference, modulus, area }] of cylinders.entries()) {
         assert.equal(height, weights[loop]);
         assert.ok(Math.abs(modulus - height / circumference) < 1e-12 * modulus);
         assert.ok(Math.abs(area - height * circumference) < 1e-9 * area);
-        leaf.forEach((t, i) => assert.ok(sides.get(t).some(e => sides.get(leaf[(i + 1) % leaf.length]).includes(e)), 'a closed chain'));
+        const leaf = leaves.loops[i];
+        leaf.forEach((t, k) => assert.ok(sides.get(t).some(e => sides.get(leaf[(k + 1) % leaf.length]).includes(e)), 'a closed chain'));
     }
     const energy = foliation.energy(), areas = cylinders.reduce((sum, { area }) => sum + area, 0);
     assert.ok(Math.abs(areas / energy - 1) < 1e-6, `${areas} and ${energy}`);
     // The middle leaves are loops of the same class: they give the same foliation.
-    const again = hierarchy.solve({ loops: { elementKind: 'triangles', level: 0, loops: cylinders.map(({ leaf }) => leaf), weights: cylinders.map(({ height }) => height) } });
+    const again = hierarchy.solve({ loops: leaves });
     again.values.forEach((value, e) => assert.ok(Math.abs(value - foliation.values[e]) < 1e-6));
     const without = foliation.cylinders();
-    assert.deepEqual(without, cylinders.map(cylinder => ({ ...cylinder, loop: null })));
+    assert.deepEqual(without.leaves, leaves);
+    assert.deepEqual(without.list, cylinders.map(cylinder => ({ ...cylinder, loop: null })));
     // Leaves name their cylinder by its place in the list.
     for (const line of foliation.trace({ spacing: 0.25 })) assert.ok(line.height < cylinders[line.cylinder].height);
     assert.throws(() => foliation.cylinders({ loops: { ...loops, weights: [1, 1, 1] } }), error => error.statusName === 'HMF_ERROR_VALUE_CLASS');

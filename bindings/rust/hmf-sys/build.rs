@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed={}", include.display());
     // DEP_HMF_INCLUDE for build scripts of crates that compile C against hmf.h.
     println!("cargo:include={}", include.display());
-    println!("cargo:rustc-env=HMF_HEADER={}", include.join("hmf/hmf.h").display());
+    println!("cargo:rustc-env=HMF_HEADERS={}", include.display());
     Ok(())
 }
 

@@ -24,12 +24,16 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     const leaves: Float64Array[] = foliation.trace({ spacing: 0.1, through: { triangles: [0], barycentrics: [1, 0, 0] } }).map(line => line.points);
 
-    const moduli: number[] = foliation.cylinders({ loops }).map(cylinder => cylinder.modulus);
+    const moduli: number[] = foliation.cylinders({ loops, progress: () => "cancel" }).list.map(cylinder => cylinder.modulus);
+
+    const moved: Hierarchy = new hmf.Hierarchy(Float32Array.from(positions), [...triangles]);
+    const next: Foliation = moved.solve({ start: foliation });
+    const place: number[] | undefined = zeros[0]?.position;
 
     const corners: Uint32Array = foliation.quads({ edgeLength: 0.1 }).quads;
 
-    // @ts-expect-error: positions are doubles
-    new hmf.Hierarchy(new Float32Array(3), triangles);
+    // @ts-expect-error: positions are numbers
+    new hmf.Hierarchy(new BigInt64Array(3), triangles);
     // @ts-expect-error: a number is no source
     await load(7);
     // @ts-expect-error: no such option
@@ -38,6 +42,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.solve({ method: "steepest" });
     // @ts-expect-error: no such answer
     hierarchy.solve({ progress: () => 1 });
+    // @ts-expect-error: a foliation, not its values
+    hierarchy.solve({ start: foliation.values });
     // @ts-expect-error: the report may be null
     foliation.report.energy;
     // @ts-expect-error: read only
@@ -45,8 +51,9 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     // @ts-expect-error: loops say what their elements are
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
+    next.dispose();
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli, ...corners);
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli, ...corners, ...(place ?? []));
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {

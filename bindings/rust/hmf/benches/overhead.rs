@@ -11,21 +11,20 @@ include!("../tests/support/mesh.rs");
 type Run = fn(&[[f64; 3]], &[[u32; 3]]) -> f64;
 
 fn raw(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
-    let mut hierarchy = ptr::null_mut();
-    let mut values = vec![0.0; triangles.len() * 3 / 2];
-    // SAFETY: the arrays are given with their lengths, and the handle is freed once.
-    let status = unsafe {
+    let (mut hierarchy, mut foliation) = (ptr::null_mut(), ptr::null_mut());
+    // SAFETY: the arrays are given with their lengths, and the objects are freed once.
+    unsafe {
         let (x, t) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
-        let built =
-            sys::hmf_build(x, positions.len(), 0, t, triangles.len(), ptr::null(), &mut hierarchy, ptr::null_mut());
+        let (all, none, no_error) = (ptr::null(), ptr::null(), ptr::null_mut());
+        let built = sys::hmf_build(x, positions.len(), t, triangles.len(), all, none, &mut hierarchy, no_error);
         assert_eq!(built, sys::HMF_OK);
-        let (v, n, none) = (values.as_mut_ptr(), values.len(), ptr::null_mut());
-        let solved = sys::hmf_solve(hierarchy, ptr::null(), ptr::null(), v, n, none, ptr::null_mut());
+        let solved = sys::hmf_solve(hierarchy, ptr::null(), ptr::null(), none, &mut foliation, no_error);
+        assert_eq!(solved, sys::HMF_OK);
+        let first = *sys::hmf_foliation_values(foliation, ptr::null_mut());
+        sys::hmf_foliation_destroy(foliation);
         sys::hmf_destroy(hierarchy);
-        solved
-    };
-    assert_eq!(status, sys::HMF_OK);
-    values[0]
+        first
+    }
 }
 
 fn safe(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {

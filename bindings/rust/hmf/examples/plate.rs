@@ -5,7 +5,7 @@ fn main() -> hmf::Result<()> {
     let hierarchy = hmf::Hierarchy::build(&positions, &triangles)?;
     let solution = hierarchy.solver().solve()?;
     println!("energy {:.6}", solution.report.energy);
-    for zero in solution.foliation.zeros_and_poles()? {
+    for zero in solution.foliation.singularities()?.list() {
         println!("{:?} {}, order {}", zero.kind, zero.element, -zero.index);
     }
     Ok(())

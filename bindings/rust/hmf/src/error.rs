@@ -1,5 +1,6 @@
 //! What a failing call says.
 
+use crate::records::{codes, Read};
 use hmf_sys as sys;
 use std::ffi::CStr;
 use std::fmt;
@@ -141,22 +142,22 @@ impl fmt::Display for Status {
     }
 }
 
-/// What an error is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Element {
-    /// A vertex of the mesh or of a level.
-    Vertex,
-    /// An edge.
-    Edge,
-    /// A triangle.
-    Triangle,
-    /// A loop of a set of loops.
-    Loop,
-    /// A level of the hierarchy.
-    Level,
-    /// An option.
-    Option,
+codes! {
+    /// What an error is about.
+    Element: i32 {
+        /// A vertex of the mesh or of a level.
+        Vertex = sys::HMF_ELEMENT_VERTEX,
+        /// An edge.
+        Edge = sys::HMF_ELEMENT_EDGE,
+        /// A triangle.
+        Triangle = sys::HMF_ELEMENT_TRIANGLE,
+        /// A loop of a set of loops.
+        Loop = sys::HMF_ELEMENT_LOOP,
+        /// A level of the hierarchy.
+        Level = sys::HMF_ELEMENT_LEVEL,
+        /// An option.
+        Option = sys::HMF_ELEMENT_OPTION,
+    }
 }
 
 /// Why a call failed: the status, the element it is about, and a sentence that
@@ -215,26 +216,17 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// Makes a call of the library: `Ok` for success, else its error.
-pub(crate) fn call(make: impl FnOnce(*mut sys::hmf_error) -> sys::hmf_status) -> Result<()> {
-    let mut raw = sys::hmf_error { status: sys::HMF_OK, element: sys::HMF_ELEMENT_NONE, index: 0, message: [0; 240] };
-    let status = Status(make(&mut raw));
+/// The error of a status; `None` for success.
+pub(crate) fn error_of(status: sys::hmf_status, raw: &sys::hmf_error) -> Option<Error> {
+    let status = Status(status);
     if status == Status::OK {
-        return Ok(());
+        return None;
     }
     // SAFETY: the array is inside `raw`, and the library ends it with 0.
     let message = unsafe { CStr::from_ptr(raw.message.as_ptr()) }.to_string_lossy().into_owned();
-    Err(Error {
+    Some(Error {
         status,
-        element: match raw.element {
-            sys::HMF_ELEMENT_VERTEX => Some(Element::Vertex),
-            sys::HMF_ELEMENT_EDGE => Some(Element::Edge),
-            sys::HMF_ELEMENT_TRIANGLE => Some(Element::Triangle),
-            sys::HMF_ELEMENT_LOOP => Some(Element::Loop),
-            sys::HMF_ELEMENT_LEVEL => Some(Element::Level),
-            sys::HMF_ELEMENT_OPTION => Some(Element::Option),
-            _ => None,
-        },
+        element: (raw.element != sys::HMF_ELEMENT_NONE).then(|| raw.element.read()),
         index: raw.index,
         message: if message.is_empty() { status.to_string() } else { message },
     })

@@ -1,68 +1,70 @@
 //! Building a hierarchy, and what its levels are.
 
-use crate::error::{call, Error, Result, Status};
-use crate::foliation::Foliation;
-use crate::loops::{Loops, LoopsKind};
+use crate::error::{Error, Result, Status};
 use crate::memory;
-use crate::progress::{boxed, with_progress, Closure, Progress};
-use crate::solve::Solver;
+use crate::owned::{call, make, Owned};
+use crate::progress::{Closure, Progress};
+use crate::records::{codes, options, record, Read};
 use hmf_sys as sys;
 use std::fmt;
-use std::ptr::NonNull;
 use std::sync::Arc;
 
-/// Which edges are collapsed, and where the vertices go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Collapse {
-    /// The shortest edge, to its midpoint.
-    #[default]
-    Midpoint,
-    /// The shortest edge, to one of its ends.
-    Endpoint,
-    /// The edge of least quadric error, to its best point.
-    Qslim,
+codes! {
+    /// Which edges are collapsed, and where the vertices go.
+    #[derive(Default)]
+    Collapse: i32 {
+        /// The shortest edge, to its midpoint.
+        #[default]
+        Midpoint = sys::HMF_COLLAPSE_MIDPOINT,
+        /// The shortest edge, to one of its ends.
+        Endpoint = sys::HMF_COLLAPSE_ENDPOINT,
+        /// The edge of least quadric error, to its best point.
+        Qslim = sys::HMF_COLLAPSE_QSLIM,
+    }
 }
 
 /// Options for building a [`Hierarchy`]; see [`Hierarchy::builder`].
 ///
 /// What is not set has its default.
+#[derive(Debug)]
 #[must_use = "a builder does nothing until `build` is called"]
-#[derive(Default)]
 pub struct Builder<'a> {
-    collapse: Collapse,
-    ratio: f64,
-    coarsest: u64,
-    memory_limit: u64,
-    mollify: f64,
+    options: sys::hmf_build_options,
     progress: Option<Closure<'a>>,
+}
+
+impl Default for Builder<'_> {
+    fn default() -> Self {
+        let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
+        Builder { options, progress: None }
+    }
 }
 
 impl<'a> Builder<'a> {
     /// How edges are collapsed. Default: [`Collapse::Midpoint`].
     pub fn collapse(mut self, collapse: Collapse) -> Self {
-        self.collapse = collapse;
+        self.options.collapse = collapse as i32;
         self
     }
 
     /// Edges of a level divided by the edges of the next finer one, in
     /// [0.05, 0.95]. Default: 0.5.
     pub fn ratio(mut self, ratio: f64) -> Self {
-        self.ratio = ratio;
+        self.options.ratio = ratio;
         self
     }
 
     /// Vertices of the coarsest level to aim for. Default: 1000, and at least
     /// 40 for each unit of the genus.
     pub fn coarsest(mut self, vertices: usize) -> Self {
-        self.coarsest = vertices as u64;
+        self.options.coarsest = vertices as u64;
         self
     }
 
     /// Most bytes in use at any time, by this call and by each later call on the
     /// hierarchy. Default: no limit.
     pub fn memory_limit(mut self, bytes: u64) -> Self {
-        self.memory_limit = bytes;
+        self.options.memory_limit = bytes;
         self
     }
 
@@ -73,7 +75,7 @@ impl<'a> Builder<'a> {
     /// every triangle inequality holds by a margin of `mollify` times the mean length.
     /// Only the weights of level 0 change; meshes that keep the margin anyway stay as they are.
     pub fn mollify(mut self, margin: f64) -> Self {
-        self.mollify = margin;
+        self.options.mollify = margin;
         self
     }
 
@@ -81,7 +83,7 @@ impl<'a> Builder<'a> {
     /// 1, and that may end the call. If it panics, the call is cancelled and the
     /// panic goes on.
     pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
-        self.progress = Some(boxed(closure));
+        self.progress = Closure::new(closure);
         self
     }
 
@@ -98,30 +100,15 @@ impl<'a> Builder<'a> {
     /// [`Status::CANCELLED`], or a status of the classes 100, 200, 300: each
     /// defect of a mesh has its own, and the error names the element.
     pub fn build(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
-        let mut options = self.options();
-        with_progress(self.progress.as_mut(), |progress, user| {
-            options.progress = progress;
-            options.progress_user = user;
-            let mut out = std::ptr::null_mut();
-            // SAFETY: the slices hold three numbers for each vertex and each
-            // triangle; the options and the closure live through the call.
-            call(|error| unsafe {
-                sys::hmf_build(
-                    positions.as_ptr().cast(),
-                    positions.len(),
-                    0,
-                    triangles.as_ptr().cast(),
-                    triangles.len(),
-                    &options,
-                    &mut out,
-                    error,
-                )
-            })?;
-            let handle = NonNull::new(out).map(Handle);
-            let handle =
-                handle.ok_or_else(|| Error::new(Status::ERROR_INTERNAL, "hmf_build gave no hierarchy".into()))?;
-            Ok(Hierarchy { handle: Arc::new(handle) })
-        })
+        let options = &self.options;
+        let handle = Closure::watch(&mut self.progress, || {
+            let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
+            // SAFETY: the slices hold three numbers for each vertex and each triangle.
+            make(|out, control, error| unsafe {
+                sys::hmf_build(points, positions.len(), corners, triangles.len(), options, control, out, error)
+            })
+        })?;
+        Ok(Hierarchy { handle: Arc::new(handle) })
     }
 
     /// [`build`](Builder::build) for flat arrays: `positions` holds x, y, z of one
@@ -138,40 +125,8 @@ impl<'a> Builder<'a> {
     /// `None` if the counts or the options are unusable.
     pub fn memory_estimate(&self, vertex_count: usize, triangle_count: usize) -> Option<u64> {
         // SAFETY: the options live through the call.
-        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.options()) };
+        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.options) };
         (bytes > 0).then_some(bytes)
-    }
-
-    fn options(&self) -> sys::hmf_build_options {
-        sys::hmf_build_options {
-            struct_size: std::mem::size_of::<sys::hmf_build_options>() as u32,
-            collapse: match self.collapse {
-                Collapse::Midpoint => sys::HMF_COLLAPSE_MIDPOINT,
-                Collapse::Endpoint => sys::HMF_COLLAPSE_ENDPOINT,
-                Collapse::Qslim => sys::HMF_COLLAPSE_QSLIM,
-            },
-            ratio: self.ratio,
-            coarsest: self.coarsest,
-            memory_limit: self.memory_limit,
-            allocate: Some(memory::allocate),
-            release: Some(memory::release),
-            allocator_user: std::ptr::null_mut(),
-            progress: None,
-            progress_user: std::ptr::null_mut(),
-            mollify: self.mollify,
-        }
-    }
-}
-
-impl fmt::Debug for Builder<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Builder")
-            .field("collapse", &self.collapse)
-            .field("ratio", &self.ratio)
-            .field("coarsest", &self.coarsest)
-            .field("memory_limit", &self.memory_limit)
-            .field("mollify", &self.mollify)
-            .finish_non_exhaustive()
     }
 }
 
@@ -185,35 +140,20 @@ fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
     Ok(unsafe { std::slice::from_raw_parts(flat.as_ptr().cast(), flat.len() / 3) })
 }
 
-/// The owned handle.
-struct Handle(NonNull<sys::hmf_hierarchy>);
-
-// SAFETY: a built hierarchy is immutable, any number of threads may use it, and
-// its memory comes from the global allocator, which is thread-safe.
-unsafe impl Send for Handle {}
-// SAFETY: as above.
-unsafe impl Sync for Handle {}
-
-impl Drop for Handle {
-    fn drop(&mut self) {
-        // SAFETY: the handle is valid, and nobody uses it any more.
-        unsafe { sys::hmf_destroy(self.0.as_ptr()) }
+record! {
+    /// Counts of one level.
+    #[derive(Copy, Eq, Hash)]
+    LevelInfo from hmf_level_info {
+        /// Vertices.
+        vertex_count: usize,
+        /// Edges.
+        edge_count: usize,
+        /// Triangles.
+        triangle_count: usize,
+        /// Edges whose weight was below the floor and was raised to it; 0 on level 0, the
+        /// intrinsic Delaunay triangulation.
+        raised_count: usize,
     }
-}
-
-/// Counts of one level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub struct LevelInfo {
-    /// Vertices.
-    pub vertex_count: usize,
-    /// Edges.
-    pub edge_count: usize,
-    /// Triangles.
-    pub triangle_count: usize,
-    /// Edges whose weight was below the floor and was raised to it; 0 on level 0, the
-    /// intrinsic Delaunay triangulation.
-    pub non_delaunay_count: usize,
 }
 
 /// An immutable hierarchy of triangle meshes.
@@ -226,7 +166,7 @@ pub struct LevelInfo {
 /// use it. It keeps about 140 bytes for each edge of your mesh.
 #[derive(Clone)]
 pub struct Hierarchy {
-    handle: Arc<Handle>,
+    handle: Arc<Owned<sys::hmf_hierarchy>>,
 }
 
 impl Hierarchy {
@@ -258,7 +198,7 @@ impl Hierarchy {
     }
 
     pub(crate) fn as_ptr(&self) -> *const sys::hmf_hierarchy {
-        self.handle.0.as_ptr()
+        self.handle.as_ptr()
     }
 
     /// Bytes held by the hierarchy.
@@ -290,15 +230,10 @@ impl Hierarchy {
     ///
     /// [`Status::ERROR_LEVEL`].
     pub fn level(&self, level: usize) -> Result<LevelInfo> {
-        let mut info = sys::hmf_level_info { vertex_count: 0, edge_count: 0, triangle_count: 0, non_delaunay_count: 0 };
+        let mut info = sys::hmf_level_info::default();
         // SAFETY: the handle and the output are valid.
-        call(|error| unsafe { sys::hmf_level_counts(self.as_ptr(), level, &mut info, error) })?;
-        Ok(LevelInfo {
-            vertex_count: info.vertex_count as usize,
-            edge_count: info.edge_count as usize,
-            triangle_count: info.triangle_count as usize,
-            non_delaunay_count: info.non_delaunay_count as usize,
-        })
+        call(|_, error| unsafe { sys::hmf_level_counts(self.as_ptr(), level, &mut info, error) })?;
+        Ok(info.read())
     }
 
     /// The two vertices of each edge. On coarse levels two vertices may have
@@ -366,59 +301,8 @@ impl Hierarchy {
     ) -> Result<Vec<[T; N]>> {
         let mut array = vec![[T::default(); N]; count];
         // SAFETY: the capacity is the number of elements of type T in the array.
-        call(|error| unsafe { get(self.as_ptr(), level, array.as_mut_ptr().cast(), N * count, error) })?;
+        call(|_, error| unsafe { get(self.as_ptr(), level, array.as_mut_ptr().cast(), N * count, error) })?;
         Ok(array)
-    }
-
-    /// Loops made by the library on a level, as loops of triangles. Deterministic.
-    ///
-    /// # Errors
-    ///
-    /// [`Status::ERROR_LEVEL`], or a status of class 200.
-    pub fn loops(&self, level: usize, kind: LoopsKind) -> Result<Loops> {
-        Loops::make(self, level, kind)
-    }
-
-    /// Closed initial foliation of loops on their level: the value of an edge is
-    /// the sum of the weights of the loops that cross it.
-    ///
-    /// # Errors
-    ///
-    /// A status of class 400 if a loop is not closed, simple and essential, or if
-    /// loops meet or are freely homotopic; the element is the loop. Also
-    /// [`Status::ERROR_LEVEL`] and class 200.
-    pub fn initialize(&self, loops: &Loops) -> Result<Foliation> {
-        let mut values = vec![0.0; self.level(loops.level())?.edge_count];
-        // SAFETY: the set borrows from `loops`, and the capacity is that of `values`.
-        call(|error| unsafe {
-            sys::hmf_initialize(self.as_ptr(), &loops.as_raw(), values.as_mut_ptr(), values.len(), error)
-        })?;
-        Ok(Foliation::new(self.clone(), loops.level(), values))
-    }
-
-    /// A foliation from values that you have, one for each edge of a level.
-    ///
-    /// Here only their number is checked; each call that uses the foliation
-    /// checks that the values are closed (class 500).
-    ///
-    /// # Errors
-    ///
-    /// [`Status::ERROR_LEVEL`]; [`Status::ERROR_CAPACITY`] if the number of values
-    /// is not the number of edges.
-    pub fn foliation(&self, level: usize, values: impl Into<Vec<f64>>) -> Result<Foliation> {
-        let values = values.into();
-        let edges = self.level(level)?.edge_count;
-        if values.len() != edges {
-            let message =
-                format!("There are {} values, but level {level} has {edges} edges. Give one for each.", values.len());
-            return Err(Error::new(Status::ERROR_CAPACITY, message));
-        }
-        Ok(Foliation::new(self.clone(), level, values))
-    }
-
-    /// Options for solving on this hierarchy, all at their defaults.
-    pub fn solver<'a>(&self) -> Solver<'a> {
-        Solver::new(self.clone())
     }
 }
 

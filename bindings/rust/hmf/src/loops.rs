@@ -1,41 +1,34 @@
 //! Sets of closed curves on a level.
 
-use crate::error::{call, Error, Result, Status};
+use crate::error::{Error, Result, Status};
 use crate::hierarchy::Hierarchy;
+use crate::owned::{make, slice, Owned};
+use crate::records::{codes, Read};
 use hmf_sys as sys;
 
-/// What the elements of loops are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum LoopElements {
-    /// Triangles: consecutive ones share an edge, the last and the first as well.
-    Triangles,
-    /// Vertices: consecutive ones share an edge, the last and the first as well.
-    Vertices,
+codes! {
+    /// What the elements of loops are.
+    LoopElements: i32 {
+        /// Triangles: consecutive ones share an edge, the last and the first as well.
+        Triangles = sys::HMF_LOOP_TRIANGLES,
+        /// Vertices: consecutive ones share an edge, the last and the first as well.
+        Vertices = sys::HMF_LOOP_VERTICES,
+    }
 }
 
-/// Which loops to make.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum LoopsKind {
-    /// As many as the genus; together they cut the surface into one planar piece.
-    #[default]
-    Cut,
-    /// The same, and they bound inside the surface: they go round the handles.
-    Handle,
-    /// The same, and they bound outside: they go round the holes.
-    Tunnel,
-    /// 3 genus - 3 (genus 1: one); together they cut the surface into pairs of pants.
-    Pants,
-}
-
-impl LoopsKind {
-    fn code(self) -> i32 {
-        match self {
-            LoopsKind::Cut => sys::HMF_LOOPS_CUT,
-            LoopsKind::Handle => sys::HMF_LOOPS_HANDLE,
-            LoopsKind::Tunnel => sys::HMF_LOOPS_TUNNEL,
-            LoopsKind::Pants => sys::HMF_LOOPS_PANTS,
-        }
+codes! {
+    /// Which loops to make.
+    #[derive(Default)]
+    LoopsKind: i32 {
+        /// As many as the genus; together they cut the surface into one planar piece.
+        #[default]
+        Cut = sys::HMF_LOOPS_CUT,
+        /// The same, and they bound inside the surface: they go round the handles.
+        Handle = sys::HMF_LOOPS_HANDLE,
+        /// The same, and they bound outside: they go round the holes.
+        Tunnel = sys::HMF_LOOPS_TUNNEL,
+        /// 3 genus - 3 (genus 1: one); together they cut the surface into pairs of pants.
+        Pants = sys::HMF_LOOPS_PANTS,
     }
 }
 
@@ -72,42 +65,24 @@ impl Loops {
         Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new() }
     }
 
-    pub(crate) fn make(hierarchy: &Hierarchy, level: usize, kind: LoopsKind) -> Result<Loops> {
-        let (mut loop_count, mut element_count) = (0, 0);
-        let (mut offsets, mut elements) = (Vec::new(), Vec::new());
-        // SAFETY: NULL arrays only count.
-        call(|error| unsafe {
-            sys::hmf_loops(
-                hierarchy.as_ptr(),
-                level,
-                kind.code(),
-                std::ptr::null_mut(),
-                0,
-                std::ptr::null_mut(),
-                0,
-                &mut loop_count,
-                &mut element_count,
-                error,
-            )
-        })?;
-        offsets.resize(loop_count + 1, 0);
-        elements.resize(element_count, 0);
-        // SAFETY: the capacities are the lengths of the arrays.
-        call(|error| unsafe {
-            sys::hmf_loops(
-                hierarchy.as_ptr(),
-                level,
-                kind.code(),
-                offsets.as_mut_ptr(),
-                offsets.len(),
-                elements.as_mut_ptr(),
-                elements.len(),
-                &mut loop_count,
-                &mut element_count,
-                error,
-            )
-        })?;
-        Ok(Loops { level, element_kind: LoopElements::Triangles, offsets, elements, weights: vec![1.0; loop_count] })
+    /// A copy of loops of the library.
+    ///
+    /// # Safety
+    ///
+    /// The library made them.
+    pub(crate) unsafe fn copy(set: &sys::hmf_loop_set) -> Loops {
+        let count = set.count as usize;
+        // SAFETY: the header gives each array so many elements.
+        let (offsets, weights) = unsafe { (slice(set.offsets, set.count + 1), slice(set.weights, set.count)) };
+        // SAFETY: as above.
+        let elements = unsafe { slice(set.elements, offsets[count]) };
+        Loops {
+            level: set.level.read(),
+            element_kind: set.element_kind.read(),
+            offsets: offsets.to_vec(),
+            elements: elements.to_vec(),
+            weights: if set.weights.is_null() { vec![1.0; count] } else { weights.to_vec() },
+        }
     }
 
     /// Adds a loop with its weight.
@@ -179,15 +154,29 @@ impl Loops {
     pub(crate) fn as_raw(&self) -> sys::hmf_loop_set {
         sys::hmf_loop_set {
             struct_size: std::mem::size_of::<sys::hmf_loop_set>() as u32,
-            element_kind: match self.element_kind {
-                LoopElements::Triangles => sys::HMF_LOOP_TRIANGLES,
-                LoopElements::Vertices => sys::HMF_LOOP_VERTICES,
-            },
+            element_kind: self.element_kind as i32,
             level: self.level as u64,
             count: self.len() as u64,
             offsets: self.offsets.as_ptr(),
             elements: self.elements.as_ptr(),
             weights: self.weights.as_ptr(),
         }
+    }
+}
+
+impl Hierarchy {
+    /// Loops made by the library on a level, as loops of triangles. Deterministic.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`], [`Status::ERROR_MESH_NOT_EMBEDDED`] for `Handle` and
+    /// `Tunnel` on a surface that meets itself, [`Status::CANCELLED`], or a status of class 200.
+    pub fn loops(&self, level: usize, kind: LoopsKind) -> Result<Loops> {
+        // SAFETY: the handle is valid.
+        let set: Owned<sys::hmf_loop_set> = make(|out, control, error| unsafe {
+            sys::hmf_loops(self.as_ptr(), level, kind as i32, control, out, error)
+        })?;
+        // SAFETY: the library made them.
+        Ok(unsafe { Loops::copy(&set) })
     }
 }

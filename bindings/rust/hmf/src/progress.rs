@@ -1,10 +1,14 @@
 //! Progress closures, and how their answers and panics pass through C.
 
+use crate::records::options;
 use hmf_sys as sys;
 use std::any::Any;
+use std::cell::Cell;
 use std::ffi::c_void;
+use std::fmt;
 use std::ops::ControlFlow;
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
+use std::ptr;
 
 /// What a progress closure wants.
 ///
@@ -17,7 +21,7 @@ pub enum Progress {
     /// End the call at once, without a result.
     Cancel,
     /// Stop improving, and give the foliation that there is. Where there is none
-    /// yet (while a hierarchy is built), as `Cancel`.
+    /// (in all but `solve` and `relax`), as `Cancel`.
     Finish,
 }
 
@@ -36,50 +40,124 @@ impl<B, C> From<ControlFlow<B, C>> for Progress {
     }
 }
 
+/// Watches all calls of this crate that `work` makes on this thread.
+///
+/// During each call that can be long the closure is called on this thread with a
+/// fraction rising from 0 to 1, and may end the call. If it panics, the call is
+/// cancelled and the panic goes on. The closure may use this crate itself: its own
+/// calls are not watched.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
+/// # fn main() -> hmf::Result<()> {
+/// # let (positions, triangles) = plate(2, 1, 3, 2);
+/// # let hierarchy = hmf::Hierarchy::build(&positions, &triangles)?;
+/// # let foliation = hierarchy.solver().solve()?.foliation;
+/// let quads = hmf::with_progress(|fraction| println!("{:3.0} %", 100.0 * fraction), || foliation.quads(None))?;
+/// # assert!(quads.quads().len() > 10);
+/// # Ok(())
+/// # }
+/// ```
+pub fn with_progress<T, R: Into<Progress>>(mut closure: impl FnMut(f64) -> R, work: impl FnOnce() -> T) -> T {
+    watched(&mut |fraction| closure(fraction).into(), work)
+}
+
 /// The closure of an options builder.
-pub(crate) type Closure<'a> = Box<dyn FnMut(f64) -> Progress + 'a>;
+pub(crate) struct Closure<'a>(Box<dyn FnMut(f64) -> Progress + 'a>);
 
-pub(crate) fn boxed<'a, R: Into<Progress>>(mut closure: impl FnMut(f64) -> R + 'a) -> Closure<'a> {
-    Box::new(move |fraction| closure(fraction).into())
-}
-
-struct Reporter<'r, 'a> {
-    closure: &'r mut Closure<'a>,
-    panic: Option<Box<dyn Any + Send>>,
-}
-
-/// `hmf_progress_fn`; `user` is a `Reporter`.
-unsafe extern "C" fn report(user: *mut c_void, fraction: f64) -> i32 {
-    // SAFETY: `with_progress` passes its own reporter, and only during its call.
-    let reporter = unsafe { &mut *user.cast::<Reporter<'_, '_>>() };
-    if reporter.panic.is_some() {
-        return sys::HMF_PROGRESS_CANCEL;
+impl<'a> Closure<'a> {
+    pub(crate) fn new<R: Into<Progress>>(mut closure: impl FnMut(f64) -> R + 'a) -> Option<Closure<'a>> {
+        Some(Closure(Box::new(move |fraction| closure(fraction).into())))
     }
-    match catch_unwind(AssertUnwindSafe(|| (reporter.closure)(fraction))) {
-        Ok(Progress::Continue) => sys::HMF_PROGRESS_CONTINUE,
-        Ok(Progress::Cancel) => sys::HMF_PROGRESS_CANCEL,
-        Ok(Progress::Finish) => sys::HMF_PROGRESS_FINISH,
-        Err(panic) => {
-            reporter.panic = Some(panic);
-            sys::HMF_PROGRESS_CANCEL
+
+    /// `with_progress` of the closure that may be there.
+    pub(crate) fn watch<T>(closure: &mut Option<Closure<'a>>, work: impl FnOnce() -> T) -> T {
+        match closure {
+            Some(Closure(closure)) => watched(closure, work),
+            None => work(),
         }
     }
 }
 
-/// Makes a call with the callback and its `user` pointer. A panic of the closure
-/// cancels the call and goes on once the call has returned.
-pub(crate) fn with_progress<T>(
-    closure: Option<&mut Closure<'_>>,
-    call: impl FnOnce(sys::hmf_progress_fn, *mut c_void) -> T,
-) -> T {
-    let Some(closure) = closure else {
-        return call(None, std::ptr::null_mut());
-    };
+impl fmt::Debug for Closure<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("closure")
+    }
+}
+
+struct Reporter<'r> {
+    closure: &'r mut dyn FnMut(f64) -> Progress,
+    panic: Option<Box<dyn Any + Send>>,
+}
+
+thread_local! {
+    /// The `Reporter` of the innermost `watched` on this thread, or null.
+    static CURRENT: Cell<*mut c_void> = const { Cell::new(ptr::null_mut()) };
+}
+
+/// Puts the one before back when it is dropped.
+struct Installed(*mut c_void);
+
+impl Installed {
+    fn new(reporter: *mut c_void) -> Installed {
+        Installed(CURRENT.replace(reporter))
+    }
+}
+
+impl Drop for Installed {
+    fn drop(&mut self) {
+        CURRENT.set(self.0);
+    }
+}
+
+fn watched<T>(closure: &mut dyn FnMut(f64) -> Progress, work: impl FnOnce() -> T) -> T {
     let mut reporter = Reporter { closure, panic: None };
-    let result = call(Some(report), std::ptr::addr_of_mut!(reporter).cast());
-    if let Some(panic) = reporter.panic {
-        drop(result);
+    let _installed = Installed::new(ptr::addr_of_mut!(reporter).cast());
+    work()
+}
+
+/// The reporter of this thread, for a short while.
+fn with_reporter<T>(user: *mut c_void, use_it: impl FnOnce(&mut Reporter<'_>) -> T) -> T {
+    // SAFETY: `watched` installs its own reporter for as long as it lives; no reference
+    // to it lasts longer than this call, during which no other reporter is found.
+    use_it(unsafe { &mut *user.cast::<Reporter<'_>>() })
+}
+
+/// `hmf_progress_fn`; `user` is a `Reporter`.
+unsafe extern "C" fn report(user: *mut c_void, fraction: f64) -> i32 {
+    let _unwatched = Installed::new(ptr::null_mut());
+    with_reporter(user, |reporter| {
+        if reporter.panic.is_some() {
+            return sys::HMF_PROGRESS_CANCEL;
+        }
+        match catch_unwind(AssertUnwindSafe(|| (reporter.closure)(fraction))) {
+            Ok(Progress::Continue) => sys::HMF_PROGRESS_CONTINUE,
+            Ok(Progress::Cancel) => sys::HMF_PROGRESS_CANCEL,
+            Ok(Progress::Finish) => sys::HMF_PROGRESS_FINISH,
+            Err(panic) => {
+                reporter.panic = Some(panic);
+                sys::HMF_PROGRESS_CANCEL
+            }
+        }
+    })
+}
+
+/// Makes a call with the control of this thread; NULL where nobody watches.
+pub(crate) fn with_control<T>(call: impl FnOnce(*const sys::hmf_control) -> T) -> T {
+    let user = CURRENT.get();
+    if user.is_null() {
+        return call(ptr::null());
+    }
+    call(&options!(hmf_control progress: Some(report), progress_user: user))
+}
+
+/// A panic of the closure goes on here, once the call is over.
+pub(crate) fn go_on_with_panic() {
+    let user = CURRENT.get();
+    if user.is_null() {
+        return;
+    }
+    if let Some(panic) = with_reporter(user, |reporter| reporter.panic.take()) {
         resume_unwind(panic);
     }
-    result
 }

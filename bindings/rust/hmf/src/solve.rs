@@ -1,26 +1,28 @@
 //! The harmonic foliation of loops, and the report of a run.
 
-use crate::error::{call, Error, Result, Status};
+use crate::error::{Error, Result, Status};
 use crate::foliation::Foliation;
 use crate::hierarchy::Hierarchy;
 use crate::loops::Loops;
-use crate::progress::{boxed, with_progress, Closure, Progress};
+use crate::owned::{attempt, slice};
+use crate::progress::{Closure, Progress};
+use crate::records::{codes, options, record, Read};
 use hmf_sys as sys;
-use std::fmt;
-use std::mem::size_of;
+use std::ptr;
 use std::time::Duration;
 
-/// How the energy is minimised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Method {
-    /// Newton steps on the twisted Laplacian, level by level.
-    #[default]
-    Newton,
-    /// Whitehead moves, level by level.
-    Whitehead,
-    /// Whitehead moves on the input mesh alone.
-    SingleLevel,
+codes! {
+    /// How the energy is minimised.
+    #[derive(Default)]
+    Method: i32 {
+        /// Newton steps on the twisted Laplacian, level by level.
+        #[default]
+        Newton = sys::HMF_METHOD_NEWTON,
+        /// Whitehead moves, level by level.
+        Whitehead = sys::HMF_METHOD_WHITEHEAD,
+        /// Whitehead moves on the input mesh alone.
+        SingleLevel = sys::HMF_METHOD_SINGLE_LEVEL,
+    }
 }
 
 /// Options for solving on a hierarchy; see [`Hierarchy::solver`].
@@ -41,36 +43,25 @@ pub enum Method {
 /// # Ok(())
 /// # }
 /// ```
+#[derive(Debug)]
 #[must_use = "a solver does nothing until `solve` or `relax` is called"]
 pub struct Solver<'a> {
     hierarchy: Hierarchy,
     loops: Option<&'a Loops>,
     start: Option<&'a Foliation>,
-    method: Method,
-    tolerance: f64,
-    time_limit: Duration,
-    iteration_limit: u64,
-    stop_level: usize,
-    history_capacity: usize,
+    options: sys::hmf_solve_options,
     progress: Option<Closure<'a>>,
 }
 
-impl<'a> Solver<'a> {
-    pub(crate) fn new(hierarchy: Hierarchy) -> Solver<'a> {
-        Solver {
-            hierarchy,
-            loops: None,
-            start: None,
-            method: Method::default(),
-            tolerance: 0.0,
-            time_limit: Duration::ZERO,
-            iteration_limit: 0,
-            stop_level: 0,
-            history_capacity: 4096,
-            progress: None,
-        }
+impl Hierarchy {
+    /// Options for solving on this hierarchy, all at their defaults.
+    pub fn solver<'a>(&self) -> Solver<'a> {
+        let options = options!(hmf_solve_options method: Method::default() as i32);
+        Solver { hierarchy: self.clone(), loops: None, start: None, options, progress: None }
     }
+}
 
+impl<'a> Solver<'a> {
     /// The class of the foliation: loops on any level. Default: those of
     /// [`LoopsKind::Cut`](crate::LoopsKind::Cut) on the coarsest level (on level 0
     /// with [`Method::SingleLevel`]), weights 1.
@@ -83,8 +74,8 @@ impl<'a> Solver<'a> {
     /// of another hierarchy with the same triangles at other positions, as the last
     /// frame of an animation. Only for [`solve`](Solver::solve).
     ///
-    /// Its values are restricted to the coarsest level, and solved from there. Where they
-    /// are close to the minimum, [`relax`](Solver::relax) is faster.
+    /// It is restricted to the coarsest level, and solved from there. Where it
+    /// is close to the minimum, [`relax`](Solver::relax) is faster.
     pub fn start(mut self, foliation: &'a Foliation) -> Self {
         self.start = Some(foliation);
         self
@@ -92,38 +83,32 @@ impl<'a> Solver<'a> {
 
     /// How the energy is minimised. Default: [`Method::Newton`].
     pub fn method(mut self, method: Method) -> Self {
-        self.method = method;
+        self.options.method = method as i32;
         self
     }
 
     /// When to stop. [`Method::Newton`]: the largest residual, default 1e-8; the
     /// others: the relative change of the energy in a sweep, default 1e-6.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = tolerance;
+        self.options.tolerance = tolerance;
         self
     }
 
     /// After this time the best foliation so far is the result. Default: no limit.
     pub fn time_limit(mut self, limit: Duration) -> Self {
-        self.time_limit = limit;
+        self.options.time_limit = limit.as_secs_f64();
         self
     }
 
     /// Most sweeps on each level. Default: 100 000.
     pub fn iteration_limit(mut self, sweeps: u64) -> Self {
-        self.iteration_limit = sweeps;
+        self.options.iteration_limit = sweeps;
         self
     }
 
     /// The finest level to solve, for a preview. Default: 0, the input mesh.
     pub fn stop_level(mut self, level: usize) -> Self {
-        self.stop_level = level;
-        self
-    }
-
-    /// Most entries of [`Report::history`]. Default: 4096.
-    pub fn history_capacity(mut self, entries: usize) -> Self {
-        self.history_capacity = entries;
+        self.options.stop_level = level as u64;
         self
     }
 
@@ -131,7 +116,7 @@ impl<'a> Solver<'a> {
     /// 1, and that may end the call. If it panics, the call is cancelled and the
     /// panic goes on.
     pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
-        self.progress = Some(boxed(closure));
+        self.progress = Closure::new(closure);
         self
     }
 
@@ -146,15 +131,13 @@ impl<'a> Solver<'a> {
     /// [`Status::CANCELLED`] if there is no foliation yet, or a status of the
     /// classes 100, 200, 400.
     pub fn solve(&mut self) -> Result<Solution> {
-        let loops = self.loops.map(Loops::as_raw);
-        let loops = loops.as_ref().map_or(std::ptr::null(), |loops| loops as *const _);
-        let level = self.stop_level;
-        let values = vec![0.0; self.hierarchy.level(level)?.edge_count];
-        self.run(level, values, |hierarchy, options, values, report, error| {
-            // SAFETY: the values are given with their number; the rest lives in `run`,
-            // and the loops in `self`.
-            unsafe { sys::hmf_solve(hierarchy, loops, options, values.as_mut_ptr(), values.len(), report, error) }
-        })
+        let set = self.loops.map(Loops::as_raw);
+        let set = set.as_ref().map_or(ptr::null(), ptr::from_ref);
+        let options =
+            sys::hmf_solve_options { start: self.start.map_or(ptr::null(), Foliation::as_ptr), ..self.options };
+        let hierarchy = self.hierarchy.as_ptr();
+        // SAFETY: the handles are valid, and `self` borrows loops and start.
+        self.run(|out, control, error| unsafe { sys::hmf_solve(hierarchy, set, &options, control, out, error) })
     }
 
     /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).
@@ -162,108 +145,33 @@ impl<'a> Solver<'a> {
     ///
     /// # Errors
     ///
-    /// [`Status::CANCELLED`] if nothing was written, [`Status::ERROR_OPTIONS`] if
-    /// the foliation is of another hierarchy, class 500 if it is not closed or has
-    /// a pole, classes 100 and 200.
+    /// [`Status::CANCELLED`] if there is no foliation yet, [`Status::ERROR_OPTIONS`] if
+    /// the foliation is of another hierarchy, [`Status::ERROR_VALUE_POLE`], classes
+    /// 100 and 200.
     pub fn relax(&mut self, foliation: &Foliation) -> Result<Solution> {
         if foliation.hierarchy().as_ptr() != self.hierarchy.as_ptr() {
             let message = "The foliation is of another hierarchy. Take the solver of foliation.hierarchy().";
             return Err(Error::new(Status::ERROR_OPTIONS, message.into()));
         }
-        let level = foliation.level();
-        self.run(level, foliation.values().to_vec(), |hierarchy, options, values, report, error| {
-            // SAFETY: the values are given with their number; the rest lives in `run`.
-            unsafe { sys::hmf_relax(hierarchy, level, options, values.as_mut_ptr(), values.len(), report, error) }
-        })
+        let options = sys::hmf_solve_options { stop_level: 0, ..self.options };
+        // SAFETY: the handle is valid.
+        self.run(|out, control, error| unsafe { sys::hmf_relax(foliation.as_ptr(), &options, control, out, error) })
     }
 
     fn run(
         &mut self,
-        level: usize,
-        mut values: Vec<f64>,
-        optimise: impl FnOnce(
-            *const sys::hmf_hierarchy,
-            &sys::hmf_solve_options,
-            &mut [f64],
-            &mut sys::hmf_report,
-            *mut sys::hmf_error,
-        ) -> sys::hmf_status,
+        make: impl FnOnce(*mut *mut sys::hmf_foliation, *const sys::hmf_control, *mut sys::hmf_error) -> sys::hmf_status,
     ) -> Result<Solution> {
-        let mut levels = vec![NO_LEVEL; self.hierarchy.level_count()];
-        let mut history = vec![NO_ENTRY; self.history_capacity];
-        let mut report = sys::hmf_report {
-            struct_size: size_of::<sys::hmf_report>() as u32,
-            method: sys::HMF_METHOD_DEFAULT,
-            converged: 0,
-            values_written: 0,
-            energy: 0.0,
-            residual_max: 0.0,
-            residual_mean: 0.0,
-            poles: 0,
-            zeros: 0,
-            index_sum: 0,
-            bad_flips: 0,
-            bad_flips_left: 0,
-            solve_seconds: 0.0,
-            peak_memory_bytes: 0,
-            levels: levels.as_mut_ptr(),
-            level_capacity: levels.len() as u64,
-            level_count: 0,
-            history: history.as_mut_ptr(),
-            history_capacity: history.len() as u64,
-            history_count: 0,
+        let (result, made) = Closure::watch(&mut self.progress, || attempt(make));
+        let stopped = match (result, &made) {
+            (Ok(()), _) => None,
+            (Err(error), Some(_)) if error.status().is_stopped() => Some(error),
+            (Err(error), _) => return Err(error),
         };
-        let mut options = self.options();
-        let result = with_progress(self.progress.as_mut(), |progress, user| {
-            options.progress = progress;
-            options.progress_user = user;
-            call(|error| optimise(self.hierarchy.as_ptr(), &options, &mut values, &mut report, error))
-        });
-        let stopped = match result {
-            Ok(()) => None,
-            Err(error) if error.status().is_stopped() && report.values_written != 0 => Some(error),
-            Err(error) => return Err(error),
-        };
-        Ok(Solution {
-            foliation: Foliation::new(self.hierarchy.clone(), level, values),
-            report: Report::from_raw(&report, &levels, &history),
-            stopped,
-        })
-    }
-
-    fn options(&self) -> sys::hmf_solve_options {
-        sys::hmf_solve_options {
-            struct_size: size_of::<sys::hmf_solve_options>() as u32,
-            method: match self.method {
-                Method::Newton => sys::HMF_METHOD_NEWTON,
-                Method::Whitehead => sys::HMF_METHOD_WHITEHEAD,
-                Method::SingleLevel => sys::HMF_METHOD_SINGLE_LEVEL,
-            },
-            tolerance: self.tolerance,
-            time_limit: self.time_limit.as_secs_f64(),
-            iteration_limit: self.iteration_limit,
-            stop_level: self.stop_level as u64,
-            progress: None,
-            progress_user: std::ptr::null_mut(),
-            initial_values: self.start.map_or(std::ptr::null(), |start| start.values().as_ptr()),
-            initial_count: self.start.map_or(0, |start| start.values().len() as u64),
-            initial_level: self.start.map_or(0, |start| start.level() as u64),
-        }
-    }
-}
-
-impl fmt::Debug for Solver<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Solver")
-            .field("hierarchy", &self.hierarchy)
-            .field("loops", &self.loops)
-            .field("start", &self.start.map(Foliation::level))
-            .field("method", &self.method)
-            .field("tolerance", &self.tolerance)
-            .field("time_limit", &self.time_limit)
-            .field("iteration_limit", &self.iteration_limit)
-            .field("stop_level", &self.stop_level)
-            .finish_non_exhaustive()
+        let defect = || Error::new(Status::ERROR_INTERNAL, "The library gave no foliation with a report.".into());
+        let foliation = Foliation::new(&self.hierarchy, made.ok_or_else(defect)?);
+        let report = foliation.report().ok_or_else(defect)?;
+        Ok(Solution { foliation, report, stopped })
     }
 }
 
@@ -287,166 +195,102 @@ impl Solution {
     }
 }
 
-/// How a run went.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Report {
-    /// The method that ran.
-    pub method: Method,
-    /// Whether the tolerance was reached.
-    pub converged: bool,
-    /// Energy of the result, on the finest level solved; on level 0 on the intrinsic
-    /// triangulation, before the values are carried to your edges.
-    pub energy: f64,
-    /// Largest residual of a vertex, as in [`Foliation::residuals`].
-    pub residual_max: f64,
-    /// Mean residual.
-    pub residual_mean: f64,
-    /// Poles of the result, as in [`Foliation::singularities`].
-    pub poles: u64,
-    /// Zeros of the result, each as often as its order.
-    pub zeros: u64,
-    /// Sum of all indices, 4 - 4 genus.
-    pub index_sum: i64,
-    /// Flips that would have made a pole.
-    pub bad_flips: u64,
-    /// Flips that did.
-    pub bad_flips_left: u64,
-    /// Time of the call.
-    pub solve_time: Duration,
-    /// Most memory of the call, without the hierarchy.
-    pub peak_memory_bytes: u64,
-    /// The levels that were used, finest first.
-    pub levels: Vec<LevelReport>,
-    /// Events in order of time, the first [`Solver::history_capacity`].
-    pub history: Vec<HistoryEntry>,
-    /// Number of events, also of those that `history` has no room for.
-    pub history_count: u64,
-}
-
-/// How a run went on one level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct LevelReport {
-    /// Vertices.
-    pub vertices: u64,
-    /// Edges.
-    pub edges: u64,
-    /// Edges with a raised weight.
-    pub non_delaunay: u64,
-    /// Sweeps of Whitehead moves.
-    pub iterations: u64,
-    /// Linear systems.
-    pub linear_solves: u64,
-    /// Time of the optimisation.
-    pub optimize_time: Duration,
-    /// Time of the way from the next coarser level to this one.
-    pub interpolate_time: Duration,
-}
-
-/// What an entry of the history comes after.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum HistoryKind {
-    /// The way from the next coarser level.
-    Interpolation,
-    /// A sweep of Whitehead moves.
-    Sweep,
-    /// A linear system.
-    LinearSolve,
-}
-
-/// One line of the history.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct HistoryEntry {
-    /// Since the start of the call.
-    pub time: Duration,
-    /// Energy on the level.
-    pub energy: f64,
-    /// Largest residual, where it was evaluated.
-    pub residual_max: Option<f64>,
-    /// The level.
-    pub level: usize,
-    /// What came before.
-    pub kind: HistoryKind,
-}
-
-const NO_LEVEL: sys::hmf_level_report = sys::hmf_level_report {
-    vertices: 0,
-    edges: 0,
-    nld: 0,
-    iterations: 0,
-    linear_solves: 0,
-    optimize_seconds: 0.0,
-    interpolate_seconds: 0.0,
-};
-
-const NO_ENTRY: sys::hmf_history_entry =
-    sys::hmf_history_entry { seconds: 0.0, energy: 0.0, residual_max: 0.0, level: 0, kind: 0 };
-
-/// Seconds of a clock; never negative, but a panic here would be worse than a zero.
-fn duration(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds).unwrap_or_default()
-}
-
-impl Report {
-    fn from_raw(raw: &sys::hmf_report, levels: &[sys::hmf_level_report], history: &[sys::hmf_history_entry]) -> Report {
-        Report {
-            method: match raw.method {
-                sys::HMF_METHOD_WHITEHEAD => Method::Whitehead,
-                sys::HMF_METHOD_SINGLE_LEVEL => Method::SingleLevel,
-                _ => Method::Newton,
-            },
-            converged: raw.converged != 0,
-            energy: raw.energy,
-            residual_max: raw.residual_max,
-            residual_mean: raw.residual_mean,
-            poles: raw.poles,
-            zeros: raw.zeros,
-            index_sum: raw.index_sum,
-            bad_flips: raw.bad_flips,
-            bad_flips_left: raw.bad_flips_left,
-            solve_time: duration(raw.solve_seconds),
-            peak_memory_bytes: raw.peak_memory_bytes,
-            levels: written(levels, raw.level_count).map(LevelReport::from_raw).collect(),
-            history: written(history, raw.history_count).map(HistoryEntry::from_raw).collect(),
-            history_count: raw.history_count,
-        }
+record! {
+    /// How a run went.
+    Report from hmf_report {
+        /// The method that ran.
+        method: Method,
+        /// Whether the tolerance was reached.
+        converged: bool,
+        /// Energy of the result, on the finest level solved; on level 0 on the intrinsic
+        /// triangulation, before the values are carried to your edges.
+        energy: f64,
+        /// Largest residual of a vertex, as in [`Foliation::residuals`]; negative where it was
+        /// not evaluated, as the call was cancelled before.
+        residual_max: f64,
+        /// Mean residual.
+        residual_mean: f64,
+        /// Poles of the result, as in [`Foliation::singularities`].
+        poles: u64,
+        /// Zeros of the result, each as often as its order.
+        zeros: u64,
+        /// Sum of all indices, 4 - 4 genus.
+        index_sum: i64,
+        /// Flips that would have made a pole.
+        bad_flips: u64,
+        /// Flips that did.
+        bad_flips_left: u64,
+        /// Time of the call.
+        solve_seconds: f64,
+        /// Most memory of the call, without the hierarchy.
+        peak_memory_bytes: u64,
+        /// The levels that were used, finest first.
+        levels: Vec<LevelReport> = |raw: &sys::hmf_report| {
+            // SAFETY: there are so many, and they live as long as `raw`.
+            unsafe { slice(raw.levels, raw.level_count) }.iter().map(Read::read).collect()
+        },
+        /// Events in order of time.
+        history: Vec<HistoryEntry> = |raw: &sys::hmf_report| {
+            // SAFETY: as above.
+            unsafe { slice(raw.history, raw.history_count) }.iter().map(Read::read).collect()
+        },
     }
 }
 
-/// The entries that the library has written of `count`.
-fn written<T>(entries: &[T], count: u64) -> impl Iterator<Item = &T> {
-    entries.iter().take(usize::try_from(count).unwrap_or(usize::MAX))
-}
-
-impl LevelReport {
-    fn from_raw(raw: &sys::hmf_level_report) -> LevelReport {
-        LevelReport {
-            vertices: raw.vertices,
-            edges: raw.edges,
-            non_delaunay: raw.nld,
-            iterations: raw.iterations,
-            linear_solves: raw.linear_solves,
-            optimize_time: duration(raw.optimize_seconds),
-            interpolate_time: duration(raw.interpolate_seconds),
-        }
+record! {
+    /// How a run went on one level.
+    #[derive(Copy)]
+    LevelReport from hmf_level_report {
+        /// Vertices.
+        vertices: u64,
+        /// Edges.
+        edges: u64,
+        /// Edges with a raised weight.
+        raised_count: u64,
+        /// Sweeps of Whitehead moves.
+        iterations: u64,
+        /// Linear systems.
+        linear_solves: u64,
+        /// Time of the optimisation.
+        optimize_seconds: f64,
+        /// Time of the way from the next coarser level to this one.
+        interpolate_seconds: f64,
     }
 }
 
-impl HistoryEntry {
-    fn from_raw(raw: &sys::hmf_history_entry) -> HistoryEntry {
-        HistoryEntry {
-            time: duration(raw.seconds),
-            energy: raw.energy,
-            residual_max: (raw.residual_max >= 0.0).then_some(raw.residual_max),
-            level: raw.level as usize,
-            kind: match raw.kind {
-                0 => HistoryKind::Interpolation,
-                1 => HistoryKind::Sweep,
-                _ => HistoryKind::LinearSolve,
-            },
-        }
+codes! {
+    /// What an entry of the history comes after.
+    HistoryKind: u32 {
+        /// The way from the next coarser level.
+        Interpolation = 0,
+        /// A sweep of Whitehead moves.
+        Sweep = 1,
+        /// A linear system.
+        LinearSolve = 2,
+    }
+}
+
+record! {
+    /// One line of the history.
+    #[derive(Copy)]
+    HistoryEntry from hmf_history_entry {
+        /// Since the start of the call.
+        seconds: f64,
+        /// Energy on the level.
+        energy: f64,
+        /// Largest residual, where it was evaluated.
+        residual_max: Option<f64>,
+        /// The level.
+        level: usize,
+        /// What came before.
+        kind: HistoryKind,
+    }
+}
+
+impl Foliation {
+    /// How the run went that made it; `None` where neither `solve` nor `relax` did.
+    pub fn report(&self) -> Option<Report> {
+        // SAFETY: the report, where there is one, lives as long as the foliation.
+        unsafe { sys::hmf_foliation_report(self.as_ptr()).as_ref() }.map(Read::read)
     }
 }

@@ -105,22 +105,18 @@ fn bad_loops() {
     .contains('7'));
 }
 
+/// Values are checked once, when a foliation is made of them.
 #[test]
 fn bad_values() {
     let (positions, triangles) = plate(1, 1, 2, 1);
     let hierarchy = Hierarchy::build(&positions, &triangles).unwrap();
-    let edges = hierarchy.level(0).unwrap().edge_count;
-    let mut values = vec![0.0; edges];
+    let mut values = vec![0.0; hierarchy.level(0).unwrap().edge_count];
     values[5] = 1.0;
-    let open = hierarchy.foliation(0, values.clone()).unwrap();
-    expect(open.energy(), Status::ERROR_VALUE_NOT_CLOSED, Some(Element::Edge));
-    expect(open.residuals(), Status::ERROR_VALUE_NOT_CLOSED, Some(Element::Edge));
-    expect(open.zeros_and_poles(), Status::ERROR_VALUE_NOT_CLOSED, Some(Element::Edge));
-    expect(hierarchy.solver().relax(&open), Status::ERROR_VALUE_NOT_CLOSED, Some(Element::Edge));
+    expect(hierarchy.foliation(0, &values), Status::ERROR_VALUE_NOT_CLOSED, Some(Element::Edge));
     values[5] = f64::NAN;
-    let undefined = hierarchy.foliation(0, values).unwrap();
-    expect(undefined.singularities(), Status::ERROR_VALUE_NOT_FINITE, Some(Element::Edge));
-    expect(undefined.to_level(0), Status::ERROR_VALUE_NOT_FINITE, Some(Element::Edge));
+    let error = expect(hierarchy.foliation(0, &values), Status::ERROR_VALUE_NOT_FINITE, Some(Element::Edge));
+    assert_eq!(error.index(), 5);
+    expect(hierarchy.foliation(9, &values), Status::ERROR_LEVEL, Some(Element::Level));
 }
 
 /// More zeros and poles than 4 genus - 4: the loop round one vertex makes a pole there.
@@ -132,11 +128,19 @@ fn values_with_poles() {
         hierarchy.edge_vertices(0).unwrap().iter().map(|ends| if ends.contains(&0) { 1.0 } else { 0.0 }).collect();
     let foliation = hierarchy.foliation(0, values).unwrap();
     let all = foliation.singularities().unwrap();
-    assert_eq!(all.list.iter().map(|at| at.index).sum::<i32>(), 0);
-    assert!(all.list.iter().any(|at| at.index > 0 && at.element == 0));
-    assert!(all.list.len() > 1);
-    assert_eq!(all.list, foliation.zeros_and_poles().unwrap());
-    expect(foliation.energy(), Status::ERROR_VALUE_POLE, None);
+    assert_eq!(all.list().iter().map(|at| at.index).sum::<i32>(), 0);
+    assert!(all.list().iter().any(|at| at.index > 0 && at.element == 0 && at.position == positions[0]));
+    assert!(all.list().len() > 1);
+    assert!(foliation.energy().unwrap() > 0.0);
+    for error in [
+        foliation.residuals().unwrap_err(),
+        foliation.interpolate(0).unwrap_err(),
+        foliation.quads(None).unwrap_err(),
+        hierarchy.solver().relax(&foliation).unwrap_err(),
+        hierarchy.solver().start(&foliation).solve().unwrap_err(),
+    ] {
+        assert_eq!(error.status(), Status::ERROR_VALUE_POLE, "{error}");
+    }
 }
 
 #[test]
@@ -177,6 +181,55 @@ fn cancelling_and_finishing() {
     assert_eq!(solution.status(), Status::CANCELLED);
     assert_eq!((solution.report.poles, solution.foliation.level()), (0, 0));
     assert!(solution.foliation.energy().unwrap() >= hierarchy.solver().solve().unwrap().report.energy);
+}
+
+/// Each call that can be long reports to `with_progress`, and can be cancelled there.
+#[test]
+fn every_call_is_watched() {
+    let (positions, triangles) = plate(2, 1, 6, 5);
+    let hierarchy = Hierarchy::builder().coarsest(200).build(&positions, &triangles).unwrap();
+    let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap();
+    let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
+    let start = hierarchy.initialize(&loops).unwrap();
+    type Call<'c> = (&'static str, Box<dyn Fn() -> hmf::Result<()> + 'c>);
+    let calls: [Call<'_>; 14] = [
+        ("build", Box::new(|| Hierarchy::build(&positions, &triangles).map(drop))),
+        ("loops", Box::new(|| hierarchy.loops(0, LoopsKind::Tunnel).map(drop))),
+        ("initialize", Box::new(|| hierarchy.initialize(&loops).map(drop))),
+        ("foliation", Box::new(|| hierarchy.foliation(0, foliation.values()).map(drop))),
+        ("solve", Box::new(|| hierarchy.solver().solve().map(drop))),
+        ("relax", Box::new(|| hierarchy.solver().relax(&start).map(drop))),
+        ("interpolate", Box::new(|| foliation.interpolate(1).map(drop))),
+        ("energy", Box::new(|| foliation.energy().map(drop))),
+        ("residuals", Box::new(|| foliation.residuals().map(drop))),
+        ("singularities", Box::new(|| foliation.singularities().map(drop))),
+        ("parameterize", Box::new(|| foliation.parameterizer().parameterize().map(drop))),
+        ("trace", Box::new(|| foliation.tracer().spacing(0.1).trace().map(drop))),
+        ("cylinders", Box::new(|| foliation.cylinders(Some(&loops)).map(drop))),
+        ("quads", Box::new(|| foliation.quads(None).map(drop))),
+    ];
+    for (name, call) in &calls {
+        let mut fractions = Vec::new();
+        hmf::with_progress(|fraction| fractions.push(fraction), call).unwrap();
+        assert!(fractions.windows(2).all(|pair| pair[0] <= pair[1]), "{name}: {fractions:?}");
+        assert!(fractions.iter().all(|f| (0.0..=1.0).contains(f)), "{name}: {fractions:?}");
+        if fractions.is_empty() {
+            // Done before the first report, on so small a mesh.
+            assert!(["foliation", "interpolate", "energy", "residuals", "trace", "quads"].contains(name), "{name}");
+            continue;
+        }
+        let cancelled = hmf::with_progress(|_| Progress::Cancel, call).expect_err(name);
+        assert_eq!(cancelled.status(), Status::CANCELLED, "{name}");
+        let panics = |_: f64| -> Progress { std::panic::panic_any(*name) };
+        let caught = catch_unwind(AssertUnwindSafe(|| hmf::with_progress(panics, call)));
+        assert_eq!(caught.unwrap_err().downcast_ref(), Some(name));
+        call().expect("nobody watches any more");
+    }
+    // The innermost closure watches; the closure of a builder is one.
+    let (outer, inner) = (Cell::new(0), Cell::new(0));
+    let count = |counter: &Cell<i32>| counter.set(counter.get() + 1);
+    hmf::with_progress(|_| count(&outer), || hierarchy.solver().progress(|_| count(&inner)).solve().map(drop)).unwrap();
+    assert!(outer.get() == 0 && inner.get() > 0);
 }
 
 /// A closure may use the hierarchy, which is immutable.
@@ -225,26 +278,22 @@ fn panics_cross_the_boundary_safely() {
     assert_eq!(solution.status(), Status::OK);
 }
 
-/// Every function and constant of the C header is used, so that nothing is out of reach.
+/// Every function and constant of the C headers is used, so that nothing is out of reach.
 #[test]
-fn nothing_of_the_header_is_missing() {
+fn nothing_of_the_headers_is_missing() {
     let crates = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let Ok(bindings) = std::fs::read_to_string(format!("{crates}/hmf-sys/src/bindings.rs")) else {
         println!("skipped: the bindings are only in the repository");
         return;
     };
     let mut own = String::new();
-    for file in std::fs::read_dir(format!("{crates}/hmf/src")).unwrap() {
-        own += &std::fs::read_to_string(file.unwrap().path()).unwrap();
+    let sources = |folder| std::fs::read_dir(format!("{crates}/hmf/src/{folder}")).unwrap();
+    for file in sources("").chain(sources("uses")).map(|file| file.unwrap().path()).filter(|path| path.is_file()) {
+        own += &std::fs::read_to_string(file).unwrap();
     }
     let words: std::collections::HashSet<_> = own.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
     // Defaults, which are those of Rust's types as well.
-    let not_needed = |name: &str| {
-        name.ends_with("_options_init")
-            || name.ends_with("_DEFAULT")
-            || name.starts_with("HMF_VERSION_")
-            || ["HMF_ELEMENT_NONE", "HMF_SINGULAR_VERTEX", "HMF_LINE_LEVEL", "HMF_END_CLOSED"].contains(&name)
-    };
+    let not_needed = |name: &str| name.ends_with("_DEFAULT") || name.starts_with("HMF_VERSION_");
     let mut count = 0;
     for line in bindings.lines().map(str::trim_start) {
         let Some(rest) = line.strip_prefix("pub const ").or(line.strip_prefix("pub fn ")) else { continue };

@@ -1,0 +1,16 @@
+// hmf_cylinders.
+import { optionsOf } from '../arguments.js';
+import { readLoops, writeLoops } from '../loops.js';
+import { orNull } from '../memory.js';
+
+export function cylinders(foliation, options) {
+    const given = optionsOf(options, 'options', ['loops', 'progress']);
+    return foliation.perform(given, (frame, address) => {
+        const result = frame.result('hmf_cylinders', address, writeLoops(frame, given.loops));
+        const { count, list, leaves } = frame.read('hmf_cylinder_set', result);
+        return {
+            list: frame.list('hmf_cylinder', list, count).map(one => ({ ...one, loop: orNull(one.loop) })),
+            leaves: readLoops(frame, leaves),
+        };
+    });
+}

@@ -1,0 +1,6 @@
+//! What one does with a foliation.
+
+pub mod cylinders;
+pub mod parameterize;
+pub mod quads;
+pub mod trace;
