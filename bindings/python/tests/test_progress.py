@@ -140,15 +140,7 @@ LONG_CALLS: dict[str, Callable[[hmf.Foliation, Any], object]] = {
 }
 
 
-def each_long_call(*defects: str) -> pytest.MarkDecorator:
-    """All of them; of some it is known that the library does not keep its promise yet."""
-    mark = pytest.mark.xfail(reason="the library does not do this yet")
-    return pytest.mark.parametrize(
-        "name", [pytest.param(name, marks=[mark] if name in defects else []) for name in LONG_CALLS]
-    )
-
-
-@each_long_call()
+@pytest.mark.parametrize("name", LONG_CALLS)
 def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, name: str) -> None:
 
     def function(progress: Any) -> object:
@@ -179,7 +171,7 @@ def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, nam
         function(late)
 
 
-@each_long_call("loops", "initialize", "interpolate", "residuals")
+@pytest.mark.parametrize("name", LONG_CALLS)
 def test_finish_cancels_what_cannot_be_stopped_early(hierarchy: hmf.Hierarchy, name: str) -> None:
     function, foliation = LONG_CALLS[name], hierarchy.solve()
     if name == "relax":
@@ -244,6 +236,12 @@ def test_bar(
     hmf.solve(*pretzel, progress=True)
     captured = capsys.readouterr()
     assert captured.out == "" and "hmf:" in captured.err and "100%" in captured.err
+
+
+def test_a_bar_says_what_is_done(hierarchy: hmf.Hierarchy, capsys: pytest.CaptureFixture[str]) -> None:
+    hierarchy.solve(progress=True).quads(progress=True)
+    captured = capsys.readouterr().err
+    assert "hmf solve:" in captured and "hmf quads:" in captured
 
 
 def test_silent_by_default(pretzel: Mesh, capfd: pytest.CaptureFixture[str]) -> None:

@@ -292,6 +292,23 @@ def test_the_same_after_pickling(hierarchy: hmf.Hierarchy) -> None:
     assert len(again.hierarchy.levels) == len(hierarchy.levels)
 
 
+def test_results_can_be_pickled(hierarchy: hmf.Hierarchy) -> None:
+    foliation = hierarchy.solve()
+    for result in (
+        foliation.singularities(),
+        foliation.trace(spacing=0.1),
+        foliation.cylinders(),
+        foliation.quads(),
+        foliation.parameterize(),
+        hierarchy.loops(),
+    ):
+        again = pickle.loads(pickle.dumps(result))
+        assert type(again) is type(result) and repr(again) == repr(result)
+        for name, array in getattr(result, "__dict__", {}).items():
+            if isinstance(array, np.ndarray):
+                assert np.array_equal(getattr(again, name), array, equal_nan=array.dtype.kind in "fc")
+
+
 def test_memory(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
     assert hierarchy.memory > 100 * hierarchy.levels[0].edge_count
     estimate = hmf.memory_estimate(len(pretzel[0]), len(pretzel[1]), coarsest=200)

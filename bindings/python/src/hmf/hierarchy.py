@@ -235,12 +235,17 @@ class Hierarchy:
     ) -> Foliation:
         """The initial foliation of loops on their level: for each edge the weights of the loops that cross it.
 
+        Parameters
+        ----------
+        loops, weights, progress
+            As for :meth:`solve`.
+
         Raises
         ------
         LoopError
             A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
         """
-        if loops is None:
+        if loops is None and weights is not None:
             loops = self.loops()
         given, alive = loop_structure(loops, weights)
         made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
