@@ -15,9 +15,6 @@ need() { # package, command that succeeds when it is there
 }
 need build-essential sh -c 'command -v c++ && command -v make'
 need cmake command -v cmake
-need libcli11-dev test -e /usr/include/CLI/CLI.hpp
-need nlohmann-json3-dev test -e /usr/include/nlohmann/json.hpp
-need libpng-dev test -e /usr/include/png.h
 if [ ${#missing[@]} -gt 0 ]; then
     if ! command -v apt-get > /dev/null; then
         echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."

@@ -20,7 +20,7 @@ passed=0 failed=0 skipped=0
 describe() {
     cat <<'END'
 format        layout of the C and C++ sources
-header        hmf.h in C89, C99, C11, C17 and C++17, included twice
+header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
@@ -37,7 +37,6 @@ END
 
 # --- What is needed --------------------------------------------------------
 
-# The libraries of the tool are part of it: its tests are tests as well.
 ensure_packages() {
     local missing=()
     need() { # package, command that succeeds when it is there
@@ -56,9 +55,6 @@ ensure_packages() {
     need python3-venv python3 -c 'import venv, ensurepip'
     need libgtest-dev test -e $include/gtest/gtest.h
     need libeigen3-dev test -e $include/eigen3/Eigen/Core
-    need libcli11-dev test -e $include/CLI/CLI.hpp
-    need nlohmann-json3-dev test -e $include/nlohmann/json.hpp
-    need libpng-dev test -e $include/png.h
     [ ${#missing[@]} -eq 0 ] && return 0
 
     local sudo=

@@ -29,6 +29,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -258,20 +259,28 @@ double run_cholesky(const std::vector<uint32_t>& ends, const std::vector<double>
 }
 #endif
 
+struct Destroy {
+    void operator()(hmf_hierarchy* h) const { hmf_destroy(h); }
+    void operator()(hmf_foliation* f) const { hmf_foliation_destroy(f); }
+    void operator()(hmf_loop_set* loops) const { hmf_free(loops); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, Destroy>;
+
 struct Solved {
     hmf_status status = 0;
     double seconds = -1, wall_seconds = -1;
-    hmf_report report;
-    std::vector<hmf_level_report> level;
-    std::vector<hmf_history_entry> history;
+    Owned<hmf_foliation> foliation; // there even if it is not harmonic yet
+    const hmf_report* report = nullptr;
     bool out_of_time = false;
-    // A foliation was written, even if it is not harmonic yet.
-    bool usable() const { return status == HMF_OK || report.values_written; }
+    bool usable() const { return foliation != nullptr; }
     // Until the energy on level 0 was this low; negative: never.  The history
     // is in wall time, which is scaled to the clock of the measurement.
     double seconds_to(double energy) const {
-        for (const hmf_history_entry& entry : history)
+        for (uint64_t i = 0; report && i < report->history_count; ++i) {
+            const hmf_history_entry& entry = report->history[i];
             if (entry.level == 0 && entry.energy <= energy) return entry.seconds * seconds / wall_seconds;
+        }
         return -1;
     }
 };
@@ -289,101 +298,74 @@ int32_t watch(void* user, double) {
 }
 
 Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t method, double tolerance, double limit,
-                 size_t stop_level, std::vector<double>& values, std::string& trouble, size_t history = 0) {
+                 size_t stop_level, std::string& trouble) {
     Solved s;
-    hmf_level_info info;
-    hmf_level_counts(h, stop_level, &info, nullptr);
-    values.assign(static_cast<size_t>(info.edge_count), 0.0);
-    hmf_solve_options o;
-    hmf_solve_options_init(&o);
+    hmf_solve_options o = {};
+    o.struct_size = sizeof o;
     o.method = method;
     o.tolerance = tolerance;
-    Deadline deadline;
-    if (limit > 0) {
-        deadline.at = now() + limit;
-        o.progress = watch;
-        o.progress_user = &deadline;
-    }
     o.stop_level = stop_level;
-    s.level.resize(hmf_level_count(h));
-    std::memset(&s.report, 0, sizeof s.report);
-    s.report.struct_size = sizeof s.report;
-    s.report.levels = s.level.data();
-    s.report.level_capacity = s.level.size();
-    s.history.resize(history);
-    s.report.history = s.history.data();
-    s.report.history_capacity = history;
-    hmf_error error;
-    error.message[0] = 0;
+    Deadline deadline;
+    deadline.at = now() + limit;
+    hmf_control control = {};
+    control.struct_size = sizeof control;
+    control.progress = watch;
+    control.progress_user = &deadline;
+    hmf_error error = {};
+    hmf_foliation* out = nullptr;
     const double begin = now(), wall_begin = wall();
-    s.status = hmf_solve(h, loops, &o, values.data(), values.size(), &s.report, &error);
+    s.status = hmf_solve(h, loops, &o, limit > 0 ? &control : nullptr, &out, &error);
     s.seconds = now() - begin;
     s.wall_seconds = wall() - wall_begin;
+    s.foliation.reset(out);
+    s.report = hmf_foliation_report(out);
     s.out_of_time = deadline.passed;
-    s.level.resize(static_cast<size_t>(std::min(s.report.level_count, s.report.level_capacity)));
-    s.history.resize(static_cast<size_t>(std::min(s.report.history_count, s.report.history_capacity)));
     if (!s.usable()) trouble = error.message;
     return s;
 }
 
 // One repetition on one mesh.
-void run(const Soup& soup, const Options& options, Result& out) {
+void run(const Soup& soup, const Options& options, Counter& counter, Result& out) {
     ++out.repetitions;
-    Counter counter;
-    hmf_build_options bo;
-    hmf_build_options_init(&bo);
+    hmf_build_options bo = {};
+    bo.struct_size = sizeof bo;
     bo.allocate = counted_allocate;
     bo.release = counted_release;
     bo.allocator_user = &counter;
     hmf_hierarchy* h = nullptr;
-    hmf_error error;
+    hmf_error error = {};
     const double bandwidth = copy_bandwidth();
     out.bandwidth.add(bandwidth * 1e-9);
 
     const double t0 = now();
-    if (hmf_build(soup.position.data(), soup.vertices(), 0, soup.triangle.data(), soup.triangles(), &bo, &h, &error)
-        != HMF_OK) {
+    hmf_build(soup.position.data(), soup.vertices(), soup.triangle.data(), soup.triangles(), &bo, nullptr, &h, &error);
+    const double t1 = now();
+    const Owned<hmf_hierarchy> hierarchy(h);
+    if (!h) {
         out.trouble = error.message;
         return;
     }
-    const double t1 = now();
-    const size_t coarsest = hmf_level_count(h) - 1, genus = hmf_genus(h);
-    hmf_level_info fine, coarse;
+    const size_t coarsest = hmf_level_count(h) - 1;
+    hmf_level_info fine;
     hmf_level_counts(h, 0, &fine, nullptr);
-    hmf_level_counts(h, coarsest, &coarse, nullptr);
-    // Each loop is simple: room for all, and no call that only counts.
-    std::vector<uint64_t> offsets(genus + 1);
-    std::vector<uint32_t> elements(genus * static_cast<size_t>(coarse.triangle_count));
-    size_t loop_count = 0, element_count = 0;
     const size_t build_peak = counter.peak;
     const double t2 = now();
-    if (hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(),
-                  &loop_count, &element_count, &error)
-        != HMF_OK) {
-        out.trouble = error.message;
-        hmf_destroy(h);
-        return;
-    }
+    hmf_loop_set* loops = nullptr;
+    hmf_loops(h, coarsest, HMF_LOOPS_CUT, nullptr, &loops, &error);
     const double t3 = now();
-    hmf_loop_set loops;
-    std::memset(&loops, 0, sizeof loops);
-    loops.struct_size = sizeof loops;
-    loops.element_kind = HMF_LOOP_TRIANGLES;
-    loops.level = coarsest;
-    loops.count = loop_count;
-    loops.offsets = offsets.data();
-    loops.elements = elements.data();
-
-    std::vector<double> values, again;
-    const Solved first = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, values, out.trouble);
-    if (!first.usable()) {
-        hmf_destroy(h);
+    const Owned<hmf_loop_set> loops_owner(loops);
+    if (!loops) {
+        out.trouble = error.message;
         return;
     }
+
+    const Solved first = run_solve(h, loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, out.trouble);
+    if (!first.usable()) return;
+    const hmf_report& report = *first.report;
     if (first.status != HMF_OK) ++out.unconverged;
-    out.residual = std::max(out.residual, first.report.residual_max);
-    out.poles = std::max(out.poles, first.report.poles);
-    out.zeros = first.report.zeros;
+    out.residual = std::max(out.residual, report.residual_max);
+    out.poles = std::max(out.poles, report.poles);
+    out.zeros = report.zeros;
     const double edges = static_cast<double>(fine.edge_count), build = t1 - t0;
     const double job = build + (t3 - t2) + first.seconds;
     const double held = static_cast<double>(hmf_hierarchy_memory(h));
@@ -391,7 +373,7 @@ void run(const Soup& soup, const Options& options, Result& out) {
     out.edges_per_second.add(edges / build * 1e-6);
     out.bytes_per_edge.add(held / edges);
     out.build_peak.add(static_cast<double>(build_peak) / edges);
-    out.solve_peak.add(static_cast<double>(first.report.peak_memory_bytes) / edges);
+    out.solve_peak.add(static_cast<double>(report.peak_memory_bytes) / edges);
     out.loops.add(t3 - t2);
     out.solve.add(first.seconds);
     out.job.add(job);
@@ -401,13 +383,14 @@ void run(const Soup& soup, const Options& options, Result& out) {
         (8.0 * static_cast<double>(soup.position.size()) + 4.0 * static_cast<double>(soup.triangle.size()) + held)
         / bandwidth);
 
-    out.level.resize(std::max(out.level.size(), first.level.size()));
+    const size_t levels = static_cast<size_t>(report.level_count);
+    out.level.resize(std::max(out.level.size(), levels));
     double accounted = 0;
-    for (size_t l = 0; l < first.level.size(); ++l) {
-        const hmf_level_report& from = first.level[l];
+    for (size_t l = 0; l < levels; ++l) {
+        const hmf_level_report& from = report.levels[l];
         LevelCost& to = out.level[l];
         const double e = static_cast<double>(from.edges),
-                     c = l + 1 < first.level.size() ? static_cast<double>(first.level[l + 1].edges) : 0;
+                     c = l + 1 < levels ? static_cast<double>(report.levels[l + 1].edges) : 0;
         to.vertices = static_cast<double>(from.vertices);
         to.edges = e;
         to.sweeps = from.iterations;
@@ -423,10 +406,14 @@ void run(const Soup& soup, const Options& options, Result& out) {
     }
     out.rest.add(std::max(0.0, first.wall_seconds - accounted));
 
-    const Solved second = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, again, out.trouble);
-    out.second.add(second.usable() ? second.seconds : -1);
-    if (again.size() != values.size() || std::memcmp(again.data(), values.data(), values.size() * sizeof(double)) != 0)
-        out.same_bits = 0;
+    {
+        const Solved second = run_solve(h, loops, HMF_METHOD_NEWTON, options.tolerance, 0, 0, out.trouble);
+        out.second.add(second.usable() ? second.seconds : -1);
+        size_t count = 0, again = 0;
+        const double* const values = hmf_foliation_values(first.foliation.get(), &count);
+        const double* const others = hmf_foliation_values(second.foliation.get(), &again);
+        if (again != count || std::memcmp(others, values, count * sizeof(double)) != 0) out.same_bits = 0;
+    }
 
     size_t level = 0;
     double distance = 1e300, size = 0;
@@ -440,7 +427,7 @@ void run(const Soup& soup, const Options& options, Result& out) {
             size = static_cast<double>(info.vertex_count);
         }
     }
-    const Solved preview = run_solve(h, &loops, HMF_METHOD_NEWTON, options.tolerance, 0, level, again, out.trouble);
+    const Solved preview = run_solve(h, loops, HMF_METHOD_NEWTON, options.tolerance, 0, level, out.trouble);
     out.preview.add(preview.usable() ? 1e3 * preview.seconds : -1);
     out.preview_vertices.add(size);
 
@@ -457,18 +444,17 @@ void run(const Soup& soup, const Options& options, Result& out) {
         }
     }
 #endif
-    const double energy = first.report.energy;
+    const double energy = report.energy;
     if (options.whitehead > 0) {
-        const Solved w = run_solve(h, &loops, HMF_METHOD_WHITEHEAD, options.whitehead_tolerance, options.whitehead, 0,
-                                   again, out.trouble);
+        const Solved w =
+            run_solve(h, loops, HMF_METHOD_WHITEHEAD, options.whitehead_tolerance, options.whitehead, 0, out.trouble);
         out.whitehead.add(w.usable() ? w.seconds : -1);
         out.newton_gain.add(w.usable() ? w.seconds / first.seconds : -1);
         if (w.out_of_time) out.whitehead.bounded = out.newton_gain.bounded = true;
         out.energy_excess.sign = out.single_excess.sign = true;
-        if (w.usable()) out.energy_excess.add(w.report.energy / energy - 1);
+        if (w.usable()) out.energy_excess.add(w.report->energy / energy - 1);
         if (options.whitehead_excess > 0) {
-            const Solved to_end =
-                run_solve(h, &loops, HMF_METHOD_WHITEHEAD, 1e-15, options.whitehead, 0, again, out.trouble, 100000);
+            const Solved to_end = run_solve(h, loops, HMF_METHOD_WHITEHEAD, 1e-15, options.whitehead, 0, out.trouble);
             double seconds = to_end.seconds_to(energy * (1 + options.whitehead_excess));
             if (seconds < 0 && to_end.out_of_time) {
                 seconds = to_end.seconds;
@@ -478,17 +464,15 @@ void run(const Soup& soup, const Options& options, Result& out) {
             out.reach_gain.add(seconds < 0 ? -1 : seconds / first.seconds);
         }
         if (options.single > 0) {
-            const Solved s = run_solve(h, &loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single,
-                                       0, again, out.trouble);
+            const Solved s = run_solve(h, loops, HMF_METHOD_SINGLE_LEVEL, options.whitehead_tolerance, options.single,
+                                       0, out.trouble);
             out.single.add(s.usable() ? s.seconds : -1);
             // Against an unfinished whitehead a quotient would bound nothing.
             if (w.status == HMF_OK) out.hierarchy_gain.add(s.usable() ? s.seconds / w.seconds : -1);
             if (s.out_of_time) out.single.bounded = out.hierarchy_gain.bounded = true;
-            if (s.usable()) out.single_excess.add(s.report.energy / energy - 1);
+            if (s.usable()) out.single_excess.add(s.report->energy / energy - 1);
         }
     }
-    hmf_destroy(h);
-    if (counter.used != 0) out.trouble = "memory was not returned";
 }
 
 // --- Report ------------------------------------------------------------------
@@ -610,7 +594,9 @@ int main(int argc, char** argv) {
     std::vector<Result> results(soups.size());
     for (int r = 0; r < options.repetitions; ++r)
         for (size_t i = 0; i < soups.size(); ++i) {
-            run(soups[i], options, results[i]);
+            Counter counter;
+            run(soups[i], options, counter, results[i]);
+            if (counter.used != 0) results[i].trouble = "memory was not returned";
             std::fprintf(stderr, "repetition %d, %s\n", r + 1, soups[i].name.c_str());
         }
     print(soups, results, options);

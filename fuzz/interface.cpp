@@ -1,11 +1,12 @@
 // The C interface under arbitrary input: small arrays of vertices, triangles,
-// loops and options.  Whatever they are, there is no crash, the status is one
-// that the header lists, nothing is written on failure, a result is a
+// loops, values and options.  Whatever they are, there is no crash, the status
+// is one that the header lists, a failing call gives nothing, a result is a
 // foliation, the memory limit holds and all memory comes back.
 //
 // Half of the inputs begin with a chain of grid tori, so that the later stages
 // are reached; a few bytes may then spoil it.
 #include <hmf/hmf.h>
+#include <hmf/uses.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -69,6 +71,22 @@ struct Stop {
         return ++stop.calls == stop.at ? stop.answer : HMF_PROGRESS_CONTINUE;
     }
 };
+
+struct Delete {
+    void operator()(const hmf_foliation* foliation) const {
+        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
+    }
+    void operator()(const void* result) const { hmf_free(result); }
+};
+template <class T>
+using Owned = std::unique_ptr<const T, Delete>;
+
+template <class T>
+T sized() {
+    T structure{};
+    structure.struct_size = sizeof structure;
+    return structure;
+}
 
 // A status that the call may return; a failure tells its story.
 void expect_status(hmf_status status, const hmf_error& error, std::initializer_list<int> classes) {
@@ -165,25 +183,22 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     const uint32_t levels = static_cast<uint32_t>(hmf_level_count(h));
     loops.set.level = bytes.rarely() ? levels + bytes.byte() : bytes.below(levels);
     loops.set.element_kind = bytes.rarely() ? bytes.byte() : 1 + static_cast<int32_t>(bytes.below(2));
-    size_t count = 0, total = 0;
+    uint64_t count = 0, total = 0;
     hmf_error error{};
     if (bytes.byte() % 2 && loops.set.level < levels) {
         // The library's own, perhaps spoiled.
         loops.set.element_kind = HMF_LOOP_TRIANGLES;
         const int32_t kind = HMF_LOOPS_CUT + static_cast<int32_t>(bytes.below(4));
         const bool in_space = kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL; // which a dented surface may not be
-        hmf_status status = hmf_loops(h, loops.set.level, kind, nullptr, 0, nullptr, 0, &count, &total, &error);
+        hmf_loop_set* made = nullptr;
+        const hmf_status status = hmf_loops(h, loops.set.level, kind, nullptr, &made, &error);
+        const Owned<hmf_loop_set> owner(made);
         expect_status(status, error, {2, in_space ? 3 : 2, in_space ? 1 : 2});
-        if (status != HMF_OK) count = total = 0;
+        FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+        if (made) count = made->count, total = made->offsets[count];
         loops.offsets.assign(count + 1, 0);
-        loops.elements.assign(total, 0);
-        if (count > 0) {
-            error = hmf_error{};
-            status = hmf_loops(h, loops.set.level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total,
-                               &count, &total, &error);
-            expect_status(status, error, {2});
-            if (status != HMF_OK) std::fill(loops.offsets.begin(), loops.offsets.end(), 0);
-        }
+        if (made) std::copy(made->offsets, made->offsets + count + 1, loops.offsets.begin());
+        if (made) loops.elements.assign(made->elements, made->elements + total);
         if (bytes.byte() % 4 == 3 && total > 0) loops.elements[bytes.byte() % total] = bytes.byte();
     } else {
         count = bytes.below(4);
@@ -198,88 +213,71 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     loops.view(count);
 }
 
-// Refused with a reason, or cone angles that add up.
-void expect_parameterization(const hmf_hierarchy* h, size_t level, const hmf_level_info& info,
-                             const std::vector<double>& values, bool memory_is_short) {
-    std::vector<double> uv(6 * info.triangle_count, 0);
-    std::vector<int32_t> cone(info.vertex_count);
-    hmf_parameterization out{};
-    out.struct_size = sizeof out;
-    out.vertex_capacity = info.vertex_count;
-    out.triangle_capacity = info.triangle_count;
-    out.corner_uv = uv.data();
-    out.cone = cone.data();
-    const hmf_status status = hmf_parameterize(h, level, values.data(), values.size(), nullptr, &out, nullptr);
-    FUZZ_ASSERT(status == HMF_OK || status == HMF_ERROR_VALUE_NOT_HARMONIC || status == HMF_ERROR_UNSUPPORTED
+// Of a call that makes a result: given if and only if it succeeds.
+template <class T, class Call>
+Owned<T> result_of(std::initializer_list<hmf_status> others, bool memory_is_short, Call&& call) {
+    T* out = reinterpret_cast<T*>(&others); // must be overwritten
+    const hmf_status status = call(&out);
+    FUZZ_ASSERT((out != nullptr) == (status == HMF_OK));
+    FUZZ_ASSERT(status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end()
                 || (memory_is_short && status / 100 == 2));
-    if (status != HMF_OK) return;
-    for (const double x : uv) FUZZ_ASSERT(x == x && x - x == 0);
+    return Owned<T>(out);
+}
+
+// Refused with a reason, or cone angles that add up.
+void expect_parameterization(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const auto map =
+        result_of<hmf_parameterization>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+                                        [&](auto out) { return hmf_parameterize(f, nullptr, nullptr, out, nullptr); });
+    if (!map) return;
+    for (size_t i = 0; i < 6 * map->triangle_count; ++i) FUZZ_ASSERT(std::isfinite(map->corner_uv[i]));
     int64_t sum = 0;
-    for (const int32_t c : cone) sum += 2 - c;
+    for (size_t v = 0; v < map->vertex_count; ++v) sum += 2 - map->cone[v];
     FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
 }
 
 // Leaves close or join zeros, a quad mesh is closed and has the right genus.
-void expect_leaves(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
-    const auto expected = [&](hmf_status status, std::initializer_list<hmf_status> others) {
-        return status == HMF_OK || std::find(others.begin(), others.end(), status) != others.end()
-            || (memory_is_short && status / 100 == 2);
-    };
-    hmf_trace_options options;
-    hmf_trace_options_init(&options);
+void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double largest, bool memory_is_short) {
+    hmf_trace_options options = sized<hmf_trace_options>();
     options.critical = 1;
-    options.spacing = *std::max_element(values.begin(), values.end());
-    size_t count = 0, points = 0;
-    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr,
-                                   nullptr, 0, &count, &points, nullptr),
-                         {}));
-    std::vector<hmf_line> lines(count);
-    if (count > 0
-        && hmf_trace(h, level, values.data(), values.size(), &options, lines.data(), count, nullptr, 0, nullptr,
-                     nullptr, 0, &count, &points, nullptr)
-               == HMF_OK)
-        for (const hmf_line& line : lines)
+    options.spacing = largest;
+    const auto traced = [&](auto out) { return hmf_trace(f, &options, nullptr, out, nullptr); };
+    if (const auto leaves = result_of<hmf_lines>({}, memory_is_short, traced))
+        for (size_t i = 0; i < leaves->line_count; ++i) {
+            const hmf_line& line = leaves->lines[i];
             FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO
                                                        : line.closed == 1);
+        }
     options.leaves = HMF_LEAVES_CONJUGATE;
-    FUZZ_ASSERT(expected(hmf_trace(h, level, values.data(), values.size(), &options, nullptr, 0, nullptr, 0, nullptr,
-                                   nullptr, 0, &count, &points, nullptr),
-                         {HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
+    result_of<hmf_lines>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
+                         traced);
+    result_of<hmf_cylinder_set>({HMF_ERROR_VALUE_NOT_HARMONIC}, memory_is_short,
+                                [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
 
-    std::vector<hmf_cylinder> cylinders(values.size());
-    FUZZ_ASSERT(expected(hmf_cylinders(h, level, values.data(), values.size(), nullptr, cylinders.data(),
-                                       cylinders.size(), nullptr, 0, nullptr, 0, &count, &points, nullptr),
-                         {HMF_ERROR_VALUE_NOT_HARMONIC}));
-
-    hmf_quad_options quad_options;
-    hmf_quad_options_init(&quad_options);
-    size_t vertex_count = 0, quad_count = 0;
-    const hmf_status status = hmf_quads(h, level, values.data(), values.size(), &quad_options, nullptr, 0, nullptr, 0,
-                                        &vertex_count, &quad_count, nullptr);
-    FUZZ_ASSERT(expected(status, {HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}));
-    if (status != HMF_OK) return;
-    std::vector<double> positions(3 * vertex_count);
-    std::vector<uint32_t> quads(4 * quad_count);
-    if (hmf_quads(h, level, values.data(), values.size(), &quad_options, positions.data(), vertex_count, quads.data(),
-                  quad_count, &vertex_count, &quad_count, nullptr)
-        != HMF_OK)
-        return;
-    FUZZ_ASSERT(static_cast<int64_t>(vertex_count) - static_cast<int64_t>(quad_count)
+    const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
+                                               [&](auto out) { return hmf_quads(f, nullptr, nullptr, out, nullptr); });
+    if (!mesh) return;
+    FUZZ_ASSERT(static_cast<int64_t>(mesh->vertex_count) - static_cast<int64_t>(mesh->quad_count)
                 == 2 - 2 * static_cast<int64_t>(hmf_genus(h)));
     std::vector<std::pair<uint32_t, uint32_t>> sides;
-    for (size_t q = 0; q < quad_count; ++q)
-        for (size_t s = 0; s < 4; ++s) sides.push_back({quads[4 * q + s], quads[4 * q + (s + 1) % 4]});
+    for (size_t q = 0; q < mesh->quad_count; ++q)
+        for (size_t s = 0; s < 4; ++s) sides.push_back({mesh->quads[4 * q + s], mesh->quads[4 * q + (s + 1) % 4]});
     std::sort(sides.begin(), sides.end());
     for (size_t i = 0; i < sides.size(); ++i) {
-        FUZZ_ASSERT(sides[i].first < vertex_count && (i == 0 || sides[i] != sides[i - 1]));
+        FUZZ_ASSERT(sides[i].first < mesh->vertex_count && (i == 0 || sides[i] != sides[i - 1]));
         FUZZ_ASSERT(std::binary_search(sides.begin(), sides.end(), std::make_pair(sides[i].second, sides[i].first)));
     }
 }
 
-// Exact triangle inequalities, no pole, 4 - 4 g.
-void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<double>& values, bool memory_is_short) {
+// Exact triangle inequalities, no pole, 4 - 4 g; the values, read again, are
+// the same foliation.
+void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const size_t level = hmf_foliation_level(f);
     hmf_level_info info{};
     FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    size_t count = 0;
+    const double* const values = hmf_foliation_values(f, &count);
+    FUZZ_ASSERT(count == info.edge_count);
     std::vector<uint32_t> side(3 * info.triangle_count);
     FUZZ_ASSERT(hmf_level_triangle_edges(h, level, side.data(), side.size(), nullptr) == HMF_OK);
     for (size_t t = 0; t < info.triangle_count; ++t)
@@ -287,21 +285,54 @@ void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<do
             FUZZ_ASSERT(values[side[3 * t + s]] >= 0
                         && values[side[3 * t + s]]
                                <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
-    std::vector<hmf_singularity> list(info.vertex_count + info.triangle_count);
-    size_t count = 0;
-    hmf_error error{};
-    const hmf_status status = hmf_singularities(h, level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr,
-                                                0, list.data(), list.size(), &count, &error);
-    FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
-    if (status != HMF_OK) return;
-    int64_t sum = 0;
-    for (size_t i = 0; i < count; ++i) {
-        FUZZ_ASSERT(list[i].index < 0);
-        sum += list[i].index;
+    if (const auto set = result_of<hmf_singularity_set>(
+            {}, memory_is_short, [&](auto out) { return hmf_singularities(f, nullptr, out, nullptr); })) {
+        int64_t sum = 0;
+        for (size_t i = 0; i < set->count; ++i) {
+            FUZZ_ASSERT(set->list[i].index < 0);
+            for (const double x : set->list[i].position) FUZZ_ASSERT(std::isfinite(x));
+            sum += set->list[i].index;
+        }
+        FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
     }
-    FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
-    expect_parameterization(h, level, info, values, memory_is_short);
-    expect_leaves(h, level, values, memory_is_short);
+    if (const auto read = result_of<hmf_foliation>({}, memory_is_short, [&](auto out) {
+            return hmf_foliation_create(h, level, values, count, nullptr, out, nullptr);
+        }))
+        FUZZ_ASSERT(std::equal(values, values + count, hmf_foliation_values(read.get(), nullptr)));
+    expect_parameterization(h, f, memory_is_short);
+    expect_leaves(h, f, *std::max_element(values, values + count), memory_is_short);
+}
+
+// Numbers as values: refused with a reason, or a foliation, perhaps with poles.
+void any_values(Bytes& bytes, const hmf_hierarchy* h, bool memory_is_short) {
+    const size_t level = bytes.below(static_cast<uint32_t>(hmf_level_count(h)));
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    std::vector<uint32_t> ends(2 * info.edge_count);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
+    std::vector<double> values(info.edge_count, 0);
+    // Differences of heights of the vertices are closed.
+    const uint32_t period = 1 + bytes.below(8);
+    for (size_t e = 0; e < values.size(); ++e)
+        values[e] = std::abs(static_cast<double>(ends[2 * e] % period) - static_cast<double>(ends[2 * e + 1] % period));
+    if (bytes.rarely()) values[bytes.byte() % values.size()] = coordinate(bytes);
+    hmf_foliation* made = nullptr;
+    hmf_error error{};
+    const hmf_status status = hmf_foliation_create(h, level, values.data(), values.size(), nullptr, &made, &error);
+    const Owned<hmf_foliation> f(made);
+    expect_status(status, error, {5, memory_is_short ? 2 : 5});
+    FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+    if (!f) return;
+    double energy = -1;
+    FUZZ_ASSERT(hmf_energy(f.get(), nullptr, &energy, nullptr) == HMF_OK ? energy >= 0 : memory_is_short);
+    if (const auto set = result_of<hmf_singularity_set>(
+            {}, memory_is_short, [&](auto out) { return hmf_singularities(f.get(), nullptr, out, nullptr); })) {
+        int64_t sum = 0;
+        for (size_t i = 0; i < set->count; ++i) sum += set->list[i].index;
+        FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+    }
+    result_of<hmf_foliation>({HMF_ERROR_VALUE_POLE}, memory_is_short,
+                             [&](auto out) { return hmf_interpolate(f.get(), 0, nullptr, out, nullptr); });
 }
 
 } // namespace
@@ -309,8 +340,7 @@ void expect_foliation(const hmf_hierarchy* h, size_t level, const std::vector<do
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Bytes bytes(data, size);
     Meter meter;
-    hmf_build_options build;
-    hmf_build_options_init(&build);
+    hmf_build_options build = sized<hmf_build_options>();
     build.allocate = Meter::take;
     build.release = Meter::give;
     build.allocator_user = &meter;
@@ -318,7 +348,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (bytes.rarely()) {
         // Of an older header; not one that ends between the hooks and their user.
         uint32_t end = bytes.below(sizeof build + 1);
-        if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, progress))
+        if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, position_stride))
             end = offsetof(hmf_build_options, allocate);
         build.struct_size = end;
     }
@@ -338,7 +368,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
     hmf_status status =
-        hmf_build(surface.positions.data(), vertices, 0, surface.triangles.data(), triangles, &build, &h, &error);
+        hmf_build(surface.positions.data(), vertices, surface.triangles.data(), triangles, &build, nullptr, &h, &error);
     expect_status(status, error, {1, 2, 3});
     FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
     FUZZ_ASSERT(memory_is_short || status / 100 != 2);
@@ -347,22 +377,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         FUZZ_ASSERT(hmf_genus(h) >= 1 && hmf_level_count(h) >= 1);
         LoopArrays loops;
         any_loops(bytes, h, loops);
-        if (loops.set.level < hmf_level_count(h)) {
-            hmf_level_info info{};
-            FUZZ_ASSERT(hmf_level_counts(h, loops.set.level, &info, nullptr) == HMF_OK);
-            std::vector<double> values(info.edge_count, -1);
+        {
+            hmf_foliation* made = nullptr;
             error = hmf_error{};
-            status = hmf_initialize(h, &loops.set, values.data(), values.size(), &error);
+            status = hmf_initialize(h, &loops.set, nullptr, &made, &error);
+            const Owned<hmf_foliation> f(made);
             expect_status(status, error, {1, 2, 4});
-            if (status == HMF_OK) {
-                expect_foliation(h, loops.set.level, values, memory_is_short);
-            } else {
-                FUZZ_ASSERT(std::count(values.begin(), values.end(), -1.0) == static_cast<long>(values.size()));
-            }
+            FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+            if (f) expect_foliation(h, f.get(), memory_is_short);
         }
+        FUZZ_ASSERT(meter.used == held);
         Stop stop;
-        hmf_solve_options solve;
-        hmf_solve_options_init(&solve);
+        hmf_solve_options solve = sized<hmf_solve_options>();
         solve.method = static_cast<int32_t>(bytes.below(4));
         solve.iteration_limit = 1 + bytes.below(30);
         if (bytes.rarely()) solve.tolerance = coordinate(bytes);
@@ -371,28 +397,29 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             stop.at = 1 + bytes.byte();
             stop.answer = 1 + static_cast<int32_t>(bytes.below(2));
         }
-        solve.progress = Stop::call;
-        solve.progress_user = &stop;
-        hmf_level_info info{};
-        const size_t level = static_cast<size_t>(std::min<uint64_t>(solve.stop_level, hmf_level_count(h) - 1));
-        FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
-        std::vector<double> values(info.edge_count, -1);
-        hmf_report report{};
-        report.struct_size = sizeof report;
+        hmf_control control = sized<hmf_control>();
+        control.progress = Stop::call;
+        control.progress_user = &stop;
+        hmf_foliation* made = nullptr;
         error = hmf_error{};
-        status = hmf_solve(h, bytes.byte() % 4 ? nullptr : &loops.set, &solve, values.data(), values.size(), &report,
-                           &error);
+        status = hmf_solve(h, bytes.byte() % 4 ? nullptr : &loops.set, &solve, &control, &made, &error);
         expect_status(status, error, {0, 1, 2, 4});
         FUZZ_ASSERT(memory_is_short || status / 100 != 2);
         FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);
-        if (status < HMF_CANCELLED || (status == HMF_CANCELLED && report.values_written)) {
-            FUZZ_ASSERT(report.poles == 0 && report.bad_flips_left == 0);
-            expect_foliation(h, level, values, memory_is_short);
-        } else {
-            FUZZ_ASSERT(std::count(values.begin(), values.end(), -1.0) == static_cast<long>(values.size()));
+        FUZZ_ASSERT(status == HMF_CANCELLED || (made != nullptr) == (status < HMF_CANCELLED));
+        if (made) {
+            const hmf_report* report = hmf_foliation_report(made);
+            FUZZ_ASSERT(report && report->poles == 0 && report->bad_flips_left == 0);
+            FUZZ_ASSERT(hmf_foliation_level(made) == solve.stop_level);
+            expect_foliation(h, made, memory_is_short);
         }
-        FUZZ_ASSERT(meter.used == held);
-        hmf_destroy(h);
+        // Each of the two may go first.
+        const bool hierarchy_first = bytes.byte() % 2;
+        if (bytes.byte() % 2) any_values(bytes, h, memory_is_short);
+        if (hierarchy_first) hmf_destroy(h);
+        hmf_foliation_destroy(made);
+        FUZZ_ASSERT(meter.used == (hierarchy_first ? 0 : held));
+        if (!hierarchy_first) hmf_destroy(h);
     }
     FUZZ_ASSERT(meter.used == 0);
     FUZZ_ASSERT(build.memory_limit == 0 || meter.peak <= build.memory_limit);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # check_symbols.sh SHARED_LIBRARY STATIC_LIBRARY
 #
-# The shared library exports exactly the functions of hmf.h; the static one
+# The shared library exports exactly the functions of hmf.h and uses.h; the static one
 # has no other C symbol; it needs only the C and C++ runtime and has no
 # writable data, because there is no global state.
 set -u
@@ -23,9 +23,9 @@ report() { # name, file that is empty when all is well
 }
 
 # Declarations span lines, so comments and newlines go first.
-tr '\n' ' ' < "$root/include/hmf/hmf.h" | sed 's:/\*[^*]*\*\+\([^/*][^*]*\*\+\)*/: :g' | tr ';{}' '\n\n\n' |
+cat "$root/include/hmf/hmf.h" "$root/include/hmf/uses.h" | tr '\n' ' ' | sed 's:/\*[^*]*\*\+\([^/*][^*]*\*\+\)*/: :g' | tr ';{}' '\n\n\n' |
     grep HMF_API | grep -o 'hmf_[a-z0-9_]* *(' | tr -d ' (' | sort -u > "$work/declared"
-[ -s "$work/declared" ] || echo "no declaration found in hmf.h" > "$work/empty"
+[ -s "$work/declared" ] || echo "no declaration found in the headers" > "$work/empty"
 : >> "$work/empty"
 report "header-has-functions" "$work/empty"
 
@@ -36,10 +36,10 @@ fi
 
 # The version node itself is an absolute symbol.
 awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$work/nm" | sort -u > "$work/exported"
-comm -13 "$work/declared" "$work/exported" | sed 's/$/ is exported but not in hmf.h/' > "$work/extra"
-report "nothing-but-hmf.h-exported" "$work/extra"
-comm -23 "$work/declared" "$work/exported" | sed 's/$/ is in hmf.h but not exported/' > "$work/missing"
-report "all-of-hmf.h-exported" "$work/missing"
+comm -13 "$work/declared" "$work/exported" | sed 's/$/ is exported but in no header/' > "$work/extra"
+report "nothing-but-the-headers-exported" "$work/extra"
+comm -23 "$work/declared" "$work/exported" | sed 's/$/ is in a header but not exported/' > "$work/missing"
+report "all-of-the-headers-exported" "$work/missing"
 
 # Weak symbols are inline functions of the C++ library, shared by all users.
 awk 'NF == 3 && $2 !~ /[WVu]/ && $3 !~ /^hmf_/ && $3 !~ /^_ZN?K?[TVSI]*[0-9]*.*3hmf|^_Z.*hmf_/ { print $3 " in the static library could clash" }' \

@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 import unittest
+import zlib
 
 TOOL = None
 
@@ -85,6 +86,34 @@ class Case(unittest.TestCase):
         return done
 
 
+def pixels_of(png):
+    """Rows of (red, green, blue) of a PNG, after every check that its format allows."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, chunks = 8, []
+    while at < len(png):
+        length, name = struct.unpack(">I4s", png[at:at + 8])
+        data, (crc,) = png[at + 8:at + 8 + length], struct.unpack(">I", png[at + 8 + length:at + 12 + length])
+        assert crc == zlib.crc32(name + data)
+        chunks.append((name, data))
+        at += 12 + length
+    assert [name for name, _ in chunks] == [b"IHDR", b"IDAT", b"IEND"]
+    width, height, *rest = struct.unpack(">IIBBBBB", chunks[0][1])
+    assert rest == [8, 2, 0, 0, 0]
+    raw, size = zlib.decompress(chunks[1][1]), 3 * width + 1
+    assert len(raw) == size * height
+    rows, above = [], bytes(3 * width)
+    for y in range(height):
+        assert raw[y * size] == 4
+        row = bytearray(raw[y * size + 1:(y + 1) * size])
+        for x in range(3 * width):
+            a, b, c = row[x - 3] if x >= 3 else 0, above[x], above[x - 3] if x >= 3 else 0
+            p = a + b - c
+            row[x] = (row[x] + min((a, b, c), key=lambda q: abs(p - q))) & 255
+        rows.append([tuple(row[3 * x:3 * x + 3]) for x in range(width)])
+        above = row
+    return rows
+
+
 class Usage(Case):
     def test_help_and_version(self):
         self.assertIn("solve", self.run_tool("--help").stdout)
@@ -110,9 +139,51 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--values", self.path("a.csv"), "--history", self.path("a.csv"), says=["two"])
         self.refused(2, "info", self.write("mesh.xyz", "0 0 0"), says=[".xyz", ".stl"])
 
+    def test_names(self):
+        self.refused(2, says=["demo, info, solve, batch"])
+        self.refused(2, "foo", says=["\"foo\"", "demo, info, solve, batch"])
+        self.refused(2, "solve", self.mesh, "--imagine", "i.png", says=["--imagine", "hmf solve --help"])
+        self.refused(2, "solve", self.mesh, self.mesh, says=["nothing is expected here"])
+        self.refused(2, "solve", self.mesh, "--values", says=["--values", "value is missing"])
+        self.refused(2, "solve", self.mesh, "--values", "--report", "r.json", says=["--values", "value is missing"])
+        self.refused(2, "solve", self.mesh, "--ratio", "0.5", "--ratio=0.6", says=["--ratio", "twice"])
+        self.refused(2, "solve", self.mesh, "--conjugate=1", says=["--conjugate", "no value"])
+        self.refused(2, "solve", self.mesh, "--coarsest", "1.5", says=["--coarsest", "whole number"])
+        self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead or single-level"])
+        for command in ("demo", "info", "solve", "batch"):
+            self.assertIn("usage: hmf " + command, self.run_tool(command, "--help").stdout)
+        for option in ("--loops", "--save-loops", "--start", "--conformality", "--size", "default midpoint", "in (0, 1)"):
+            self.assertIn(option, self.run_tool("solve", "-h").stdout)
+
+    def test_options_without_effect(self):
+        for option, needed in ((["--conjugate"], "--leaves"), (["--spacing", "0.1"], "--leaves"), (["--size", "0.1"], "--quads"),
+                               (["--conformality"], "--report"), (["--pattern", "checkerboard"], "--image")):
+            self.refused(2, "solve", self.mesh, *option, says=[option[0], "no effect without " + needed])
+
+    def test_advice_names_options(self):
+        """No sentence of the tool speaks of the C interface."""
+        points, quads = torus()
+        a, b, c = self.triangles[0]
+        points[a] = tuple((p + q) / 2 for p, q in zip(points[b], points[c]))
+        crossing = [(x, y * 0.05, z) if x < 0 else (x, y, z) for x, y, z in self.points]
+        values = self.path("v.csv")
+        self.run_tool("solve", self.mesh, "--values", values)
+        lines = self.read("v.csv").decode().splitlines()
+        for words in (["solve", self.write("flat.obj", obj_text(points, self.triangles))],
+                      ["solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj")],
+                      ["solve", self.mesh, "--quads", self.path("q.obj"), "--size", "1e-9"], ["solve", self.mesh, "--ratio", "3"],
+                      ["solve", self.write("crossing.obj", obj_text(crossing, self.triangles)), "--loops", "handle"],
+                      ["solve", self.mesh, "--tolerance", "2"], ["solve", self.mesh, "--weights=-1"],
+                      ["solve", self.mesh, "--start", self.write("w.csv", "\n".join(l.rsplit(",", 1)[0] + ",0" for l in lines))],
+                      ["solve", self.mesh, "--start", self.write("x.csv", "\n".join(l.rsplit(",", 1)[0] + ",%d" % (k % 2) for k, l in enumerate(lines)))]):
+            done = subprocess.run([TOOL, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+            for word in ("hmf_", "HMF_", "NULL", "options", "struct_size", "time_limit", "memory_limit", "stop_level", "edge_length"):
+                self.assertNotIn(word, done.stderr.replace("lists the options", ""), words)
+
     def test_file_errors(self):
         self.refused(5, "info", self.path("missing.obj"), says=["missing.obj"])
         self.refused(5, "solve", self.mesh, "--loops", self.path("missing.txt"), says=["missing.txt"])
+        self.refused(5, "solve", self.mesh, "--loops", "handel", says=["\"handel\"", "neither a kind", "nor a file", "cut, handle, tunnel and pants"])
         self.refused(5, "solve", self.mesh, "--values", self.path("no/such/folder.csv"), says=["folder.csv"])
         self.refused(5, "demo", self.mesh, says=["torus.obj"])
         if os.path.exists("/dev/full"):
@@ -280,8 +351,7 @@ class Solve(Case):
         self.assertEqual(set(report), {
             "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
-            "dilatation_mean", "dilatation_median", "dilatation_p99", "flipped_triangles", "degenerate_triangles", "seam_edges", "seam_length",
-            "parameterize_seconds"})
+            "version", "input", "options", "exit_status", "errors", "cpu_seconds", "singularities"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1})
         self.assertEqual((report["loops"], report["poles"], report["index_sum"]), (1, 0, 0))
         self.assertIs(report["converged"], True)
@@ -289,7 +359,8 @@ class Solve(Case):
         self.assertGreater(report["peak_memory_bytes"], 0)
         self.assertGreaterEqual(len(report["levels"]), 1)
         for level in report["levels"]:
-            self.assertEqual(set(level), {"vertices", "edges", "nld", "iterations", "linear_solves", "optimize_seconds", "interpolate_seconds"})
+            self.assertEqual(set(level), {"vertices", "edges", "nld", "raised_count", "iterations", "linear_solves", "optimize_seconds", "interpolate_seconds"})
+            self.assertEqual(level["nld"], level["raised_count"])
         self.assertEqual(report["levels"][0]["edges"], len(edges))
 
         history = self.read("h.csv").decode().splitlines()
@@ -298,12 +369,120 @@ class Solve(Case):
         png = self.read("i.png")
         self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(struct.unpack(">II", png[16:24]), (1400, 1050))
+        picture = pixels_of(png)
+        self.assertEqual((len(picture), len(picture[0])), (1050, 1400))
+        # Red, white, green and the background.
+        self.assertGreater(sum(r > 2 * g and r > 2 * b for row in picture for r, g, b in row), 10000)
+        self.assertGreater(sum(g > 1.5 * r and g > 1.5 * b for row in picture for r, g, b in row), 100)
+        self.assertGreater(len(set(color for row in picture for color in row)), 1000)
+
+    def test_report(self):
+        """The report costs nothing but its numbers, and tells what was done."""
+        report = self.path("r.json")
+        points, quads = torus(90, 40)
+        mesh = self.write("large.obj", obj_text(points, triangles_of(quads)))
+        started = time.time()
+        self.run_tool("solve", mesh, "--report", report, "--image", self.path("i.png"))
+        whole = time.time() - started
+        found = json.loads(self.read("r.json"))
+        # The picture takes most of the time.
+        self.assertGreater(found["total_seconds"], 0.7 * whole - 0.1)
+        self.assertLessEqual(found["total_seconds"], whole)
+        self.assertTrue(0 < found["cpu_seconds"] <= 2 * whole)
+        self.assertEqual("hmf %s\n" % found["version"], self.run_tool("--version").stdout)
+        self.assertEqual((found["input"], found["exit_status"], found["errors"]), (mesh, 0, []))
+        self.assertNotIn("dilatation_mean", found)
+        self.assertEqual(found["singularities"], [])
+        self.assertEqual(found["options"], {
+            "loops": "cut", "weights": [1], "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
+            "tolerance": 1e-8, "time-limit": None, "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes",
+            "spacing": None, "conjugate": False, "size": None})
+        # What it says are the defaults gives the same bits.
+        self.run_tool("solve", mesh, "--values", self.path("a.csv"))
+        self.run_tool("solve", mesh, "--values", self.path("b.csv"), "--loops", "cut", "--weights", "1", "--method", "newton", "--collapse", "midpoint",
+                      "--ratio", "0.5", "--coarsest", "1000", "--tolerance", "1e-8")
+        self.assertEqual(self.read("a.csv"), self.read("b.csv"))
+        self.run_tool("solve", mesh, "--report", report, "--conformality")
+        found = json.loads(self.read("r.json"))
+        self.assertLessEqual({"dilatation_mean", "dilatation_median", "dilatation_p99", "flipped_triangles", "degenerate_triangles", "seam_edges",
+                              "seam_length", "parameterize_seconds"}, set(found))
+        self.run_tool("solve", mesh, "--report", report, "--method", "whitehead")
+        found = json.loads(self.read("r.json"))["options"]
+        self.assertEqual((found["method"], found["tolerance"]), ("whitehead", 1e-6))
+
+    def test_failed_output(self):
+        """An output that cannot be made does not take the others with it."""
+        out = {name: self.path(name) for name in ("q.obj", "i.png", "r.json", "v.csv", "l.obj", "l.txt")}
+        done = self.refused(3, "solve", self.mesh, "--quads", out["q.obj"], "--size", "1e-9", "--image", out["i.png"], "--report", out["r.json"],
+                            "--values", out["v.csv"], "--leaves", out["l.obj"], "--save-loops", out["l.txt"], says=["--quads", "--size"])
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+        for name in out:
+            self.assertEqual(os.path.exists(out[name]), name != "q.obj", name)
+        found = json.loads(self.read("r.json"))
+        self.assertEqual(found["exit_status"], 3)
+        self.assertEqual(["hmf: " + error for error in found["errors"]], done.stderr.splitlines())
+        self.assertGreater(found["leaves"], 0)
+
+    def test_save_loops(self):
+        points, quads = torus(90, 40)
+        mesh = self.write("large.obj", obj_text(points, triangles_of(quads)))
+        loops, again, report = self.path("loops.txt"), self.path("again.txt"), self.path("r.json")
+        for kind in ("cut", "handle", "tunnel", "pants"):
+            energies = []
+            for name, out in ((kind, loops), (loops, again)):
+                self.run_tool("solve", mesh, "--loops", name, "--weights", "2", "--coarsest", "100", "--save-loops", out, "--report", report)
+                energies.append(json.loads(self.read("r.json"))["energy"])
+            self.assertAlmostEqual(energies[0] / energies[1], 1, 9)
+            self.assertEqual(self.read("loops.txt"), self.read("again.txt"))
+            head, line = self.read("loops.txt").decode().splitlines()
+            self.assertEqual(head, "# --weights 2")
+            self.assertTrue(line.startswith("t: "))
+            triangles = [set(triangles_of(quads)[int(t)]) for t in line[3:].split()]
+            for t, u in zip(triangles, triangles[1:] + triangles[:1]):
+                self.assertEqual(len(t & u), 2)
+        mine = self.write("mine.txt", ",".join(str(j) for j in range(40)))
+        self.run_tool("solve", mesh, "--loops", mine, "--save-loops", loops)
+        self.assertEqual(self.read("loops.txt").decode(), "# --weights 1\nv: " + " ".join(str(j) for j in range(40)) + "\n")
+        self.refused(2, "solve", mesh, "--loops", mine, "--save-loops", mine, says=["input"])
+
+    def pipe(self, content, *arguments, status=0):
+        done = subprocess.run([TOOL, *arguments], input=content, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+        self.assertEqual(done.returncode, status, done.stderr.decode())
+        return done
+
+    def test_pipes(self):
+        mesh = self.read("torus.obj")
+        self.run_tool("solve", self.mesh, "--values", self.path("v.csv"), "--history", self.path("h.csv"), "--image", self.path("i.png"),
+                      "--leaves", self.path("l.obj"), "--quads", self.path("q.obj"), "--save-loops", self.path("loops.txt"))
+        done = self.pipe(mesh, "solve", "-", "--values", "-")
+        self.assertEqual(done.stdout, self.read("v.csv"))
+        self.assertIn(b"standard input: genus 1", done.stderr)
+        for option, name in (("--image", "i.png"), ("--leaves", "l.obj"), ("--quads", "q.obj"), ("--save-loops", "loops.txt")):
+            self.assertEqual(self.pipe(mesh, "solve", "-", option, "-").stdout, self.read(name), option)
+        found = json.loads(self.pipe(mesh, "solve", "-", "--report=-").stdout)
+        self.assertEqual((found["input"], found["mesh"]["genus"]), ("-", 1))
+        self.assertTrue(self.pipe(mesh, "solve", "-", "--history", "-").stdout.startswith(b"seconds,"))
+        self.assertIn(b"genus 1", self.pipe(mesh, "info", "-").stdout)
+        self.assertIn(b"genus 1", self.pipe(mesh, "solve", "-").stdout)
+        self.pipe(self.read("loops.txt"), "solve", self.mesh, "--loops", "-")
+        self.pipe(self.read("v.csv"), "solve", self.mesh, "--start", "-")
+        self.assertIn(b"standard input", self.pipe(b"v 0 0 x\nf 1 2 3\n", "info", "-", status=3).stderr)
+        self.assertIn(b"two options", self.pipe(mesh, "solve", "-", "--values", "-", "--report", "-", status=2).stderr)
+        self.assertIn(b"once", self.pipe(mesh, "solve", "-", "--loops", "-", status=2).stderr)
+        self.assertIn(b"--obj", self.pipe(mesh, "solve", "-", "--obj", "-", status=2).stderr)
 
     def test_texture(self):
         obj, image = self.path("t.obj"), self.path("i.png")
         self.run_tool("solve", self.mesh, "--obj", obj, "--image", image, "--pattern", "checkerboard", "--report", self.path("r.json"))
         self.assertEqual(self.read("i.png")[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual(self.read("t.png")[:8], b"\x89PNG\r\n\x1a\n")
+        tile = pixels_of(self.read("t.png"))
+        red, white = (190, 40, 48), (246, 243, 236)
+        self.assertEqual((len(tile), len(tile[0])), (256, 256))
+        for y, row in enumerate(tile):
+            for x, color in enumerate(row):
+                square = red if (64 <= x < 192) != (64 <= y < 192) else white
+                line = x % 64 in (0, 63) or y % 64 in (0, 63)
+                self.assertEqual(color, tuple(c * 3 // 4 for c in square) if line else square)
         self.assertIn("map_Kd t.png", self.read("t.mtl").decode())
         lines = self.read("t.obj").decode().splitlines()
         self.assertIn("mtllib t.mtl", lines)
@@ -320,7 +499,7 @@ class Solve(Case):
         self.assertLess(report["dilatation_mean"], 1.2)
         # Not harmonic: refused with the remedy; what else was asked for is written.
         self.refused(3, "solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj"), "--values", self.path("u.csv"),
-                     says=["hmf_relax"])
+                     says=["--method newton"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
 
     def test_start(self):
@@ -349,15 +528,35 @@ class Solve(Case):
         self.refused(2, "solve", self.mesh, "--start", first, "--loops", "cut", says=["--start"])
         self.refused(2, "solve", self.mesh, "--start", first, "--values", first, says=["input"])
         self.refused(2, "solve", self.mesh, "--start", self.mesh, says=[".csv"])
+        # Without --loops the class, and so the weights, are those of the values.
+        self.refused(2, "solve", self.mesh, "--start", first, "--weights", "2", says=["--weights", "no effect"])
+        self.refused(2, "solve", self.mesh, "--start", first, "--save-loops", self.path("l.txt"), says=["--save-loops"])
+        self.run_tool("solve", self.mesh, "--weights", "3", "--values", first)
+        self.run_tool("solve", self.mesh, "--start", first, "--leaves", self.path("l.obj"), "--report", report)
+        found = json.loads(self.read("r.json"))
+        self.assertEqual([(c["loop"], c["height"]) for c in found["cylinders"]], [(None, 3)])
+        self.assertEqual(found["options"]["weights"], [3])
+        self.assertEqual((found["options"]["loops"], found["options"]["start"]), (None, first))
+
+    def test_start_from_npy(self):
+        binary = self.path("v.npy")
+        self.run_tool("solve", self.mesh, "--values", binary, "--values", self.path("v.csv"), "--method", "whitehead")
+        for name in ("v.npy", "v.csv"):
+            self.run_tool("solve", self.mesh, "--start", self.path(name), "--values", self.path("from_" + name + ".csv"))
+        self.assertEqual(self.read("from_v.npy.csv"), self.read("from_v.csv.csv"))
+        content = self.read("v.npy")
+        for bad, says in ((content[:-8], "not one row"), (content + b"x", "not one row"), (content[:40], "ends in its header"), (content[:7], "ends in its header"),
+                          (content.replace(b"<f8", b"<f4"), "not one row"), (content.replace(b",), }", b",1)}"), "not one row")):
+            self.refused(3, "solve", self.mesh, "--start", self.write("bad.npy", bad), says=["bad.npy", says, "--values"])
 
     def test_mollify(self):
         points = list(self.points)
         a, b, c = self.triangles[0]
         points[a] = tuple((p + q) / 2 for p, q in zip(points[b], points[c]))
         mesh = self.write("flat.obj", obj_text(points, self.triangles))
-        self.refused(3, "solve", mesh, says=["no area", "mollify"])
+        self.refused(3, "solve", mesh, says=["no area", "--mollify 1e-5"])
         self.run_tool("solve", mesh, "--mollify", "1e-5")
-        self.refused(2, "solve", mesh, "--mollify", "0.5", says=["mollify in [0, 0.1]"])
+        self.refused(2, "solve", mesh, "--mollify", "0.5", says=["--mollify", "[0, 0.1]"])
 
     def test_same_bits_twice(self):
         for name in ("a.csv", "b.csv"):
@@ -448,7 +647,12 @@ class Solve(Case):
                              "--values", self.path("v.csv"), "--report", self.path("r.json"), status=4)
         self.assertIn("best foliation", done.stderr)
         self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
-        self.assertIs(json.loads(self.read("r.json").decode())["converged"], False)
+        found = json.loads(self.read("r.json").decode())
+        self.assertIs(found["converged"], False)
+        self.assertEqual(found["exit_status"], 4)
+        done = self.run_tool("solve", mesh, "--method", "single-level", "--tolerance", "1e-15", "--time-limit", "0.02", status=4)
+        self.assertNotIn("written", done.stderr)
+        self.assertIn("best foliation", done.stderr)
 
     def test_interrupt_still_writes(self):
         points, quads = torus(240, 150)
@@ -520,11 +724,93 @@ class Leaves(Case):
         self.assertTrue(surface.is_watertight and surface.is_winding_consistent)
         self.assertEqual(surface.euler_number, -4)
 
+    def test_places_of_zeros(self):
+        folder = self.path("demo")
+        self.run_tool("demo", folder)
+        with open(os.path.join(folder, "report.json")) as f:
+            found = json.load(f)
+        self.assertEqual(sum(s["index"] for s in found["singularities"]), found["index_sum"])
+        with open(os.path.join(folder, "sample.obj")) as f:
+            points = [tuple(map(float, line.split()[1:])) for line in f if line[0] == "v"]
+        for s in found["singularities"]:
+            self.assertIn(s["kind"], ("vertex", "triangle", "cluster"))
+            if s["kind"] == "vertex":
+                self.assertEqual(tuple(s["position"]), points[s["element"]])
+
     def test_refusals(self):
         for option in ("--spacing", "--size"):
             self.run_tool("solve", self.mesh, option, "0", status=2)
         self.run_tool("solve", self.mesh, "--leaves", self.path("l.txt"), status=2)
         self.run_tool("solve", self.mesh, "--leaves", self.path("x.obj"), "--quads", self.path("x.obj"), status=2)
+
+
+class Batch(Case):
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("meshes"))
+        points, triangles = tetrahedron()
+        self.write("meshes/a.obj", obj_text(self.points, self.triangles))
+        self.write("meshes/b.OFF", "OFF\nx")
+        self.write("meshes/c.obj", obj_text(points, triangles))
+        self.write("meshes/d.obj", obj_text(self.points, self.quads))
+        self.write("meshes/notes.txt", "no mesh")
+        self.names = [self.path("meshes/" + n) for n in ("a.obj", "b.OFF", "c.obj", "d.obj")]
+        self.out = self.path("out.ndjson")
+
+    def lines(self):
+        return sorted(map(json.loads, self.read("out.ndjson").decode().splitlines()), key=lambda r: r["input"])
+
+    def test_batch(self):
+        for jobs in ("1", "3"):
+            if os.path.exists(self.out):
+                os.remove(self.out)
+            done = self.run_tool("batch", self.path("meshes"), "--jobs", jobs, "--out", self.out, "--loops", "tunnel", "--conformality")
+            self.assertEqual(len(done.stdout.splitlines()), 4)
+            rows = self.lines()
+            self.assertEqual([r["input"] for r in rows], self.names)
+            self.assertEqual([r["exit_status"] for r in rows], [0, 3, 3, 0])
+            self.assertIn("genus 0", rows[2]["errors"][0])
+            self.assertIn("dilatation_mean", rows[0])
+            self.assertEqual(rows[0]["options"]["loops"], "tunnel")
+        self.run_tool("solve", self.names[0], "--loops", "tunnel", "--conformality", "--report", self.path("r.json"))
+        single = json.loads(self.read("r.json"))
+        self.assertEqual(set(rows[0]), set(single))
+        self.assertEqual(rows[0]["energy"], single["energy"])
+
+    def test_resumes(self):
+        self.run_tool("batch", self.path("meshes"), "--out", self.out)
+        whole = self.read("out.ndjson").splitlines(keepends=True)
+        # As after a crash: the last line is cut off, and one is missing.
+        self.write("out.ndjson", whole[0] + whole[1] + whole[2][:50])
+        done = self.run_tool("batch", self.path("meshes"), "--out", self.out)
+        self.assertEqual(len(done.stdout.splitlines()), 2)
+        self.assertEqual(self.read("out.ndjson")[:len(whole[0] + whole[1])], whole[0] + whole[1])
+        self.assertEqual([r["input"] for r in self.lines()], self.names)
+        self.assertEqual(self.run_tool("batch", self.path("meshes"), "--out", self.out).stdout, "")
+
+    def test_refusals(self):
+        self.refused(2, "batch", self.path("meshes"), says=["--out"])
+        self.refused(2, "batch", self.path("meshes"), "--out", self.out, "--jobs", "0", says=["--jobs"])
+        self.refused(2, "batch", self.path("meshes"), "--out", self.out, "--image", "i.png", says=["--image"])
+        self.refused(2, "batch", self.path("meshes"), "--out", self.out, "--spacing", "1", says=["--spacing"])
+        self.refused(5, "batch", self.path("none"), "--out", self.out, says=["none"])
+        self.refused(3, "batch", self.folder.name + "/meshes", "--out", self.write("other.ndjson", "hello\n"), says=["other.ndjson:1:"])
+        self.assertEqual(self.read("other.ndjson"), b"hello\n")
+
+    def test_interrupt(self):
+        points, quads = torus(240, 150)
+        text = obj_text(points, triangles_of(quads))
+        for n in range(3):
+            self.write("meshes/large%d.obj" % n, text)
+        tool = subprocess.Popen([TOOL, "batch", self.path("meshes"), "--out", self.out, "--method", "single-level", "--tolerance", "1e-15"],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+        time.sleep(1.5)
+        os.killpg(tool.pid, signal.SIGINT)
+        _, errors = tool.communicate(timeout=60)
+        self.assertEqual(tool.returncode, 4, errors.decode())
+        self.assertNotIn("large2", self.read("out.ndjson").decode())
+        for row in self.lines():
+            self.assertIn(row["exit_status"], (0, 3))
 
 
 class Demo(Case):
@@ -533,7 +819,7 @@ class Demo(Case):
         done = self.run_tool("demo", folder)
         image = os.path.join(folder, "image.png")
         self.assertIn(image, done.stdout.splitlines()[-1])
-        self.assertEqual({"sample.obj", "image.png", "leaves.obj", "quads.obj", "textured.obj", "textured.mtl", "textured.png", "values.csv", "values.npy", "report.json", "history.csv"}, set(os.listdir(folder)))
+        self.assertEqual({"sample.obj", "image.png", "leaves.obj", "quads.obj", "textured.obj", "textured.mtl", "textured.png", "values.csv", "values.npy", "report.json", "history.csv", "loops.txt"}, set(os.listdir(folder)))
         report = json.loads(self.read("demo/report.json").decode())
         self.assertEqual(report["mesh"]["genus"], 3)
         self.assertGreater(report["mesh"]["vertices"], 15000)

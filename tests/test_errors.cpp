@@ -1,13 +1,13 @@
-// Every status, nothing written on failure, no memory lost: defects of the
-// call, of the mesh, of loops and of values; the n-th allocation fails; the
-// n-th progress call cancels; the memory limit.
+// Every status, and nothing written on failure: defects of the call, of its
+// structures, of the mesh, of loops and of values.
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstddef>
 #include <cstring>
 
 using namespace test;
@@ -23,10 +23,29 @@ void expect_error(hmf_status status, hmf_status expected, const hmf_error& error
     EXPECT_GT(std::strlen(error.message), 10u);
 }
 
+// Of a call that makes an object, call(&object, &error): a failing one leaves NULL.
+template <class T, class Call>
+hmf_error outcome(Call&& call) {
+    hmf_error error{};
+    T* out = reinterpret_cast<T*>(&error); // must be overwritten
+    const hmf_status status = call(&out, &error);
+    EXPECT_EQ(error.status, status);
+    EXPECT_EQ(out == nullptr, status != HMF_OK);
+    if (out && status == HMF_OK) Owned<T>{out};
+    return error;
+}
+
+template <class T, class Call>
+hmf_error expect_failure(hmf_status expected, Call&& call) {
+    const hmf_error error = outcome<T>(std::forward<Call>(call));
+    expect_error(error.status, expected, error);
+    return error;
+}
+
 hmf_status build(const TriMesh& mesh, hmf_error& error, const hmf_build_options* options = nullptr) {
     hmf_hierarchy* hierarchy = reinterpret_cast<hmf_hierarchy*>(&error); // must be overwritten
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), options, &hierarchy, &error);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), options, nullptr, &hierarchy, &error);
     EXPECT_EQ(hierarchy == nullptr, status != HMF_OK);
     hmf_destroy(hierarchy);
     return status;
@@ -58,134 +77,45 @@ TriMesh two_tori(const std::vector<uint32_t>& shared) {
     return mesh;
 }
 
-// Counts bytes and calls; refuses the call number `fail` (from 1).
-struct Meter {
-    uint64_t used = 0, peak = 0, calls = 0, fail = 0;
+template <class T>
+T sized() {
+    T structure;
+    std::memset(static_cast<void*>(&structure), 0, sizeof structure);
+    structure.struct_size = sizeof structure;
+    return structure;
+}
 
-    static void* take(void* user, size_t size) {
-        Meter& meter = *static_cast<Meter*>(user);
-        if (++meter.calls == meter.fail) return nullptr;
-        meter.used += size;
-        meter.peak = std::max(meter.peak, meter.used);
-        // Fresh memory is never zero by luck.
-        void* block = std::malloc(size ? size : 1);
-        std::memset(block, 0xa5, size);
-        return block;
-    }
-    static void give(void* user, void* block, size_t size) {
-        Meter& meter = *static_cast<Meter*>(user);
-        EXPECT_NE(block, nullptr);
-        EXPECT_GE(meter.used, size);
-        meter.used -= size;
-        std::free(block);
-    }
-    hmf_build_options options() {
-        hmf_build_options o;
-        hmf_build_options_init(&o);
-        o.allocate = take;
-        o.release = give;
-        o.allocator_user = this;
-        o.coarsest = 40; // several levels even on small meshes
-        return o;
-    }
-};
-
-struct Progress {
-    uint64_t calls = 0, stop = 0;
-    int32_t answer = HMF_PROGRESS_CANCEL;
-    double last = 0;
-    bool rising = true;
-
-    static int32_t call(void* user, double fraction) {
-        Progress& p = *static_cast<Progress*>(user);
-        if (!(fraction >= p.last && fraction <= 1)) p.rising = false;
-        p.last = fraction;
-        return ++p.calls == p.stop ? p.answer : HMF_PROGRESS_CONTINUE;
-    }
-};
-
-// Every call of the interface once; the first failure ends it.
-hmf_status whole_story(const TriMesh& mesh, const hmf_build_options& options, int32_t method) {
-    hmf_hierarchy* h = nullptr;
+// A structure of an older header ends early, and what is not there is the
+// default; one of a newer header must end in zeros.  call(structure, error)
+// returns a status; `least` bytes are enough for it to succeed.
+template <class T, class Call>
+void expect_sizes(const T& good, Call&& call, size_t least = sizeof(uint32_t)) {
+    struct Longer {
+        T known;
+        uint64_t future;
+    } longer;
+    std::memset(static_cast<void*>(&longer), 0, sizeof longer);
+    longer.known = good;
     hmf_error error{};
-    hmf_status s = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                             mesh.triangle_count(), &options, &h, &error);
-    if (s != HMF_OK) {
-        EXPECT_EQ(h, nullptr);
-        EXPECT_EQ(error.status, s);
-        return s;
+    longer.known.struct_size = sizeof longer;
+    EXPECT_EQ(call(&longer.known, &error), HMF_OK) << error.message;
+    longer.future = 1;
+    expect_error(call(&longer.known, &error), HMF_ERROR_OPTIONS, error);
+    // What lies beyond struct_size is not read.
+    T cut;
+    for (size_t size = least; size < sizeof good; size += 4) {
+        std::memset(static_cast<void*>(&cut), 0xff, sizeof cut);
+        std::memcpy(static_cast<void*>(&cut), &good, size);
+        cut.struct_size = static_cast<uint32_t>(size);
+        error = hmf_error{};
+        EXPECT_EQ(call(&cut, &error), HMF_OK) << size << " bytes: " << error.message;
     }
-    const size_t coarsest = hmf_level_count(h) - 1;
-    hmf_level_info fine{}, coarse{};
-    EXPECT_EQ(hmf_level_counts(h, 0, &fine, nullptr), HMF_OK);
-    EXPECT_EQ(hmf_level_counts(h, coarsest, &coarse, nullptr), HMF_OK);
-    std::vector<uint64_t> offsets(hmf_genus(h) + 1);
-    std::vector<uint32_t> elements(coarse.triangle_count * offsets.size());
-    std::vector<double> start(coarse.edge_count), values(fine.edge_count, -1), residual(fine.vertex_count, -1),
-        carried(fine.edge_count, -1);
-    std::vector<int32_t> index(fine.vertex_count, 77);
-    size_t loops = 0, total = 0, list = 0;
-    double energy = -1;
-    hmf_solve_options solve = solve_options(method, 1e-3, 40);
-    hmf_loop_set set{};
-    const size_t n = fine.edge_count;
-    const auto untouched = [](const std::vector<double>& v) {
-        return std::count(v.begin(), v.end(), -1.0) == static_cast<long>(v.size());
-    };
-
-    s = hmf_loops(h, coarsest, HMF_LOOPS_CUT, offsets.data(), offsets.size(), elements.data(), elements.size(), &loops,
-                  &total, &error);
-    if (s == HMF_OK) {
-        set.struct_size = sizeof set;
-        set.element_kind = HMF_LOOP_TRIANGLES;
-        set.level = coarsest;
-        set.count = loops;
-        set.offsets = offsets.data();
-        set.elements = elements.data();
-        s = hmf_initialize(h, &set, start.data(), start.size(), &error);
+    for (const uint32_t size : {0u, 1u, 3u, 1u << 20}) {
+        cut = good;
+        cut.struct_size = size;
+        error = hmf_error{};
+        expect_error(call(&cut, &error), HMF_ERROR_OPTIONS, error);
     }
-    if (s == HMF_OK) {
-        s = hmf_interpolate(h, coarsest, start.data(), start.size(), 0, carried.data(), n, &error);
-        EXPECT_TRUE(s == HMF_OK || untouched(carried));
-    }
-    if (s == HMF_OK) {
-        hmf_report report{};
-        report.struct_size = sizeof report;
-        s = hmf_solve(h, &set, &solve, values.data(), n, &report, &error);
-        if (s >= HMF_ERROR_NULL) {
-            EXPECT_TRUE(untouched(values));
-        } else {
-            s = HMF_OK; // a limit
-        }
-    }
-    if (s == HMF_OK) {
-        const std::vector<double> before = carried;
-        s = hmf_relax(h, 0, &solve, carried.data(), n, nullptr, &error);
-        if (s >= HMF_ERROR_NULL) {
-            EXPECT_EQ(carried, before);
-        } else {
-            s = HMF_OK;
-        }
-    }
-    if (s == HMF_OK) {
-        s = hmf_energy(h, 0, values.data(), n, &energy, &error);
-        EXPECT_TRUE(s == HMF_OK || energy == -1);
-    }
-    if (s == HMF_OK) {
-        s = hmf_residuals(h, 0, values.data(), n, residual.data(), residual.size(), &error);
-        EXPECT_TRUE(s == HMF_OK || untouched(residual));
-    }
-    if (s == HMF_OK) {
-        s = hmf_singularities(h, 0, values.data(), n, index.data(), index.size(), nullptr, 0, nullptr, 0, nullptr, 0,
-                              &list, &error);
-        EXPECT_TRUE(s == HMF_OK || std::count(index.begin(), index.end(), 77) == static_cast<long>(index.size()));
-    }
-    if (s != HMF_OK) {
-        EXPECT_EQ(error.status, s);
-        EXPECT_GT(std::strlen(error.message), 10u);
-    }
-    hmf_destroy(h);
-    return s;
 }
 
 // Loops and values on a small torus of one level.
@@ -208,65 +138,81 @@ protected:
         for (uint32_t i = 0; i < n; ++i) loop.insert(loop.end(), {2 * (i * m + j) + 1, 2 * (i * m + j)});
         return loop;
     }
+    hmf_error initialized(const hmf_loop_set* set) {
+        return outcome<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+            return hmf_initialize(hierarchy.get(), set, nullptr, out, error);
+        });
+    }
+    hmf_error solved(const hmf_loop_set* set, const hmf_solve_options* options = nullptr) {
+        return outcome<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+            return hmf_solve(hierarchy.get(), set, options, nullptr, out, error);
+        });
+    }
     void expect_loops(const std::vector<std::vector<uint32_t>>& given, hmf_status expected, uint64_t bad_loop,
                       const std::vector<double>& weights = {}) {
         Loops loops;
         for (const auto& loop : given) loops.add(loop);
         loops.weights = weights;
         const hmf_loop_set set = loops.view();
-        std::vector<double> values(mesh.edge_count, -1);
-        const std::vector<double> before = values;
-        hmf_error error{};
-        hmf_status status = hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error);
-        if (expected == HMF_OK) {
-            EXPECT_EQ(status, HMF_OK) << error.message;
-            return;
+        for (const hmf_error& error : {initialized(&set), solved(&set)}) {
+            if (expected == HMF_OK) {
+                EXPECT_EQ(error.status, HMF_OK) << error.message;
+                continue;
+            }
+            expect_error(error.status, expected, error);
+            EXPECT_EQ(error.element, HMF_ELEMENT_LOOP);
+            EXPECT_EQ(error.index, bad_loop);
         }
-        expect_error(status, expected, error);
-        EXPECT_EQ(error.element, HMF_ELEMENT_LOOP);
-        EXPECT_EQ(error.index, bad_loop);
-        EXPECT_EQ(values, before);
-        error = hmf_error{};
-        status = hmf_solve(hierarchy.get(), &set, nullptr, values.data(), values.size(), nullptr, &error);
-        expect_error(status, expected, error);
-        EXPECT_EQ(values, before);
     }
-    std::vector<double> valid_values() {
+    Foliation good() {
         Loops loops;
         loops.add(ring(3));
-        std::vector<double> values(mesh.edge_count);
-        const hmf_loop_set set = loops.view();
-        EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), nullptr), HMF_OK);
-        return values;
+        return initialize(hierarchy, loops);
     }
-    // poles: hmf_singularities accepts them, it is what it counts.
+    hmf_error created(const std::vector<double>& values, size_t level = 0) {
+        return outcome<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+            return hmf_foliation_create(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
+        });
+    }
     void expect_values(const std::vector<double>& values, hmf_status expected) {
-        std::vector<double> work = values, out(mesh.edge_count, -1), residual(mesh.vertex_count, -1);
-        double energy = -1;
-        size_t count = 12345;
+        const hmf_error error = created(values);
+        expect_error(error.status, expected, error);
+    }
+    // Only what counts poles accepts them.
+    void expect_poles(const std::vector<double>& values) {
+        const Foliation f = create(hierarchy, 0, values);
+        ASSERT_TRUE(f);
+        EXPECT_EQ(values_of(f), values);
+        EXPECT_GE(energy(f), 0);
+        const Indices own = count_indices(mesh, values);
+        ASSERT_GT(own.poles, 0u);
+        const auto set = singularities(f);
+        size_t poles = 0;
+        long sum = 0;
+        for (size_t i = 0; i < set->count; ++i) poles += set->list[i].index > 0, sum += set->list[i].index;
+        EXPECT_EQ(poles, own.poles);
+        EXPECT_EQ(sum, 0);
+
+        const hmf_status refused = HMF_ERROR_VALUE_POLE;
+        std::vector<double> residual(mesh.vertex_count, -1);
         hmf_error error{};
-        expect_error(hmf_relax(hierarchy.get(), 0, nullptr, work.data(), work.size(), nullptr, &error), expected,
-                     error);
-        EXPECT_EQ(std::memcmp(work.data(), values.data(), work.size() * sizeof(double)), 0);
-        error = hmf_error{};
-        expect_error(
-            hmf_interpolate(hierarchy.get(), 0, values.data(), values.size(), 0, out.data(), out.size(), &error),
-            expected, error);
-        EXPECT_EQ(std::count(out.begin(), out.end(), -1.0), static_cast<long>(out.size()));
-        if (expected == HMF_ERROR_VALUE_POLE) return;
-        error = hmf_error{};
-        expect_error(hmf_energy(hierarchy.get(), 0, values.data(), values.size(), &energy, &error), expected, error);
-        EXPECT_EQ(energy, -1);
-        error = hmf_error{};
-        expect_error(
-            hmf_residuals(hierarchy.get(), 0, values.data(), values.size(), residual.data(), residual.size(), &error),
-            expected, error);
+        expect_error(hmf_residuals(f.get(), nullptr, residual.data(), residual.size(), &error), refused, error);
         EXPECT_EQ(std::count(residual.begin(), residual.end(), -1.0), static_cast<long>(residual.size()));
-        error = hmf_error{};
-        expect_error(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0,
-                                       nullptr, 0, nullptr, 0, &count, &error),
-                     expected, error);
-        EXPECT_EQ(count, 12345u);
+        hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 0);
+        expect_failure<hmf_foliation>(
+            refused, [&](auto out, hmf_error* e) { return hmf_relax(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_foliation>(
+            refused, [&](auto out, hmf_error* e) { return hmf_interpolate(f.get(), 0, nullptr, out, e); });
+        options.start = f.get();
+        expect_error(solved(nullptr, &options).status, refused, solved(nullptr, &options));
+        expect_failure<hmf_parameterization>(
+            refused, [&](auto out, hmf_error* e) { return hmf_parameterize(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_lines>(refused,
+                                  [&](auto out, hmf_error* e) { return hmf_trace(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_cylinder_set>(
+            refused, [&](auto out, hmf_error* e) { return hmf_cylinders(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_quad_mesh>(
+            refused, [&](auto out, hmf_error* e) { return hmf_quads(f.get(), nullptr, nullptr, out, e); });
     }
 };
 
@@ -277,49 +223,93 @@ protected:
 TEST_F(OnTorus, NullPointers) {
     const TriMesh t = small_torus();
     hmf_error error{};
+    const double* positions = t.positions.data();
+    const uint32_t* triangles = t.triangles.data();
+    const size_t vertices = t.vertex_count(), faces = t.triangle_count();
     hmf_hierarchy* h = nullptr;
-    expect_error(hmf_build(nullptr, t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr, &h, &error),
-                 HMF_ERROR_NULL, error);
-    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, nullptr, t.triangle_count(), nullptr, &h, &error),
-                 HMF_ERROR_NULL, error);
-    expect_error(hmf_build(t.positions.data(), t.vertex_count(), 0, t.triangles.data(), t.triangle_count(), nullptr,
-                           nullptr, &error),
-                 HMF_ERROR_NULL, error);
+    expect_error(hmf_build(nullptr, vertices, triangles, faces, nullptr, nullptr, &h, &error), HMF_ERROR_NULL, error);
+    expect_error(hmf_build(positions, vertices, nullptr, faces, nullptr, nullptr, &h, &error), HMF_ERROR_NULL, error);
+    expect_error(hmf_build(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error), HMF_ERROR_NULL,
+                 error);
     EXPECT_EQ(h, nullptr);
+    // First the object is missing, then the output.
+    const Foliation f = good();
+    const std::vector<double> values = values_of(f);
+    const double* const v = values.data();
+    const size_t count = values.size();
     hmf_level_info info{};
     uint32_t index = 0;
     double value = 0;
-    size_t count = 0;
-    const hmf_hierarchy* g = hierarchy.get();
-    for (const hmf_hierarchy* x : {static_cast<const hmf_hierarchy*>(nullptr), g}) {
-        // With a hierarchy it is the output that is missing.
-        expect_error(hmf_level_counts(x, 0, x ? nullptr : &info, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_level_edge_vertices(x, 0, x ? nullptr : &index, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_level_triangle_edges(x, 0, x ? nullptr : &index, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_level_triangle_vertices(x, 0, x ? nullptr : &index, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_level_weights(x, 0, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_level_positions(x, 0, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, 0, nullptr, 0, x ? nullptr : &count, &count, &error),
-                     HMF_ERROR_NULL, error);
-        expect_error(hmf_solve(x, nullptr, nullptr, x ? nullptr : &value, 1, nullptr, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_relax(x, 0, nullptr, x ? nullptr : &value, 1, nullptr, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_interpolate(x, 0, x ? nullptr : &value, mesh.edge_count, 0, &value, mesh.edge_count, &error),
-                     HMF_ERROR_NULL, error);
-        expect_error(hmf_energy(x, 0, x ? nullptr : &value, mesh.edge_count, &value, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_residuals(x, 0, &value, 1, x ? nullptr : &value, 1, &error), HMF_ERROR_NULL, error);
-        expect_error(hmf_singularities(x, 0, &value, 1, nullptr, 0, nullptr, 0, nullptr, 0, nullptr, 0,
-                                       x ? nullptr : &count, &error),
-                     HMF_ERROR_NULL, error);
+    for (const bool there : {false, true}) {
+        SCOPED_TRACE(there);
+        const hmf_hierarchy* const x = there ? hierarchy.get() : nullptr;
+        const hmf_foliation* const y = there ? f.get() : nullptr;
+        uint32_t* const indices = there ? nullptr : &index;
+        double* const reals = there ? nullptr : &value;
+        const auto check = [&](hmf_status status) {
+            expect_error(status, HMF_ERROR_NULL, error);
+            error = hmf_error{};
+        };
+        check(hmf_level_counts(x, 0, there ? nullptr : &info, &error));
+        check(hmf_level_edge_vertices(x, 0, indices, 1, &error));
+        check(hmf_level_triangle_edges(x, 0, indices, 1, &error));
+        check(hmf_level_triangle_vertices(x, 0, indices, 1, &error));
+        check(hmf_level_weights(x, 0, reals, 1, &error));
+        check(hmf_level_positions(x, 0, reals, 1, &error));
+        check(hmf_energy(y, nullptr, reals, &error));
+        check(hmf_residuals(y, nullptr, reals, mesh.vertex_count, &error));
+        const auto make = [&](auto* kind, auto&& call) {
+            using T = std::remove_pointer_t<decltype(kind)>;
+            if (there) {
+                check(call(static_cast<T**>(nullptr), &error));
+            } else {
+                expect_failure<T>(HMF_ERROR_NULL, call);
+            }
+        };
+        make(static_cast<hmf_loop_set*>(nullptr),
+             [&](auto out, auto e) { return hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, out, e); });
+        hmf_foliation* const made = nullptr;
+        make(made, [&](auto out, auto e) { return hmf_initialize(x, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_foliation_create(x, 0, v, count, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_solve(x, nullptr, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_relax(y, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_interpolate(y, 0, nullptr, out, e); });
+        make(static_cast<hmf_singularity_set*>(nullptr),
+             [&](auto out, auto e) { return hmf_singularities(y, nullptr, out, e); });
+        make(static_cast<hmf_parameterization*>(nullptr),
+             [&](auto out, auto e) { return hmf_parameterize(y, nullptr, nullptr, out, e); });
+        make(static_cast<hmf_lines*>(nullptr),
+             [&](auto out, auto e) { return hmf_trace(y, nullptr, nullptr, out, e); });
+        make(static_cast<hmf_cylinder_set*>(nullptr),
+             [&](auto out, auto e) { return hmf_cylinders(y, nullptr, nullptr, out, e); });
+        make(static_cast<hmf_quad_mesh*>(nullptr),
+             [&](auto out, auto e) { return hmf_quads(y, nullptr, nullptr, out, e); });
     }
+    expect_failure<hmf_foliation>(HMF_ERROR_NULL, [&](auto out, hmf_error* e) {
+        return hmf_foliation_create(hierarchy.get(), 0, nullptr, count, nullptr, out, e);
+    });
     // The error itself is optional.
     EXPECT_EQ(hmf_level_counts(nullptr, 0, &info, nullptr), HMF_ERROR_NULL);
+    EXPECT_EQ(hmf_energy(nullptr, nullptr, &value, nullptr), HMF_ERROR_NULL);
+}
+
+TEST(Call, NullIsFreed) {
+    hmf_destroy(nullptr);
+    hmf_foliation_destroy(nullptr);
+    hmf_free(nullptr);
+    size_t count = 7;
+    EXPECT_EQ(hmf_foliation_values(nullptr, &count), nullptr);
+    EXPECT_EQ(count, 0u);
+    EXPECT_EQ(hmf_foliation_values(nullptr, nullptr), nullptr);
+    EXPECT_EQ(hmf_foliation_level(nullptr), 0u);
+    EXPECT_EQ(hmf_foliation_unit(nullptr), 0);
+    EXPECT_EQ(hmf_foliation_report(nullptr), nullptr);
 }
 
 TEST_F(OnTorus, BuildOptions) {
     const TriMesh t = small_torus();
     const auto expect_options = [&](void (*change)(hmf_build_options&), hmf_status expected) {
-        hmf_build_options options;
-        hmf_build_options_init(&options);
+        hmf_build_options options = sized<hmf_build_options>();
         change(options);
         hmf_error error{};
         const hmf_status status = build(t, error, &options);
@@ -340,57 +330,139 @@ TEST_F(OnTorus, BuildOptions) {
     expect_options([](hmf_build_options& o) { o.collapse = -1; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_build_options& o) { o.allocate = Meter::take; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_build_options& o) { o.release = Meter::give; }, HMF_ERROR_OPTIONS);
-    expect_options([](hmf_build_options& o) { o.struct_size = 0; }, HMF_ERROR_OPTIONS);
-    // An older, shorter structure; all zero is all default.
-    expect_options(
-        [](hmf_build_options& o) {
-            o.struct_size = offsetof(hmf_build_options, memory_limit);
-            o.memory_limit = 1;
-        },
-        HMF_OK);
-    expect_options(
-        [](hmf_build_options& o) {
-            std::memset(&o, 0, sizeof o);
-            o.struct_size = sizeof o;
-        },
-        HMF_OK);
     expect_options([](hmf_build_options& o) { o.coarsest = UINT64_MAX; }, HMF_OK);
+    expect_options([](hmf_build_options& o) { o.position_stride = 24; }, HMF_OK);
+    expect_options([](hmf_build_options& o) { o.position_stride = 8; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_build_options& o) { o.position_stride = 16; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_build_options& o) { o.position_stride = 25; }, HMF_ERROR_OPTIONS);
+    expect_options([](hmf_build_options& o) { o.position_stride = 28; }, HMF_ERROR_OPTIONS);
+}
 
-    struct Longer {
-        hmf_build_options known;
-        uint64_t future;
-    } longer;
-    std::memset(&longer, 0, sizeof longer);
-    hmf_build_options_init(&longer.known);
-    longer.known.struct_size = sizeof longer;
-    hmf_error error{};
-    EXPECT_EQ(build(t, error, &longer.known), HMF_OK) << error.message;
-    longer.future = 1;
-    expect_error(build(t, error, &longer.known), HMF_ERROR_OPTIONS, error);
-
-    hmf_hierarchy* h = nullptr;
-    for (const size_t stride : {8, 16, 28, 25}) {
-        error = hmf_error{};
-        expect_error(hmf_build(t.positions.data(), t.vertex_count(), stride, t.triangles.data(), t.triangle_count(),
-                               nullptr, &h, &error),
-                     HMF_ERROR_OPTIONS, error);
+TEST_F(OnTorus, StructuresOfOtherHeaders) {
+    const TriMesh t = small_torus();
+    const Foliation f = good();
+    const Solution harmonic = relax(f, solve_options(HMF_METHOD_NEWTON, 0));
+    ASSERT_EQ(harmonic.status, HMF_OK);
+    {
+        SCOPED_TRACE("hmf_build_options");
+        expect_sizes(sized<hmf_build_options>(),
+                     [&](const hmf_build_options* o, hmf_error* error) { return build(t, *error, o); });
+    }
+    {
+        SCOPED_TRACE("hmf_solve_options");
+        expect_sizes(sized<hmf_solve_options>(), [&](const hmf_solve_options* o, hmf_error* error) {
+            *error = solved(nullptr, o);
+            return error->status;
+        });
+        expect_sizes(sized<hmf_solve_options>(), [&](const hmf_solve_options* o, hmf_error* error) {
+            *error =
+                outcome<hmf_foliation>([&](auto out, hmf_error* e) { return hmf_relax(f.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
+        SCOPED_TRACE("hmf_parameterize_options");
+        expect_sizes(sized<hmf_parameterize_options>(), [&](const hmf_parameterize_options* o, hmf_error* error) {
+            *error = outcome<hmf_parameterization>(
+                [&](auto out, hmf_error* e) { return hmf_parameterize(harmonic.foliation.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
+        SCOPED_TRACE("hmf_trace_options");
+        expect_sizes(sized<hmf_trace_options>(), [&](const hmf_trace_options* o, hmf_error* error) {
+            *error = outcome<hmf_lines>([&](auto out, hmf_error* e) { return hmf_trace(f.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
+        SCOPED_TRACE("hmf_quad_options");
+        expect_sizes(sized<hmf_quad_options>(), [&](const hmf_quad_options* o, hmf_error* error) {
+            *error = outcome<hmf_quad_mesh>(
+                [&](auto out, hmf_error* e) { return hmf_quads(harmonic.foliation.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
+        SCOPED_TRACE("hmf_loop_set");
+        Loops loops;
+        loops.add(ring(1));
+        expect_sizes(
+            loops.view(),
+            [&](const hmf_loop_set* set, hmf_error* error) {
+                *error = initialized(set);
+                return error->status;
+            },
+            offsetof(hmf_loop_set, weights));
+    }
+    {
+        SCOPED_TRACE("hmf_control");
+        Progress progress;
+        const hmf_control control = progress.control();
+        const auto every = [&](auto&& call) { expect_sizes(control, call, sizeof control); };
+        const hmf_hierarchy* const h = hierarchy.get();
+        const std::vector<double> values = values_of(f);
+        std::vector<double> residual(mesh.vertex_count);
+        double energy = 0;
+        every([&](const hmf_control* c, hmf_error* error) {
+            hmf_hierarchy* made = nullptr;
+            const hmf_status status = hmf_build(t.positions.data(), t.vertex_count(), t.triangles.data(),
+                                                t.triangle_count(), nullptr, c, &made, error);
+            hmf_destroy(made);
+            return status;
+        });
+        const auto making = [&](auto* kind, auto&& call) {
+            every([&](const hmf_control* c, hmf_error* error) {
+                *error = outcome<std::remove_pointer_t<decltype(kind)>>(
+                    [&](auto out, hmf_error* e) { return call(c, out, e); });
+                return error->status;
+            });
+        };
+        const hmf_foliation *const g = f.get(), *const best = harmonic.foliation.get();
+        hmf_foliation* const foliation = nullptr;
+        const Loops loops = [&] {
+            Loops l;
+            l.add(ring(3));
+            return l;
+        }();
+        const hmf_loop_set set = loops.view();
+        making(static_cast<hmf_loop_set*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_loops(h, 0, HMF_LOOPS_CUT, c, out, e); });
+        making(foliation, [&](auto c, auto out, auto e) { return hmf_initialize(h, &set, c, out, e); });
+        making(foliation, [&](auto c, auto out, auto e) {
+            return hmf_foliation_create(h, 0, values.data(), values.size(), c, out, e);
+        });
+        making(foliation, [&](auto c, auto out, auto e) { return hmf_solve(h, &set, nullptr, c, out, e); });
+        making(foliation, [&](auto c, auto out, auto e) { return hmf_relax(g, nullptr, c, out, e); });
+        making(foliation, [&](auto c, auto out, auto e) { return hmf_interpolate(g, 0, c, out, e); });
+        every([&](const hmf_control* c, hmf_error* e) { return hmf_energy(g, c, &energy, e); });
+        every([&](const hmf_control* c, hmf_error* e) {
+            return hmf_residuals(g, c, residual.data(), residual.size(), e);
+        });
+        making(static_cast<hmf_singularity_set*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_singularities(g, c, out, e); });
+        making(static_cast<hmf_parameterization*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_parameterize(best, nullptr, c, out, e); });
+        making(static_cast<hmf_lines*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_trace(g, nullptr, c, out, e); });
+        making(static_cast<hmf_cylinder_set*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_cylinders(best, &set, c, out, e); });
+        making(static_cast<hmf_quad_mesh*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_quads(best, nullptr, c, out, e); });
+        // Without the function there is nothing to call.
+        hmf_control none = control;
+        none.struct_size = offsetof(hmf_control, progress);
+        EXPECT_EQ(hmf_energy(g, &none, &energy, nullptr), HMF_OK);
     }
 }
 
-TEST_F(OnTorus, SolveOptionsAndReports) {
-    const std::vector<double> start = valid_values();
+TEST_F(OnTorus, SolveOptions) {
+    const Foliation f = good();
     const auto expect_options = [&](const hmf_solve_options& options, hmf_status expected) {
-        std::vector<double> values(mesh.edge_count, -1);
-        const std::vector<double> before = values;
-        hmf_error error{};
-        expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error),
-                     expected, error);
-        EXPECT_EQ(values, before);
-        values = start;
-        error = hmf_error{};
-        expect_error(hmf_relax(hierarchy.get(), 0, &options, values.data(), values.size(), nullptr, &error), expected,
-                     error);
-        EXPECT_EQ(values, start);
+        const hmf_error error = solved(nullptr, &options);
+        expect_error(error.status, expected, error);
+        expect_failure<hmf_foliation>(
+            expected, [&](auto out, hmf_error* e) { return hmf_relax(f.get(), &options, nullptr, out, e); });
     };
     for (const int32_t method : {-1, 4, 99}) expect_options(solve_options(method, 0), HMF_ERROR_OPTIONS);
     for (const double tolerance : {-1e-6, static_cast<double>(NAN), static_cast<double>(INFINITY)})
@@ -401,46 +473,38 @@ TEST_F(OnTorus, SolveOptionsAndReports) {
     options.time_limit = NAN;
     expect_options(options, HMF_ERROR_OPTIONS);
     options = solve_options(HMF_METHOD_WHITEHEAD, 0);
-    options.struct_size = 1;
-    expect_options(options, HMF_ERROR_OPTIONS);
-
-    std::vector<double> values(mesh.edge_count, -1);
-    hmf_error error{};
-    options = solve_options(HMF_METHOD_WHITEHEAD, 0);
     options.stop_level = 1;
-    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), nullptr, &error),
-                 HMF_ERROR_LEVEL, error);
-    options.stop_level = 0;
-    hmf_report report{};
-    expect_error(hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error),
-                 HMF_ERROR_OPTIONS, error);
-    size_t count = 0;
-    expect_error(hmf_loops(hierarchy.get(), 0, 17, nullptr, 0, nullptr, 0, &count, &count, &error), HMF_ERROR_OPTIONS,
-                 error);
+    EXPECT_EQ(solved(nullptr, &options).status, HMF_ERROR_LEVEL);
+
+    expect_failure<hmf_loop_set>(
+        HMF_ERROR_OPTIONS, [&](auto out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, 17, nullptr, out, e); });
     Loops loops;
     loops.add(ring(1));
     hmf_loop_set set = loops.view();
     set.element_kind = 3;
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_OPTIONS, error);
-    set = loops.view();
-    set.struct_size = 2;
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_OPTIONS, error);
+    EXPECT_EQ(initialized(&set).status, HMF_ERROR_OPTIONS);
     set = loops.view();
     set.offsets = nullptr;
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_NULL, error);
-    EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
+    EXPECT_EQ(initialized(&set).status, HMF_ERROR_NULL);
+    set = loops.view();
+    set.elements = nullptr;
+    EXPECT_EQ(initialized(&set).status, HMF_ERROR_NULL);
+    // Loops and a start are two classes.
+    options = solve_options(HMF_METHOD_NEWTON, 0);
+    options.start = f.get();
+    set = loops.view();
+    EXPECT_EQ(solved(&set, &options).status, HMF_ERROR_OPTIONS);
+    EXPECT_EQ(solved(nullptr, &options).status, HMF_OK);
 }
 
 TEST_F(OnTorus, CapacitiesAndLevels) {
     const hmf_hierarchy* h = hierarchy.get();
     const size_t edges = mesh.edge_count, triangles = mesh.triangle_count, vertices = mesh.vertex_count;
-    const std::vector<double> values = valid_values();
+    const Foliation f = good();
+    const std::vector<double> values = values_of(f);
     std::vector<uint32_t> index(3 * edges, 77);
     std::vector<double> reals(3 * edges, -1);
-    std::vector<int32_t> integers(edges, 77);
-    std::vector<uint64_t> offsets(2, 77);
-    std::vector<hmf_singularity> list(1);
-    size_t count = 12345, total = 12345;
+    hmf_level_info info{};
     hmf_error error{};
     for (const hmf_status expected : {HMF_ERROR_CAPACITY, HMF_ERROR_LEVEL}) {
         const size_t level = expected == HMF_ERROR_LEVEL ? 1 : 0, less = expected == HMF_ERROR_CAPACITY ? 1 : 0;
@@ -453,66 +517,39 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
         check(hmf_level_triangle_vertices(h, level, index.data(), 3 * triangles - less, &error));
         check(hmf_level_weights(h, level, reals.data(), edges - less, &error));
         check(hmf_level_positions(h, level, reals.data(), 3 * vertices - less, &error));
-        check(hmf_loops(h, level, HMF_LOOPS_CUT, offsets.data(), 2 - less, nullptr, 0, &count, &total, &error));
-        check(
-            hmf_loops(h, level, HMF_LOOPS_CUT, nullptr, 0, index.data(), less ? 1 : 3 * edges, &count, &total, &error));
-        check(hmf_relax(h, level, nullptr, reals.data(), edges - less, nullptr, &error));
-        check(hmf_interpolate(h, level, values.data(), edges, 0, reals.data(), edges - less, &error));
-        check(hmf_interpolate(h, 0, values.data(), edges - less, level, reals.data(), edges, &error));
-        check(hmf_residuals(h, level, values.data(), edges, reals.data(), vertices - less, &error));
-        check(hmf_energy(h, level, values.data(), edges - less, reals.data(), &error));
-        check(hmf_singularities(h, level, values.data(), edges, integers.data(), vertices - less, nullptr, 0, nullptr,
-                                0, nullptr, 0, &count, &error));
-        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, integers.data(), triangles - less, nullptr,
-                                0, nullptr, 0, &count, &error));
-        check(hmf_singularities(h, level, values.data(), edges, nullptr, 0, nullptr, 0, index.data(), vertices - less,
-                                nullptr, 0, &count, &error));
+        expect_failure<hmf_foliation>(expected, [&](auto out, hmf_error* e) {
+            return hmf_foliation_create(h, level, values.data(), edges - less, nullptr, out, e);
+        });
     }
-    expect_error(hmf_solve(h, nullptr, nullptr, reals.data(), edges - 1, nullptr, &error), HMF_ERROR_CAPACITY, error);
-    Loops loops;
-    loops.add(ring(1));
-    const hmf_loop_set set = loops.view();
-    expect_error(hmf_initialize(h, &set, reals.data(), edges - 1, &error), HMF_ERROR_CAPACITY, error);
+    expect_failure<hmf_foliation>(HMF_ERROR_CAPACITY, [&](auto out, hmf_error* e) {
+        return hmf_foliation_create(h, 0, reals.data(), edges + 1, nullptr, out, e);
+    });
+    expect_error(hmf_residuals(f.get(), nullptr, reals.data(), vertices - 1, &error), HMF_ERROR_CAPACITY, error);
+    EXPECT_EQ(hmf_level_counts(h, 1, &info, &error), HMF_ERROR_LEVEL);
+    expect_failure<hmf_loop_set>(
+        HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) { return hmf_loops(h, 1, HMF_LOOPS_CUT, nullptr, out, e); });
+    expect_failure<hmf_foliation>(HMF_ERROR_LEVEL,
+                                  [&](auto out, hmf_error* e) { return hmf_interpolate(f.get(), 1, nullptr, out, e); });
     EXPECT_EQ(std::count(index.begin(), index.end(), 77u), static_cast<long>(index.size()));
     EXPECT_EQ(std::count(reals.begin(), reals.end(), -1.0), static_cast<long>(reals.size()));
-    EXPECT_EQ(std::count(integers.begin(), integers.end(), 77), static_cast<long>(integers.size()));
-    EXPECT_EQ(std::count(offsets.begin(), offsets.end(), 77u), static_cast<long>(offsets.size()));
-    EXPECT_EQ(count, 12345u);
-    EXPECT_EQ(total, 12345u);
-}
-
-TEST(Call, ListOfSingularitiesHasACapacity) {
-    const Hierarchy hierarchy(pretzel(2, 2));
-    ASSERT_TRUE(hierarchy);
-    const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-6));
-    size_t count = 0;
-    hmf_error error{};
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0, nullptr,
-                                0, nullptr, 0, nullptr, 0, &count, nullptr),
-              HMF_OK);
-    ASSERT_GT(count, 0u);
-    std::vector<hmf_singularity> list(count);
-    size_t again = 12345;
-    expect_error(hmf_singularities(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, 0,
-                                   nullptr, 0, nullptr, 0, list.data(), count - 1, &again, &error),
-                 HMF_ERROR_CAPACITY, error);
-    EXPECT_EQ(again, 12345u);
+    EXPECT_EQ(info.vertex_count, 0u);
+    // More room than needed is as good.
+    EXPECT_EQ(hmf_residuals(f.get(), nullptr, reals.data(), vertices + 1, nullptr), HMF_OK);
+    EXPECT_EQ(hmf_level_weights(h, 0, reals.data(), reals.size(), nullptr), HMF_OK);
 }
 
 TEST(Call, LoopsNeedALevelThatExists) {
     const Hierarchy hierarchy(torus(60, 24, 2, 1), 0.5, 200);
     ASSERT_TRUE(hierarchy);
     Loops loops = library_loops(hierarchy, 1);
-    std::vector<double> values(hierarchy.edges(0), -1);
-    const std::vector<double> before = values;
-    hmf_error error{};
     loops.level = hierarchy.levels();
     const hmf_loop_set set = loops.view();
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LEVEL, error);
-    error = hmf_error{};
-    expect_error(hmf_solve(hierarchy.get(), &set, nullptr, values.data(), values.size(), nullptr, &error),
-                 HMF_ERROR_LEVEL, error);
-    EXPECT_EQ(values, before);
+    expect_failure<hmf_foliation>(HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) {
+        return hmf_initialize(hierarchy.get(), &set, nullptr, out, e);
+    });
+    expect_failure<hmf_foliation>(HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) {
+        return hmf_solve(hierarchy.get(), &set, nullptr, nullptr, out, e);
+    });
 }
 
 // --- The mesh ----------------------------------------------------------------
@@ -528,7 +565,7 @@ TEST(BadMesh, Counts) {
                                 {v, huge}, {SIZE_MAX, f}, {v, SIZE_MAX}, {SIZE_MAX / 8, SIZE_MAX / 8}};
     for (const auto& c : counts) {
         error = hmf_error{};
-        expect_error(hmf_build(x, c[0], 0, t, c[1], nullptr, &h, &error), HMF_ERROR_MESH_COUNTS, error);
+        expect_error(hmf_build(x, c[0], t, c[1], nullptr, nullptr, &h, &error), HMF_ERROR_MESH_COUNTS, error);
         EXPECT_EQ(h, nullptr);
     }
 }
@@ -661,11 +698,8 @@ TEST_F(OnTorus, LoopDefects) {
     expect_loops({star}, HMF_ERROR_LOOP_TRIVIAL, 0);
 
     Loops none;
-    hmf_loop_set set = none.view();
-    std::vector<double> values(mesh.edge_count);
-    hmf_error error{};
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_COUNT,
-                 error);
+    const hmf_loop_set set = none.view();
+    EXPECT_EQ(initialized(&set).status, HMF_ERROR_LOOP_COUNT);
 }
 
 TEST_F(OnTorus, LoopWeights) {
@@ -677,15 +711,13 @@ TEST(BadLoops, WeightsSpanTooMuch) {
     const Hierarchy hierarchy(pretzel(2, 2));
     ASSERT_TRUE(hierarchy);
     Loops loops = library_loops(hierarchy, hierarchy.coarsest());
-    std::vector<double> values(hierarchy.edges(hierarchy.coarsest()));
-    hmf_error error{};
     loops.weights = {1, 1048576};
-    hmf_loop_set set = loops.view();
-    EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_OK) << error.message;
+    EXPECT_TRUE(initialize(hierarchy, loops));
     loops.weights = {1, 1048577};
-    set = loops.view();
-    expect_error(hmf_initialize(hierarchy.get(), &set, values.data(), values.size(), &error), HMF_ERROR_LOOP_WEIGHT,
-                 error);
+    const hmf_loop_set set = loops.view();
+    expect_failure<hmf_foliation>(HMF_ERROR_LOOP_WEIGHT, [&](auto out, hmf_error* e) {
+        return hmf_initialize(hierarchy.get(), &set, nullptr, out, e);
+    });
 }
 
 // A loop that separates the surface is essential all the same.
@@ -699,13 +731,13 @@ TEST(BadLoops, SeparatingLoopIsGood) {
         [](const double*) { return 1.0; }));
     const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, 1e-6));
     ASSERT_LT(solution.status, HMF_ERROR_NULL) << solution.error.message;
-    expect_foliation(hierarchy, read_level(hierarchy, 0), solution.values);
+    expect_foliation(read_level(hierarchy, 0), solution.foliation);
 }
 
 // --- Values ------------------------------------------------------------------
 
 TEST_F(OnTorus, ValueDefects) {
-    const std::vector<double> good = valid_values();
+    const std::vector<double> good = values_of(this->good());
     for (const double bad : {-1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
         std::vector<double> values = good;
         values[33] = bad;
@@ -718,237 +750,15 @@ TEST_F(OnTorus, ValueDefects) {
     for (double& x : values) x = x > 0 ? x + 1e-30 : 1e-30; // no common unit
     values[7] = 1;
     expect_values(values, HMF_ERROR_VALUE_NOT_CLOSED);
-    values.assign(good.size(), 0);
-    expect_values(values, HMF_ERROR_VALUE_POLE);
+}
+
+TEST_F(OnTorus, Poles) {
+    std::vector<double> values(mesh.edge_count, 0);
+    expect_values(values, HMF_ERROR_VALUE_POLE); // the whole surface is one
     // Heights of a function on the vertices: closed, but with extrema.
     for (size_t e = 0; e < mesh.edge_count; ++e)
         values[e] = std::abs(static_cast<double>(mesh.edge_vertices[2 * e])
                              - static_cast<double>(mesh.edge_vertices[2 * e + 1]));
     ASSERT_EQ(closedness_defect(mesh, values), "");
-    const Indices own = count_indices(mesh, values);
-    ASSERT_GT(own.poles, 0u);
-    expect_values(values, HMF_ERROR_VALUE_POLE);
-    // hmf_singularities counts what is there.
-    size_t count = 0;
-    std::vector<hmf_singularity> list(mesh.vertex_count + mesh.triangle_count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), 0, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr, 0,
-                                list.data(), list.size(), &count, nullptr),
-              HMF_OK);
-    size_t poles = 0;
-    long sum = 0;
-    for (size_t i = 0; i < count; ++i) poles += list[i].index > 0, sum += list[i].index;
-    EXPECT_EQ(poles, own.poles);
-    EXPECT_EQ(sum, 0);
-}
-
-// --- Resources ---------------------------------------------------------------
-
-TEST(Resources, EveryAllocationMayFail) {
-    for (const TriMesh& mesh : {torus(12, 8, 2, 1), with_random_flips(plate(2), 20, -1, 3)})
-        for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_NEWTON}) {
-            Meter meter;
-            hmf_status status = whole_story(mesh, meter.options(), method);
-            if (status == HMF_ERROR_UNSUPPORTED) continue;
-            ASSERT_EQ(status, HMF_OK);
-            ASSERT_EQ(meter.used, 0u);
-            const uint64_t calls = meter.calls;
-            ASSERT_GT(calls, 20u);
-            for (uint64_t fail = 1; fail <= calls; ++fail) {
-                Meter failing;
-                failing.fail = fail;
-                status = whole_story(mesh, failing.options(), method);
-                ASSERT_EQ(status, HMF_ERROR_MEMORY) << "allocation " << fail << " of " << calls;
-                ASSERT_EQ(failing.used, 0u) << "allocation " << fail << " of " << calls;
-            }
-        }
-}
-
-TEST(Resources, MemoryLimitIsKept) {
-    const TriMesh mesh = torus(30, 16, 2, 1);
-    uint64_t refused = 0;
-    bool done = false;
-    for (uint64_t limit = 64; !done; limit += limit / 8 + 1) {
-        Meter meter;
-        hmf_build_options options = meter.options();
-        options.memory_limit = limit;
-        const hmf_status status = whole_story(mesh, options, HMF_METHOD_WHITEHEAD);
-        ASSERT_LE(meter.peak, limit);
-        ASSERT_EQ(meter.used, 0u);
-        if (status == HMF_OK) {
-            done = true;
-        } else {
-            ASSERT_EQ(status, HMF_ERROR_MEMORY_LIMIT) << limit;
-            ++refused;
-        }
-        ASSERT_LT(limit, uint64_t{1} << 32) << "no limit is enough";
-    }
-    EXPECT_GT(refused, 10u);
-
-    Meter meter;
-    hmf_build_options options = meter.options();
-    options.memory_limit = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
-    hmf_error error{};
-    EXPECT_EQ(build(mesh, error, &options), HMF_OK) << "the estimate is an upper bound; " << error.message;
-}
-
-// The handle itself counts as well.
-TEST(Resources, MemoryLimitHoldsToTheByte) {
-    for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_NEWTON}) {
-        const TriMesh mesh = torus(30, 16, 2, 1);
-        Meter free;
-        ASSERT_EQ(whole_story(mesh, free.options(), method), HMF_OK);
-        for (const uint64_t spare : {0, 1, 100, 1000}) {
-            Meter meter;
-            hmf_build_options options = meter.options();
-            options.memory_limit = free.peak - spare;
-            EXPECT_EQ(whole_story(mesh, options, method), spare ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << spare;
-            EXPECT_LE(meter.peak, options.memory_limit);
-            EXPECT_EQ(meter.used, 0u);
-        }
-    }
-}
-
-// Large enough for several levels of the linear solver.
-TEST(Resources, AllocationsMayFailInNewton) {
-    Meter meter;
-    const Hierarchy hierarchy(pretzel(2, 3), meter.options());
-    ASSERT_TRUE(hierarchy);
-    const uint64_t held = meter.used, first = meter.calls;
-    const hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 0);
-    const Solution whole = solve(hierarchy, nullptr, options);
-    ASSERT_LT(whole.status, HMF_ERROR_NULL);
-    const uint64_t calls = meter.calls - first;
-    ASSERT_GT(calls, 100u);
-    for (uint64_t n = 1; n <= calls; n += 1 + calls / 60) {
-        meter.fail = meter.calls + n;
-        std::vector<double> values(whole.values.size(), -1);
-        hmf_error error{};
-        hmf_report report{};
-        report.struct_size = sizeof report;
-        const hmf_status status =
-            hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
-        expect_error(status, HMF_ERROR_MEMORY, error);
-        EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
-        ASSERT_EQ(meter.used, held) << "allocation " << n << " of " << calls;
-    }
-}
-
-// A hundred rounds on one hierarchy: memory returns to where it was.
-TEST(Resources, MemoryIsFlat) {
-    Meter meter;
-    const TriMesh mesh = pretzel(2, 1);
-    {
-        const Hierarchy hierarchy(mesh, meter.options());
-        ASSERT_TRUE(hierarchy);
-        const uint64_t held = meter.used;
-        for (int round = 0; round < 100; ++round) {
-            const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-3, 20));
-            ASSERT_LT(solution.status, HMF_ERROR_NULL);
-            EXPECT_LE(held + solution.report.peak_memory_bytes, meter.peak);
-            ASSERT_EQ(meter.used, held);
-        }
-    }
-    EXPECT_EQ(meter.used, 0u);
-}
-
-// --- Progress and limits -----------------------------------------------------
-
-TEST(Progress, RisesToOneAndCancelsTheBuild) {
-    const TriMesh mesh = pretzel(2, 3);
-    Progress all;
-    Meter meter;
-    hmf_build_options options = meter.options();
-    options.progress = Progress::call;
-    options.progress_user = &all;
-    hmf_error error{};
-    ASSERT_EQ(build(mesh, error, &options), HMF_OK) << error.message;
-    EXPECT_TRUE(all.rising);
-    EXPECT_EQ(all.last, 1);
-    ASSERT_GE(all.calls, 3u);
-    // The last call reports the end; there is nothing left to cancel.
-    for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / 50) {
-        for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, 12345}) {
-            Progress progress;
-            progress.stop = stop;
-            progress.answer = answer;
-            options.progress_user = &progress;
-            error = hmf_error{};
-            ASSERT_EQ(build(mesh, error, &options), HMF_CANCELLED) << "call " << stop << " of " << all.calls;
-            EXPECT_EQ(error.status, HMF_CANCELLED);
-            EXPECT_EQ(progress.calls, stop) << "called again after the answer";
-            ASSERT_EQ(meter.used, 0u);
-        }
-    }
-}
-
-TEST(Progress, CancelsOrFinishesTheSolution) {
-    Meter meter;
-    const Hierarchy hierarchy(pretzel(2, 2), meter.options());
-    ASSERT_TRUE(hierarchy);
-    const uint64_t held = meter.used;
-    const LevelMesh mesh = read_level(hierarchy, 0);
-    for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL, HMF_METHOD_NEWTON}) {
-        SCOPED_TRACE(method);
-        Progress all;
-        hmf_solve_options options = solve_options(method, method == HMF_METHOD_NEWTON ? 0 : 1e-5);
-        options.progress = Progress::call;
-        options.progress_user = &all;
-        const Solution whole = solve(hierarchy, nullptr, options);
-        if (whole.status == HMF_ERROR_UNSUPPORTED) continue;
-        ASSERT_LT(whole.status, HMF_CANCELLED) << whole.error.message;
-        EXPECT_TRUE(all.rising);
-        if (whole.status == HMF_OK) { EXPECT_EQ(all.last, 1); }
-        ASSERT_GE(all.calls, 3u);
-        const uint64_t step = 1 + all.calls / 40;
-        for (uint64_t stop = 1; stop < all.calls; stop += step)
-            for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH}) {
-                SCOPED_TRACE(testing::Message() << "call " << stop << " of " << all.calls << " answers " << answer);
-                Progress progress;
-                progress.stop = stop;
-                progress.answer = answer;
-                options.progress_user = &progress;
-                std::vector<double> values(mesh.edge_count, -1);
-                hmf_report report{};
-                report.struct_size = sizeof report;
-                hmf_error error{};
-                const hmf_status status =
-                    hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &report, &error);
-                EXPECT_TRUE(progress.rising);
-                if (answer == HMF_PROGRESS_FINISH && status == HMF_OK) {
-                    EXPECT_EQ(values, whole.values); // asked too late: there was nothing left to improve
-                    continue;
-                }
-                ASSERT_EQ(status, HMF_CANCELLED);
-                EXPECT_EQ(error.status, HMF_CANCELLED);
-                ASSERT_EQ(meter.used, held);
-                if (answer == HMF_PROGRESS_FINISH) {
-                    EXPECT_EQ(report.values_written, 1);
-                } else {
-                    EXPECT_EQ(progress.calls, stop) << "called again after the answer";
-                }
-                if (report.values_written) {
-                    expect_foliation(hierarchy, mesh, values);
-                } else {
-                    EXPECT_EQ(std::count(values.begin(), values.end(), -1.0), static_cast<long>(values.size()));
-                }
-            }
-    }
-}
-
-TEST(Progress, LimitsStillGiveAFoliation) {
-    const Hierarchy hierarchy(pretzel(3, 3), 0.5, 400);
-    ASSERT_TRUE(hierarchy);
-    const LevelMesh mesh = read_level(hierarchy, 0);
-    for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
-        SCOPED_TRACE(method);
-        const Solution few = solve(hierarchy, nullptr, solve_options(method, 1e-14, 2));
-        EXPECT_EQ(few.status, HMF_LIMIT_ITERATIONS);
-        EXPECT_EQ(few.report.converged, 0);
-        expect_foliation(hierarchy, mesh, few.values);
-        hmf_solve_options options = solve_options(method, 1e-15);
-        options.time_limit = 1e-9;
-        const Solution quick = solve(hierarchy, nullptr, options);
-        EXPECT_EQ(quick.status, HMF_LIMIT_TIME);
-        expect_foliation(hierarchy, mesh, quick.values);
-    }
+    expect_poles(values);
 }

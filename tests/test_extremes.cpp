@@ -1,38 +1,23 @@
 // Meshes and moments at the limits: vertices of high degree, needles that
 // rounding can be seen at, surfaces that are much longer than wide, a stop at any call of the progress function.
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "../src/api/values.hpp"
+#include "../src/api/foliation_object.hpp"
 
 using namespace test;
 
 namespace {
 
-struct Outcome {
-    hmf_status status = HMF_ERROR_INTERNAL;
-    hmf_report report{};
-    uint64_t linear_solves = 0; // on the finest level
-};
-
-Outcome run(const Hierarchy& hierarchy, hmf_progress_fn progress = nullptr, void* user = nullptr) {
-    hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-8);
-    options.progress = progress;
-    options.progress_user = user;
-    std::vector<hmf_level_report> levels(hierarchy.levels());
-    std::vector<double> values(hierarchy.edges(0));
-    Outcome result;
-    result.report.struct_size = sizeof result.report;
-    result.report.levels = levels.data();
-    result.report.level_capacity = levels.size();
-    result.status =
-        hmf_solve(hierarchy.get(), nullptr, &options, values.data(), values.size(), &result.report, nullptr);
-    result.linear_solves = levels[0].linear_solves;
-    return result;
+Solution run(const Hierarchy& hierarchy, const hmf_control* control = nullptr) {
+    return solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8), control);
 }
+
+uint64_t finest_linear_solves(const Solution& solution) { return solution.report.levels[0].linear_solves; }
 
 // A wheel with n spokes in triangle f: it stays when the triangulation becomes Delaunay.
 TriMesh with_hub(const TriMesh& mesh, size_t f, uint32_t n) {
@@ -105,15 +90,6 @@ TriMesh with_needles(const TriMesh& mesh, double share) {
     return made;
 }
 
-struct Countdown {
-    uint64_t calls = 0, at = UINT64_MAX;
-};
-
-int32_t cancel_at(void* user, double) {
-    Countdown& countdown = *static_cast<Countdown*>(user);
-    return ++countdown.calls >= countdown.at ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
-}
-
 TEST(Extremes, VertexOfHighDegree) {
     for (uint32_t degree : {40u, 64u, 65u, 130u, 500u})
         for (size_t f : {0u, 11u, 100u}) {
@@ -121,11 +97,11 @@ TEST(Extremes, VertexOfHighDegree) {
             ASSERT_EQ(mesh_defect(mesh), "");
             const Hierarchy hierarchy(mesh);
             ASSERT_TRUE(hierarchy);
-            const Outcome outcome = run(hierarchy);
+            const Solution outcome = run(hierarchy);
             EXPECT_EQ(outcome.status, HMF_OK) << degree << ", " << f;
             EXPECT_LE(outcome.report.residual_max, 1e-8);
             EXPECT_EQ(outcome.report.poles, 0u);
-            EXPECT_LE(outcome.linear_solves, 4u);
+            EXPECT_LE(finest_linear_solves(outcome), 4u);
         }
 }
 
@@ -133,10 +109,10 @@ TEST(Extremes, VertexOfHighDegree) {
 TEST(Extremes, NeedlesNeedAFinerUnitAndNotMoreSteps) {
     const Hierarchy hierarchy(with_needles(torus(14, 8, 3, 1), 1e-7));
     ASSERT_TRUE(hierarchy);
-    const Outcome outcome = run(hierarchy);
+    const Solution outcome = run(hierarchy);
     EXPECT_EQ(outcome.status, HMF_OK);
     EXPECT_LE(outcome.report.residual_max, 1e-8);
-    EXPECT_LE(outcome.linear_solves, 7u);
+    EXPECT_LE(finest_linear_solves(outcome), 7u);
 }
 
 // Short ways round the thin direction are very many: the search is not to get
@@ -153,23 +129,25 @@ TEST(Extremes, TunnelLoopsOfAStretchedSurface) {
     EXPECT_EQ(solution.report.zeros, 12u);
 }
 
-// Values are written after a late cancellation; what is said of them is true.
+// A late cancellation gives a foliation; what is said of it is true.
 TEST(Extremes, NoResidualAfterACancellation) {
     const Hierarchy hierarchy(plate(1), 0.5, 10);
     ASSERT_TRUE(hierarchy);
-    Countdown whole;
-    ASSERT_EQ(run(hierarchy, cancel_at, &whole).status, HMF_OK);
-    size_t written = 0;
-    for (uint64_t at = 1; at <= whole.calls; ++at) {
-        Countdown countdown;
-        countdown.at = at;
-        const Outcome outcome = run(hierarchy, cancel_at, &countdown);
-        if (outcome.status == HMF_OK || !outcome.report.values_written) continue;
-        ++written;
+    Progress whole;
+    hmf_control control = whole.control();
+    ASSERT_EQ(run(hierarchy, &control).status, HMF_OK);
+    size_t given = 0;
+    for (uint64_t stop = 1; stop <= whole.calls; ++stop) {
+        Progress progress;
+        progress.stop = stop;
+        control = progress.control();
+        const Solution outcome = run(hierarchy, &control);
+        if (outcome.status == HMF_OK || !outcome.foliation) continue;
+        ++given;
         EXPECT_EQ(outcome.status, HMF_CANCELLED);
-        EXPECT_LT(outcome.report.residual_max, 0) << at;
+        EXPECT_LT(outcome.report.residual_max, 0) << stop;
     }
-    EXPECT_GT(written, 0u);
+    EXPECT_GT(given, 0u);
 }
 
 } // namespace
@@ -185,12 +163,14 @@ TEST(Extremes, ValuesThatADoubleCannotHold) {
     ASSERT_TRUE(state.allocate(*hierarchy.get(), 0, memory));
     state.load(0, hmf::Side::input);
     for (size_t e = 0; e < hierarchy.edges(0); ++e) state.foliation.value[e] = int64_t{1} << 53;
-    std::vector<double> values(hierarchy.edges(0), -1);
-    ASSERT_EQ(hmf::export_values(state, 0.5, values.data(), call), HMF_OK);
-    for (const double x : values) ASSERT_EQ(x, std::ldexp(1.0, 52));
+    hmf::Making making;
+    making.unit = 0.5;
+    hmf_foliation* made = nullptr;
+    ASSERT_EQ(hmf::make_foliation(state, making, call, &made), HMF_OK);
+    for (const double x : values_of(Foliation(made))) ASSERT_EQ(x, std::ldexp(1.0, 52));
     state.foliation.value[3] += 2;
-    values.assign(values.size(), -1);
-    EXPECT_EQ(hmf::export_values(state, 0.5, values.data(), call), HMF_ERROR_UNSUPPORTED);
+    made = nullptr;
+    EXPECT_EQ(hmf::make_foliation(state, making, call, &made), HMF_ERROR_UNSUPPORTED);
     EXPECT_EQ(error.element, HMF_ELEMENT_EDGE);
-    for (const double x : values) EXPECT_EQ(x, -1);
+    EXPECT_EQ(made, nullptr);
 }

@@ -81,14 +81,14 @@ Kinds expect_solved(const TriMesh& mesh, const char* what) {
     if (!hierarchy) return {};
     const Kinds found = kinds(hierarchy);
     const LevelMesh level = read_level(hierarchy, 0);
-    EXPECT_EQ(level.non_delaunay_count, 0u);
+    EXPECT_EQ(level.raised_count, 0u);
     EXPECT_EQ(hmf::check(hierarchy.get()->levels[0].mesh), nullptr);
     const Solution newton = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
     EXPECT_EQ(newton.status, HMF_OK) << newton.error.message;
     if (newton.status >= HMF_ERROR_NULL) return found;
     EXPECT_LE(newton.report.residual_max, 1e-8);
     EXPECT_EQ(newton.report.bad_flips_left, 0u);
-    expect_foliation(hierarchy, level, newton.values);
+    expect_foliation(level, newton.foliation);
     return found;
 }
 
@@ -175,9 +175,9 @@ TEST(Intrinsic, MovesKeepTheClass) {
             SCOPED_TRACE(sweeps);
             const Solution moves = solve(hierarchy, &loops, solve_options(HMF_METHOD_SINGLE_LEVEL, 1e-9, sweeps));
             ASSERT_LT(moves.status, HMF_ERROR_NULL) << moves.error.message;
-            expect_foliation(hierarchy, read_level(hierarchy, 0), moves.values);
+            expect_foliation(read_level(hierarchy, 0), moves.foliation);
             EXPECT_GE(moves.report.energy, newton.report.energy * (1 - 1e-10));
-            const Solution again = relax(hierarchy, 0, moves.values, solve_options(HMF_METHOD_NEWTON, 0));
+            const Solution again = relax(moves.foliation, solve_options(HMF_METHOD_NEWTON, 0));
             EXPECT_EQ(again.status, HMF_OK) << again.error.message;
             EXPECT_LT(relative(again.report.energy, newton.report.energy), 1e-10);
         }
@@ -198,7 +198,7 @@ TEST(Intrinsic, EnergyDependsOnTheMetricOnly) {
             const Hierarchy hierarchy(bad);
             ASSERT_TRUE(hierarchy);
             EXPECT_GT(hierarchy.get()->intrinsic_flip_count, 100u);
-            EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
+            EXPECT_EQ(read_level(hierarchy, 0).raised_count, 0u);
             const Loops own = plate_loops(hierarchy, 0, holes);
             const Solution solution = solve(hierarchy, &own, solve_options(HMF_METHOD_NEWTON, 1e-9));
             EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
@@ -213,16 +213,16 @@ TEST(Intrinsic, EnergyDependsOnTheMetricOnly) {
 namespace {
 
 hmf_build_options mollified(double margin) {
-    hmf_build_options options;
-    hmf_build_options_init(&options);
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
     options.mollify = margin;
     return options;
 }
 
 hmf_status build_status(const TriMesh& mesh, const hmf_build_options& options) {
     hmf_hierarchy* hierarchy = nullptr;
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &hierarchy, nullptr);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), &options, nullptr, &hierarchy, nullptr);
     hmf_destroy(hierarchy);
     return status;
 }
@@ -250,10 +250,10 @@ TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
         SCOPED_TRACE(margin);
         const Hierarchy hierarchy(mesh, mollified(margin));
         ASSERT_TRUE(hierarchy);
-        EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
+        EXPECT_EQ(read_level(hierarchy, 0).raised_count, 0u);
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
-        expect_foliation(hierarchy, read_level(hierarchy, 0), solution.values);
+        expect_foliation(read_level(hierarchy, 0), solution.foliation);
     }
 }
 

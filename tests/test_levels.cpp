@@ -1,5 +1,6 @@
 // The hierarchy as the interface shows it: numbering, counts, weights,
 // positions, ratio, memory.
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -90,7 +91,7 @@ TEST(Levels, EachIsAClosedSurfaceOfTheSameGenus) {
                 if (level > 0) { ASSERT_GT(w, 0); }
             }
         }
-        EXPECT_EQ(read_level(hierarchy, 0).non_delaunay_count, 0u);
+        EXPECT_EQ(read_level(hierarchy, 0).raised_count, 0u);
     }
 }
 
@@ -163,9 +164,12 @@ TEST(Levels, PositionStride) {
     std::vector<double> wide(5 * mesh.vertex_count(), NAN);
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
         std::memcpy(&wide[5 * v], &mesh.positions[3 * v], 3 * sizeof(double));
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
+    options.position_stride = 5 * sizeof(double);
     hmf_hierarchy* hierarchy = nullptr;
-    ASSERT_EQ(hmf_build(wide.data(), mesh.vertex_count(), 5 * sizeof(double), mesh.triangles.data(),
-                        mesh.triangle_count(), nullptr, &hierarchy, nullptr),
+    ASSERT_EQ(hmf_build(wide.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), &options,
+                        nullptr, &hierarchy, nullptr),
               HMF_OK);
     std::vector<double> positions(mesh.positions.size());
     EXPECT_EQ(hmf_level_positions(hierarchy, 0, positions.data(), positions.size(), nullptr), HMF_OK);
@@ -192,27 +196,10 @@ TEST(Levels, BuildIsDeterministicAndFreeOfUnits) {
 }
 
 TEST(Levels, MemoryIsWhatTheAllocatorSaw) {
-    struct Meter {
-        uint64_t used = 0, peak = 0;
-        static void* take(void* user, size_t size) {
-            Meter& meter = *static_cast<Meter*>(user);
-            meter.used += size;
-            if (meter.used > meter.peak) meter.peak = meter.used;
-            return std::malloc(size ? size : 1);
-        }
-        static void give(void* user, void* block, size_t size) {
-            static_cast<Meter*>(user)->used -= size;
-            std::free(block);
-        }
-    };
     for (const auto& sample : sample_meshes()) {
         SCOPED_TRACE(sample.first);
         Meter meter;
-        hmf_build_options options;
-        hmf_build_options_init(&options);
-        options.allocate = Meter::take;
-        options.release = Meter::give;
-        options.allocator_user = &meter;
+        const hmf_build_options options = meter.options(0);
         {
             const Hierarchy hierarchy(sample.second, options);
             ASSERT_TRUE(hierarchy);
@@ -230,9 +217,6 @@ TEST(Levels, NothingForNull) {
     EXPECT_EQ(hmf_hierarchy_memory(nullptr), 0u);
     EXPECT_EQ(hmf_memory_estimate(0, 0, nullptr), 0u);
     EXPECT_EQ(hmf_memory_estimate(SIZE_MAX, SIZE_MAX, nullptr), 0u);
-    hmf_destroy(nullptr);
-    hmf_build_options_init(nullptr);
-    hmf_solve_options_init(nullptr);
 }
 
 TEST(Levels, VersionAndTexts) {

@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <limits>
 
 using namespace test;
@@ -26,30 +24,29 @@ struct Flat {
     std::vector<int32_t> cone;
 };
 
-Flat parameterize(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
-                  const hmf_parameterize_options* options = nullptr) {
+Flat parameterize(const Foliation& foliation, const hmf_parameterize_options* options = nullptr,
+                  const hmf_control* control = nullptr) {
     Flat flat;
-    hmf_level_info info{};
-    if (hmf_level_counts(hierarchy.get(), level, &info, nullptr) != HMF_OK) return flat;
-    flat.uv.assign(6 * info.triangle_count, -7);
-    flat.transition.assign(3 * info.edge_count, -7);
-    flat.seam.assign(info.edge_count, 7);
-    flat.cone.assign(info.vertex_count, -7);
-    flat.dilatation.assign(info.triangle_count, -7);
-    flat.differential.assign(2 * info.triangle_count, -7);
-    flat.numbers.struct_size = sizeof flat.numbers;
-    flat.numbers.vertex_capacity = info.vertex_count;
-    flat.numbers.edge_capacity = info.edge_count;
-    flat.numbers.triangle_capacity = info.triangle_count;
-    flat.numbers.corner_uv = flat.uv.data();
-    flat.numbers.transition = flat.transition.data();
-    flat.numbers.seam = flat.seam.data();
-    flat.numbers.cone = flat.cone.data();
-    flat.numbers.dilatation = flat.dilatation.data();
-    flat.numbers.differential = flat.differential.data();
-    flat.status =
-        hmf_parameterize(hierarchy.get(), level, values.data(), values.size(), options, &flat.numbers, &flat.error);
+    hmf_parameterization* out = reinterpret_cast<hmf_parameterization*>(&flat); // must be overwritten
+    flat.status = hmf_parameterize(foliation.get(), options, control, &out, &flat.error);
+    const Owned<hmf_parameterization> p(out);
+    EXPECT_EQ(out != nullptr, flat.status == HMF_OK);
+    if (!p) return flat;
+    flat.numbers = *p;
+    EXPECT_GE(p->struct_size, sizeof *p);
+    flat.uv.assign(p->corner_uv, p->corner_uv + 6 * p->triangle_count);
+    flat.transition.assign(p->transition, p->transition + 3 * p->edge_count);
+    flat.seam.assign(p->seam, p->seam + p->edge_count);
+    flat.cone.assign(p->cone, p->cone + p->vertex_count);
+    flat.dilatation.assign(p->dilatation, p->dilatation + p->triangle_count);
+    flat.differential.assign(p->differential, p->differential + 2 * p->triangle_count);
     return flat;
+}
+
+hmf_parameterize_options parameterize_options() {
+    hmf_parameterize_options options{};
+    options.struct_size = sizeof options;
+    return options;
 }
 
 Solution harmonic(const Hierarchy& hierarchy, const Loops* loops = nullptr) {
@@ -59,9 +56,13 @@ Solution harmonic(const Hierarchy& hierarchy, const Loops* loops = nullptr) {
 }
 
 // Everything that holds for every parameterisation.  share: of the vertices, at least, whose triangles are all sound.
-void expect_flat_surface(const LevelMesh& mesh, const std::vector<double>& values, const Flat& flat, size_t genus,
+void expect_flat_surface(const LevelMesh& mesh, const Foliation& foliation, const Flat& flat, size_t genus,
                          double share = 0.9) {
     ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
+    ASSERT_EQ(flat.numbers.vertex_count, mesh.vertex_count);
+    ASSERT_EQ(flat.numbers.edge_count, mesh.edge_count);
+    ASSERT_EQ(flat.numbers.triangle_count, mesh.triangle_count);
+    const std::vector<double> values = values_of(foliation);
     // Transitions: the same points from both sides, to the bit; seams are where they are not the identity.
     std::vector<size_t> first(mesh.edge_count, SIZE_MAX);
     size_t seams = 0;
@@ -154,8 +155,8 @@ TEST(Parameterize, ModulusOfATorus) {
         const Loops loops = meridian(hierarchy, hierarchy.coarsest());
         const Solution s = harmonic(hierarchy, &loops);
         const LevelMesh mesh = read_level(hierarchy, 0);
-        const Flat flat = parameterize(hierarchy, 0, s.values);
-        expect_flat_surface(mesh, s.values, flat, 1);
+        const Flat flat = parameterize(s.foliation);
+        expect_flat_surface(mesh, s.foliation, flat, 1);
         // The period of u round the axis is 1, and the area the modulus.
         const double error = std::fabs(flat.numbers.area / modulus - 1);
         EXPECT_LT(error, 0.35 * before) << n; // second order: a quarter
@@ -192,8 +193,8 @@ TEST(Parameterize, SurfacesOfSeveralGenera) {
         ASSERT_TRUE(hierarchy);
         const Solution s = harmonic(hierarchy);
         const LevelMesh mesh = read_level(hierarchy, 0);
-        const Flat flat = parameterize(hierarchy, 0, s.values);
-        expect_flat_surface(mesh, s.values, flat, genus);
+        const Flat flat = parameterize(s.foliation);
+        expect_flat_surface(mesh, s.foliation, flat, genus);
         EXPECT_LT(flat.numbers.dilatation_mean, 1.2);
         EXPECT_NEAR(flat.numbers.area, s.report.energy, 2e-3 * s.report.energy);
         // The map is injective beside the zeros: flips only in triangles near one.
@@ -219,7 +220,7 @@ TEST(Parameterize, DilatationFallsUnderRefinement) {
         const Hierarchy hierarchy(mesh, 0.5, 300);
         ASSERT_TRUE(hierarchy);
         const Loops loops = library_loops(hierarchy, hierarchy.coarsest());
-        const Flat flat = parameterize(hierarchy, 0, harmonic(hierarchy, &loops).values);
+        const Flat flat = parameterize(harmonic(hierarchy, &loops).foliation);
         ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
         EXPECT_LT(flat.numbers.dilatation_median - 1, 0.7 * (median - 1)) << round;
         EXPECT_LT(flat.numbers.dilatation_mean - 1, 0.9 * (mean - 1)) << round;
@@ -235,7 +236,7 @@ TEST(Parameterize, DifferentialOfTheMap) {
     const Hierarchy hierarchy(torus(96, 48, 2, 0.8), 0.5, 300);
     ASSERT_TRUE(hierarchy);
     const Loops loops = meridian(hierarchy, hierarchy.coarsest());
-    const Flat flat = parameterize(hierarchy, 0, harmonic(hierarchy, &loops).values);
+    const Flat flat = parameterize(harmonic(hierarchy, &loops).foliation);
     ASSERT_EQ(flat.status, HMF_OK);
     const LevelMesh mesh = read_level(hierarchy, 0);
     for (size_t t = 0; t < mesh.triangle_count; ++t) {
@@ -266,8 +267,8 @@ TEST(Parameterize, BadTriangulationsGiveTheSameMap) {
         ASSERT_TRUE(hierarchy);
         const Loops loops = plate_loops(hierarchy, 0, 2);
         const Solution s = harmonic(hierarchy, &loops);
-        const Flat flat = parameterize(hierarchy, 0, s.values);
-        expect_flat_surface(read_level(hierarchy, 0), s.values, flat, 2, i ? 0.5 : 0.9);
+        const Flat flat = parameterize(s.foliation);
+        expect_flat_surface(read_level(hierarchy, 0), s.foliation, flat, 2, i ? 0.5 : 0.9);
         area[i] = flat.numbers.area;
         energy[i] = s.report.energy;
     }
@@ -286,9 +287,7 @@ TEST(Parameterize, CoarseLevelsToo) {
         const Solution s = solve(hierarchy, nullptr, options);
         ASSERT_EQ(s.status, HMF_OK);
         const LevelMesh mesh = read_level(hierarchy, level);
-        const std::vector<double> values(s.values.begin(),
-                                         s.values.begin() + static_cast<std::ptrdiff_t>(mesh.edge_count));
-        expect_flat_surface(mesh, values, parameterize(hierarchy, level, values), 2);
+        expect_flat_surface(mesh, s.foliation, parameterize(s.foliation), 2);
     }
 }
 
@@ -297,10 +296,10 @@ TEST(Parameterize, Scaling) {
     const Hierarchy one(mesh, 0.5, 300), eight(scaled(mesh, 8), 0.5, 300);
     Loops loops = library_loops(one, one.coarsest());
     loops.weights.assign(loops.count(), 1);
-    const Flat a = parameterize(one, 0, harmonic(one, &loops).values);
-    const Flat b = parameterize(eight, 0, harmonic(eight, &loops).values);
+    const Flat a = parameterize(harmonic(one, &loops).foliation);
+    const Flat b = parameterize(harmonic(eight, &loops).foliation);
     loops.weights.assign(loops.count(), 4);
-    const Flat c = parameterize(one, 0, harmonic(one, &loops).values);
+    const Flat c = parameterize(harmonic(one, &loops).foliation);
     ASSERT_EQ(a.status, HMF_OK);
     EXPECT_EQ(a.uv, b.uv);
     EXPECT_EQ(a.seam, b.seam);
@@ -312,18 +311,17 @@ TEST(Parameterize, SeamsPreferTheEdgesGiven) {
     const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
     ASSERT_TRUE(hierarchy);
     const Solution s = harmonic(hierarchy);
-    const Flat plain = parameterize(hierarchy, 0, s.values);
+    const Flat plain = parameterize(s.foliation);
     ASSERT_EQ(plain.status, HMF_OK);
     // Every third edge, by a rule that has nothing to do with the seams.
     std::vector<uint32_t> wanted;
     for (uint32_t e = 0; e < plain.seam.size(); ++e)
         if (e % 3 != 0) wanted.push_back(e);
-    hmf_parameterize_options options;
-    hmf_parameterize_options_init(&options);
+    hmf_parameterize_options options = parameterize_options();
     options.seam_edges = wanted.data();
     options.seam_edge_count = wanted.size();
-    const Flat guided = parameterize(hierarchy, 0, s.values, &options);
-    expect_flat_surface(read_level(hierarchy, 0), s.values, guided, 2);
+    const Flat guided = parameterize(s.foliation, &options);
+    expect_flat_surface(read_level(hierarchy, 0), s.foliation, guided, 2);
     const auto off = [](const Flat& flat) {
         size_t count = 0;
         for (size_t e = 0; e < flat.seam.size(); e += 3) count += flat.seam[e];
@@ -337,7 +335,7 @@ TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     const Hierarchy hierarchy(torus_with_finger(40, 20, 60, 30), 0.5, 300);
     ASSERT_TRUE(hierarchy);
     const Solution s = harmonic(hierarchy);
-    const Flat flat = parameterize(hierarchy, 0, s.values);
+    const Flat flat = parameterize(s.foliation);
     ASSERT_EQ(flat.status, HMF_OK) << flat.error.message;
     EXPECT_GT(flat.numbers.degenerate_triangles, 100u);
     EXPECT_TRUE(std::isfinite(flat.numbers.dilatation_mean));
@@ -350,130 +348,20 @@ TEST(Parameterize, Refusals) {
     const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
     ASSERT_TRUE(hierarchy);
     const Solution s = harmonic(hierarchy);
-    std::vector<double> initial(hierarchy.edges(0));
-    const Loops loops = library_loops(hierarchy, 0);
-    const hmf_loop_set set = loops.view();
-    ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, initial.data(), initial.size(), nullptr), HMF_OK);
-    const auto untouched = [](const Flat& flat) {
-        for (const double x : flat.uv) EXPECT_EQ(x, -7);
-        for (const double x : flat.dilatation) EXPECT_EQ(x, -7);
-        for (const int32_t x : flat.cone) EXPECT_EQ(x, -7);
-    };
-    Flat flat = parameterize(hierarchy, 0, initial);
+    Flat flat = parameterize(initialize(hierarchy, library_loops(hierarchy, 0)));
     EXPECT_EQ(flat.status, HMF_ERROR_VALUE_NOT_HARMONIC);
     EXPECT_EQ(flat.error.element, HMF_ELEMENT_VERTEX);
-    untouched(flat);
-    std::vector<double> broken = s.values;
-    for (double& x : broken) x *= x;
-    EXPECT_EQ(parameterize(hierarchy, 0, broken).status, HMF_ERROR_VALUE_NOT_CLOSED);
-    broken = s.values;
-    broken.pop_back();
-    EXPECT_EQ(parameterize(hierarchy, 0, broken).status, HMF_ERROR_CAPACITY);
-    EXPECT_EQ(parameterize(hierarchy, hierarchy.levels(), s.values).status, HMF_ERROR_INTERNAL); // not even called
 
-    hmf_parameterize_options options;
-    hmf_parameterize_options_init(&options);
+    hmf_parameterize_options options = parameterize_options();
     const uint32_t edge = static_cast<uint32_t>(hierarchy.edges(0));
     options.seam_edges = &edge;
     options.seam_edge_count = 1;
-    flat = parameterize(hierarchy, 0, s.values, &options);
+    flat = parameterize(s.foliation, &options);
     EXPECT_EQ(flat.status, HMF_ERROR_OPTIONS);
     EXPECT_EQ(flat.error.index, edge);
-    untouched(flat);
     options.seam_edges = nullptr;
-    EXPECT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_ERROR_OPTIONS);
-    hmf_parameterize_options_init(&options);
+    EXPECT_EQ(parameterize(s.foliation, &options).status, HMF_ERROR_OPTIONS);
+    options = parameterize_options();
     options.tolerance = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_ERROR_OPTIONS);
-
-    hmf_parameterization out{};
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr),
-              HMF_ERROR_OPTIONS);
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, nullptr, nullptr),
-              HMF_ERROR_NULL);
-    EXPECT_EQ(hmf_parameterize(nullptr, 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_ERROR_NULL);
-    // Numbers only.
-    out.struct_size = sizeof out;
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr), HMF_OK);
-    EXPECT_GT(out.area, 0);
-    double uv[6];
-    out.corner_uv = uv;
-    out.triangle_capacity = 1;
-    EXPECT_EQ(hmf_parameterize(hierarchy.get(), 0, s.values.data(), s.values.size(), nullptr, &out, nullptr),
-              HMF_ERROR_CAPACITY);
-}
-
-TEST(Parameterize, CancelledAtEachCall) {
-    const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
-    ASSERT_TRUE(hierarchy);
-    const Solution s = harmonic(hierarchy);
-    struct Counter {
-        int calls = 0, stop = -1;
-        double last = 0;
-        static int32_t call(void* user, double fraction) {
-            Counter& c = *static_cast<Counter*>(user);
-            EXPECT_GE(fraction, c.last);
-            EXPECT_LE(fraction, 1.0);
-            c.last = fraction;
-            return c.calls++ == c.stop ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
-        }
-    };
-    hmf_parameterize_options options;
-    hmf_parameterize_options_init(&options);
-    options.progress = Counter::call;
-    Counter all;
-    options.progress_user = &all;
-    ASSERT_EQ(parameterize(hierarchy, 0, s.values, &options).status, HMF_OK);
-    EXPECT_GT(all.calls, 5);
-    EXPECT_EQ(all.last, 1);
-    for (int n = 0; n + 1 < all.calls; ++n) {
-        Counter counter;
-        counter.stop = n;
-        options.progress_user = &counter;
-        const Flat flat = parameterize(hierarchy, 0, s.values, &options);
-        EXPECT_EQ(flat.status, HMF_CANCELLED) << n;
-        EXPECT_EQ(counter.calls, n + 1);
-        EXPECT_EQ(flat.uv[0], -7);
-    }
-}
-
-TEST(Parameterize, EveryAllocationMayFail) {
-    struct Failing {
-        int calls = 0, stop = -1;
-        size_t used = 0;
-        static void* take(void* user, size_t size) {
-            Failing& f = *static_cast<Failing*>(user);
-            if (f.calls++ == f.stop) return nullptr;
-            f.used += size;
-            return std::malloc(size);
-        }
-        static void give(void* user, void* block, size_t size) {
-            static_cast<Failing*>(user)->used -= size;
-            std::free(block);
-        }
-    } failing;
-    hmf_build_options options;
-    hmf_build_options_init(&options);
-    options.coarsest = 300;
-    options.allocate = Failing::take;
-    options.release = Failing::give;
-    options.allocator_user = &failing;
-    const Hierarchy hierarchy(pretzel(2, 2), options);
-    ASSERT_TRUE(hierarchy);
-    const Solution s = harmonic(hierarchy);
-    const size_t held = failing.used;
-    failing.calls = 0;
-    ASSERT_EQ(parameterize(hierarchy, 0, s.values).status, HMF_OK);
-    const int calls = failing.calls;
-    EXPECT_GT(calls, 30);
-    for (int n = 0; n < calls; ++n) {
-        failing.calls = 0;
-        failing.stop = n;
-        const Flat flat = parameterize(hierarchy, 0, s.values);
-        ASSERT_EQ(flat.status, HMF_ERROR_MEMORY) << "allocation " << n << " of " << calls;
-        ASSERT_EQ(flat.uv[0], -7);
-        ASSERT_EQ(flat.dilatation[0], -7);
-        ASSERT_EQ(failing.used, held) << "allocation " << n << " of " << calls;
-    }
-    failing.stop = -1;
+    EXPECT_EQ(parameterize(s.foliation, &options).status, HMF_ERROR_OPTIONS);
 }

@@ -7,7 +7,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct mesh {
     double* positions;   /* vertex_count x 3 */
@@ -55,39 +54,38 @@ static int read_obj(struct mesh* m, const char* path) {
 int main(int argc, char** argv) {
     struct mesh m = {NULL, NULL, 0, 0};
     hmf_hierarchy* hierarchy = NULL;
+    hmf_foliation* foliation = NULL;
     hmf_error error = {0, 0, 0, ""};
-    hmf_report report;
+    const hmf_report* report;
     hmf_status status;
     size_t edge_count, e;
-    double* values = NULL;
-    uint32_t* ends = NULL;
+    const double* values;
+    uint32_t* ends;
     FILE* csv;
 
     if (argc != 3) return fprintf(stderr, "usage: %s MESH.obj VALUES.csv\n", argv[0]), 2;
     if (!read_obj(&m, argv[1])) return perror(argv[1]), 5;
-    memset(&report, 0, sizeof report);
-    report.struct_size = (uint32_t)sizeof report;
-    edge_count = m.triangle_count * 3 / 2;
-    values = (double*)malloc((edge_count + 1) * sizeof *values);
-    ends = (uint32_t*)malloc((edge_count + 1) * 2 * sizeof *ends);
-    if (!values || !ends) return fprintf(stderr, "out of memory\n"), 5;
 
-    status = hmf_build(m.positions, m.vertex_count, 0, m.triangles, m.triangle_count, NULL, &hierarchy, &error);
-    if (!status) status = hmf_solve(hierarchy, NULL, NULL, values, edge_count, &report, &error);
+    status = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &hierarchy, &error);
+    if (!status) status = hmf_solve(hierarchy, NULL, NULL, NULL, &foliation, &error);
     if (status) fprintf(stderr, "%s: %s\n", hmf_status_string(status), error.message);
-    if (report.values_written) { /* also if a limit ended the optimisation */
+    if (foliation) { /* also if a limit ended the optimisation */
+        report = hmf_foliation_report(foliation);
+        values = hmf_foliation_values(foliation, &edge_count);
         printf("genus %lu, energy %.9g, largest residual %.1e, zeros %lu, poles %lu, %.2f s\n",
-               (unsigned long)hmf_genus(hierarchy), report.energy, report.residual_max, (unsigned long)report.zeros,
-               (unsigned long)report.poles, report.solve_seconds);
+               (unsigned long)hmf_genus(hierarchy), report->energy, report->residual_max, (unsigned long)report->zeros,
+               (unsigned long)report->poles, report->solve_seconds);
+        ends = (uint32_t*)malloc(2 * edge_count * sizeof *ends);
+        if (!ends) return fprintf(stderr, "out of memory\n"), 5;
         hmf_level_edge_vertices(hierarchy, 0, ends, 2 * edge_count, NULL);
         csv = fopen(argv[2], "w");
         for (e = 0; csv && e < edge_count; ++e)
             fprintf(csv, "%lu,%lu,%.17g\n", (unsigned long)ends[2 * e], (unsigned long)ends[2 * e + 1], values[e]);
         if (!csv || fclose(csv)) return perror(argv[2]), 5;
+        free(ends);
     }
+    hmf_foliation_destroy(foliation);
     hmf_destroy(hierarchy);
-    free(values);
-    free(ends);
     free(m.positions);
     free(m.triangles);
     return status != HMF_OK;

@@ -1,5 +1,7 @@
 #include "failure.hpp"
 
+#include <utility>
+
 namespace cli {
 
 static const char* element_name(int32_t element) {
@@ -17,8 +19,37 @@ static const char* element_name(int32_t element) {
 static ExitStatus exit_status_of(hmf_status status) {
     if (status >= HMF_LIMIT_ITERATIONS && status <= HMF_CANCELLED) return EXIT_LIMIT;
     if (status >= 300 && status < 600) return EXIT_BAD_INPUT;
-    if (status == HMF_ERROR_OPTIONS || status == HMF_ERROR_UNSUPPORTED) return EXIT_USAGE;
+    if (status == HMF_ERROR_UNSUPPORTED) return EXIT_BAD_INPUT;
+    if (status == HMF_ERROR_OPTIONS) return EXIT_USAGE;
     return EXIT_RESOURCES;
+}
+
+// The library speaks to programmers; here its advice names the options of the tool.
+static std::string in_words_of_tool(std::string message) {
+    static const std::pair<std::string, std::string> words[] = {
+        {"set mollify in the build options", "give --mollify 1e-5"},
+        {"use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "give --loops cut or --loops pants"},
+        {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
+        {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
+        {"; hmf_singularities lists them", ""},
+        {"Start from hmf_initialize or a result of hmf_solve", "Give a file that --values has written"},
+        {"edge_length", "--size"}};
+    for (const auto& [library, tool] : words)
+        if (const size_t at = message.find(library); at != std::string::npos) message.replace(at, library.size(), tool);
+    // A sentence that no option corresponds to says nothing here.
+    std::string kept;
+    for (size_t begin = 0; begin < message.size();) {
+        size_t end = message.find(". ", begin);
+        end = end == std::string::npos ? message.size() : end + 2;
+        const std::string sentence = message.substr(begin, end - begin);
+        begin = end;
+        bool known = true;
+        for (const char* word : {"hmf_", "HMF_", "NULL", "options", "struct_size", "_limit", "stop_level"})
+            known = known && sentence.find(word) == std::string::npos;
+        if (known) kept += sentence;
+    }
+    while (!kept.empty() && kept.back() == ' ') kept.pop_back();
+    return kept;
 }
 
 void fail_with(hmf_status status, const hmf_error& error, const std::string& subject) {
@@ -26,7 +57,8 @@ void fail_with(hmf_status status, const hmf_error& error, const std::string& sub
     if (error.status == status) {
         if (const char* name = element_name(error.element))
             sentence += std::string(" (") + name + " " + std::to_string(error.index) + ")";
-        if (error.message[0]) sentence += std::string(": ") + error.message;
+        const std::string message = in_words_of_tool(error.message);
+        if (!message.empty()) sentence += ": " + message;
     }
     throw Failure(exit_status_of(status), sentence);
 }

@@ -1,10 +1,10 @@
 // How a command of the tool ends early: an exit status and a sentence.
 #pragma once
 
+#include <hmf/hmf.h>
+
 #include <stdexcept>
 #include <string>
-
-#include "../../include/hmf/hmf.h"
 
 namespace cli {
 

@@ -14,9 +14,9 @@ std::array<double, 3> place(const Foliation& f, uint32_t vertex) {
 
 } // namespace
 
-std::vector<Line> loop_lines(const Foliation& f, const LoopList& loops) {
+std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
     std::vector<Line> lines;
-    for (size_t c = 0; c < loops.count(); ++c) {
+    for (size_t c = 0; c < loops.count; ++c) {
         Line line;
         const size_t first = loops.offsets[c], count = loops.offsets[c + 1] - first;
         for (size_t i = 0; i < count; ++i) {

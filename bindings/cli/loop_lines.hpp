@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "potential.hpp"
-#include "read_loops.hpp"
 
 namespace cli {
 
@@ -13,6 +12,6 @@ using Line = std::vector<std::array<double, 3>>; // closed
 
 // Loops of the input mesh: through their vertices, or through the middles of
 // the edges that their triangles share, smoothed a little.
-std::vector<Line> loop_lines(const Foliation& foliation, const LoopList& loops);
+std::vector<Line> loop_lines(const Foliation& foliation, const hmf_loop_set& loops);
 
 } // namespace cli

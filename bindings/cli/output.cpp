@@ -17,23 +17,25 @@ namespace {
 
 } // namespace
 
-Output::Output(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+Output::Output(const std::string& path) : path_(path), file_(path == "-" ? stdout : std::fopen(path.c_str(), "wb")) {
     if (!file_) refuse(path_, "cannot be written");
+    if (file_ == stdout) return;
     std::setvbuf(file_, nullptr, _IOFBF, 1u << 18);
 }
 
 Output::~Output() {
-    if (file_) std::fclose(file_);
+    if (file_ && file_ != stdout) std::fclose(file_);
 }
 
 void Output::close() {
     const bool failed = std::fflush(file_) != 0 || std::ferror(file_) != 0;
-    const bool unclosed = std::fclose(file_) != 0;
+    const bool unclosed = file_ != stdout && std::fclose(file_) != 0;
     file_ = nullptr;
     if (failed || unclosed) refuse(path_, "cannot be written to the end");
 }
 
 void check_writable(const std::string& path) {
+    if (path == "-") return;
     std::error_code code;
     const bool existed = std::filesystem::exists(path, code);
     std::FILE* file = std::fopen(path.c_str(), "ab");

@@ -1,4 +1,4 @@
-// A file that is written completely or throws Failure(EXIT_RESOURCES).
+// A file that is written completely or throws Failure(EXIT_RESOURCES); "-" is standard output.
 #pragma once
 
 #include <cstdio>

@@ -1,11 +1,11 @@
 // The local potential u of a foliation: |u_i - u_j| = F_ij in each triangle.
 #pragma once
 
+#include <hmf/hmf.h>
+
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include "../../include/hmf/hmf.h"
 
 namespace cli {
 

@@ -1,11 +1,11 @@
 // Loops of the caller, from a text file.
 #pragma once
 
+#include <hmf/hmf.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "../../include/hmf/hmf.h"
 
 namespace cli {
 
@@ -13,8 +13,11 @@ struct LoopList {
     int32_t element_kind = HMF_LOOP_TRIANGLES;
     std::vector<uint64_t> offsets{0};
     std::vector<uint32_t> elements;
-    std::vector<size_t> lines; // of the file, one per loop; empty for loops of the library
+    std::vector<size_t> lines; // of the file, one per loop
     size_t count() const { return offsets.size() - 1; }
+    hmf_loop_set view() const {
+        return {sizeof(hmf_loop_set), element_kind, 0, count(), offsets.data(), elements.data(), nullptr};
+    }
 };
 
 // One loop a line, indices from 0 separated by blanks or commas: vertices of a

@@ -14,7 +14,10 @@
 namespace cli {
 
 std::string read_file(const std::string& path) {
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+    const auto close = [](std::FILE* f) {
+        if (f != stdin) std::fclose(f);
+    };
+    std::unique_ptr<std::FILE, decltype(close)> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"), close);
     if (!file)
         throw Failure(EXIT_RESOURCES,
                       path + ": cannot be opened (" + std::strerror(errno) + "); check the name and the rights");
@@ -35,6 +38,8 @@ std::string extension_of(const std::string& path) {
     return extension;
 }
 
+std::string shown(const std::string& path) { return path == "-" ? "standard input" : path; }
+
 TriangleMesh read_mesh(const std::string& path) {
     const std::string known = ".obj, .off, .ply, .stl, .gltf or .glb", extension = extension_of(path);
     std::optional<readers::Format> format = readers::format_of_extension(extension);
@@ -44,7 +49,8 @@ TriangleMesh read_mesh(const std::string& path) {
     const std::optional<readers::Format> content = readers::format_of_content(file.view());
     if (!format) format = content;
     if (!format)
-        throw Failure(EXIT_BAD_INPUT, path + ": neither its name nor its content says what it is; give " + known);
+        throw Failure(EXIT_BAD_INPUT,
+                      shown(path) + ": neither its name nor its content says what it is; give " + known);
     std::map<std::string, FileBytes> beside;
     const auto neighbour = [&](const std::string& name) {
         const std::string folder = path.substr(0, path.find_last_of("/\\") + 1);
@@ -53,7 +59,8 @@ TriangleMesh read_mesh(const std::string& path) {
     try {
         return readers::read_mesh(file.view(), *format, neighbour);
     } catch (const readers::MeshError& error) {
-        std::string sentence = path + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " + error.what();
+        std::string sentence =
+            shown(path) + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " + error.what();
         if (content && content != format)
             sentence += "; the content looks like " + std::string(readers::name_of(*content)) + ", rename the file";
         throw Failure(EXIT_BAD_INPUT, sentence);

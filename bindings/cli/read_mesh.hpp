@@ -9,7 +9,10 @@ namespace cli {
 
 using readers::TriangleMesh;
 
-// The whole file; throws Failure(EXIT_RESOURCES) when it cannot be read.
+// In sentences.
+std::string shown(const std::string& path);
+
+// The whole file, "-" standard input; throws Failure(EXIT_RESOURCES) when it cannot be read.
 std::string read_file(const std::string& path);
 
 // See readers::read_mesh.  The extension says the format; where there is none, the content.  Throws Failure.

@@ -1,15 +1,45 @@
 #include "read_values.hpp"
 
 #include <charconv>
+#include <cstring>
 
 #include "failure.hpp"
 #include "read_mesh.hpp"
 
 namespace cli {
 
+namespace {
+
+// What write_values_npy writes: one row of doubles.
+std::vector<double> read_npy(const std::string& path, const std::string& bytes, size_t edges) {
+    const auto number = [&](size_t at, size_t count) {
+        uint64_t bits = 0;
+        for (size_t k = count; k-- > 0;) bits = bits << 8 | static_cast<unsigned char>(bytes[at + k]);
+        return bits;
+    };
+    const size_t length_bytes = bytes.size() > 6 && bytes[6] == 1 ? 2 : 4, start = 8 + length_bytes;
+    if (bytes.size() < start || number(8, length_bytes) > bytes.size() - start)
+        throw Failure(EXIT_BAD_INPUT, path + ": ends in its header; give a file that --values has written");
+    const size_t data = start + number(8, length_bytes);
+    const std::string header = bytes.substr(start, data - start);
+    const auto has = [&](const std::string& text) { return header.find(text) != std::string::npos; };
+    if (!has("'<f8'") || !has("'shape': (" + std::to_string(edges) + ",)") || bytes.size() - data != 8 * edges)
+        throw Failure(EXIT_BAD_INPUT, path + ": not one row of " + std::to_string(edges)
+                                          + " doubles, a value for each edge; give a file that --values has written");
+    std::vector<double> values(edges);
+    for (size_t e = 0; e < edges; ++e) {
+        const uint64_t bits = number(data + 8 * e, 8);
+        std::memcpy(&values[e], &bits, sizeof bits);
+    }
+    return values;
+}
+
+} // namespace
+
 std::vector<double> read_values(const std::string& path, const std::vector<uint32_t>& edge_vertices) {
     const std::string text = read_file(path);
     const size_t edges = edge_vertices.size() / 2;
+    if (text.rfind("\x93NUMPY", 0) == 0) return read_npy(path, text, edges);
     std::vector<double> values;
     values.reserve(edges);
     size_t line = 0;

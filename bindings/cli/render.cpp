@@ -467,7 +467,7 @@ double pattern_period(const Foliation& foliation, const Potential& potential) {
     return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
 }
 
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard,
+Image render(const Foliation& foliation, const Potential& potential, const hmf_parameterization* checkerboard,
              const std::vector<Line>& loops) {
     std::vector<Vec> points(foliation.positions.size() / 3);
     for (size_t v = 0; v < points.size(); ++v)

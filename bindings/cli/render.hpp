@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "library.hpp"
 #include "loop_lines.hpp"
-#include "parameterize.hpp"
 #include "potential.hpp"
 
 namespace cli {
@@ -20,7 +20,7 @@ struct Image {
 double pattern_period(const Foliation& foliation, const Potential& potential);
 
 // checkerboard: squares of (u, v) in place of the stripes; NULL: stripes.
-Image render(const Foliation& foliation, const Potential& potential, const Parameterization* checkerboard,
+Image render(const Foliation& foliation, const Potential& potential, const hmf_parameterization* checkerboard,
              const std::vector<Line>& loops);
 
 } // namespace cli

@@ -1,23 +1,20 @@
 #include "solve.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
-#include <memory>
-#include <nlohmann/json.hpp>
+#include <ctime>
+#include <new>
 
-#include "failure.hpp"
 #include "leaves.hpp"
+#include "library.hpp"
+#include "loop_lines.hpp"
 #include "output.hpp"
 #include "potential.hpp"
+#include "progress.hpp"
 #include "read_loops.hpp"
+#include "read_mesh.hpp"
 #include "read_values.hpp"
 #include "render.hpp"
 #include "write_results.hpp"
@@ -26,66 +23,7 @@ namespace cli {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-volatile std::sig_atomic_t interrupted = 0;
-extern "C" void on_interrupt(int) {
-    // The second time the caller does not want to wait.
-    if (interrupted) std::_Exit(130);
-    interrupted = 1;
-}
-
-struct InterruptGuard {
-    void (*previous)(int) = std::signal(SIGINT, on_interrupt);
-    InterruptGuard() = default;
-    ~InterruptGuard() { std::signal(SIGINT, previous == SIG_ERR ? SIG_DFL : previous); }
-    InterruptGuard(const InterruptGuard&) = delete;
-    InterruptGuard& operator=(const InterruptGuard&) = delete;
-};
-
-// One bar for several calls; each fills its part.
-class Progress {
-public:
-    explicit Progress(const char* label) : label_(label), visible_(isatty(STDERR_FILENO) != 0) {}
-    ~Progress() { clear(); }
-    Progress(const Progress&) = delete;
-    Progress& operator=(const Progress&) = delete;
-
-    void part(const char* label, double from, double to) {
-        label_ = label;
-        from_ = from;
-        to_ = to;
-        draw(0);
-    }
-    void clear() {
-        if (visible_ && drawn_) std::fprintf(stderr, "\r\033[K");
-        drawn_ = false;
-    }
-    static int32_t callback(void* user, double fraction) {
-        static_cast<Progress*>(user)->draw(fraction);
-        return interrupted ? HMF_PROGRESS_FINISH : HMF_PROGRESS_CONTINUE;
-    }
-
-private:
-    void draw(double fraction) {
-        if (!visible_ || (drawn_ && fraction < 1 && seconds_since(last_) < 0.05)) return;
-        constexpr int WIDTH = 40;
-        const double all = from_ + (to_ - from_) * std::clamp(fraction, 0.0, 1.0);
-        const int filled = static_cast<int>(std::lround(all * WIDTH));
-        std::fprintf(stderr, "\r\033[K%-8s [", label_);
-        for (int i = 0; i < WIDTH; ++i) std::fputc(i < filled ? '#' : '.', stderr);
-        std::fprintf(stderr, "] %3d%%", static_cast<int>(all * 100));
-        std::fflush(stderr);
-        last_ = Clock::now();
-        drawn_ = true;
-    }
-
-    const char* label_;
-    bool visible_, drawn_ = false;
-    double from_ = 0, to_ = 1;
-    Clock::time_point last_;
-};
+using readers::Json;
 
 // Counts the bytes that the library holds.
 struct Meter {
@@ -105,21 +43,6 @@ struct Meter {
     }
 };
 
-struct DestroyHierarchy {
-    void operator()(hmf_hierarchy* hierarchy) const { hmf_destroy(hierarchy); }
-};
-using Hierarchy = std::unique_ptr<hmf_hierarchy, DestroyHierarchy>;
-
-Hierarchy build(const TriangleMesh& mesh, const std::string& name, const hmf_build_options& options) {
-    hmf_hierarchy* raw = nullptr;
-    hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &raw, &error);
-    if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
-    if (status != HMF_OK) fail_with(status, error, name);
-    return Hierarchy(raw);
-}
-
 // HMF_LOOPS_* of a name, 0 for the name of a file.
 int32_t loop_kind(const std::string& name) {
     if (name == "cut") return HMF_LOOPS_CUT;
@@ -127,29 +50,6 @@ int32_t loop_kind(const std::string& name) {
     if (name == "tunnel") return HMF_LOOPS_TUNNEL;
     if (name == "pants") return HMF_LOOPS_PANTS;
     return 0;
-}
-
-LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind, const std::string& name) {
-    LoopList loops;
-    hmf_error error{};
-    hmf_level_info counts{};
-    hmf_status status = hmf_level_counts(hierarchy, level, &counts, &error);
-    if (status != HMF_OK) fail_with(status, error, name);
-    // Room that nearly always suffices saves computing the loops twice.
-    size_t count = 3 * hmf_genus(hierarchy), element_count = counts.triangle_count;
-    for (int round = 0; round < 2; ++round) {
-        loops.offsets.resize(count + 1);
-        loops.elements.resize(element_count);
-        status = hmf_loops(hierarchy, level, kind, loops.offsets.data(), loops.offsets.size(), loops.elements.data(),
-                           loops.elements.size(), &count, &element_count, &error);
-        if (status != HMF_ERROR_CAPACITY) break;
-        status = hmf_loops(hierarchy, level, kind, nullptr, 0, nullptr, 0, &count, &element_count, &error);
-        if (status != HMF_OK) break;
-    }
-    if (status != HMF_OK) fail_with(status, error, name);
-    loops.offsets.resize(count + 1);
-    loops.elements.resize(element_count);
-    return loops;
 }
 
 const char* method_name(int32_t method) {
@@ -161,294 +61,366 @@ const char* method_name(int32_t method) {
     }
 }
 
-void check(hmf_status status, const hmf_error& error, const std::string& name) {
-    if (status != HMF_OK) fail_with(status, error, name);
-}
+// One run, from the files it reads to the files it writes.
+class Run {
+public:
+    Run(SolveRequest& request, const Options& options) : r_(request), options_(options) {}
 
-// Everything that the pictures need, in the numbering of level 0.
-Foliation collect(const hmf_hierarchy* hierarchy, const TriangleMesh& mesh, std::vector<double> values,
-                  std::vector<double> loop_weights, const std::string& name) {
-    Foliation f;
-    hmf_error error{};
-    f.positions = mesh.positions;
-    f.triangles.resize(mesh.triangles.size());
-    f.triangle_edges.resize(mesh.triangles.size());
-    f.edge_vertices.resize(2 * values.size());
-    check(hmf_level_triangle_vertices(hierarchy, 0, f.triangles.data(), f.triangles.size(), &error), error, name);
-    check(hmf_level_triangle_edges(hierarchy, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error,
-          name);
-    check(hmf_level_edge_vertices(hierarchy, 0, f.edge_vertices.data(), f.edge_vertices.size(), &error), error, name);
-    f.values = std::move(values);
-    f.loop_weights = std::move(loop_weights);
-    size_t count = 0;
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0, nullptr,
-                            0, &count, &error),
-          error, name);
-    f.singular.resize(count);
-    check(hmf_singularities(hierarchy, 0, f.values.data(), f.values.size(), nullptr, 0, nullptr, 0, nullptr, 0,
-                            f.singular.data(), count, &count, &error),
-          error, name);
-    return f;
-}
+    Outcome go() {
+        read();
+        build();
+        choose_loops();
+        solve();
+        describe();
+        write();
+        report();
+        return std::move(outcome_);
+    }
+
+private:
+    void read() {
+        mesh_ = read_mesh(r_.mesh);
+        if (kind_ != 0 || has_start_) return;
+        try {
+            read_ = read_loops(r_.loops, mesh_.vertex_count(), mesh_.triangle_count());
+        } catch (const Failure& failure) {
+            if (failure.exit_status != EXIT_RESOURCES) throw;
+            throw Failure(EXIT_RESOURCES, "--loops: neither a kind of loops nor a file that can be read has the name \""
+                                              + r_.loops + "\"; the kinds are cut, handle, tunnel and pants");
+        }
+    }
+
+    void build() {
+        for (const std::string& path : outputs_of(options_)) {
+            check_writable(path);
+            outcome_.uses_stdout = outcome_.uses_stdout || path == "-";
+        }
+        hmf_build_options options = {};
+        options.struct_size = sizeof options;
+        options.ratio = r_.ratio;
+        options.mollify = r_.mollify;
+        options.coarsest = r_.coarsest;
+        options.collapse = r_.collapse;
+        options.allocate = Meter::allocate;
+        options.release = Meter::release;
+        options.allocator_user = &meter_;
+        const hmf_control* const control = progress_.part("build", 0, 0.35);
+        const Clock::time_point start = Clock::now();
+        hierarchy_ = make<hmf_hierarchy>(name_, [&](hmf_hierarchy** out, hmf_error* error) {
+            return hmf_build(mesh_.positions.data(), mesh_.vertex_count(), mesh_.triangles.data(),
+                             mesh_.triangle_count(), &options, control, out, error);
+        });
+        build_seconds_ = seconds_since(start);
+        hmf_error error{};
+        check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, name_);
+        r_.coarsest = std::max<uint64_t>(r_.coarsest, 40 * hmf_genus(hierarchy_.get()));
+    }
+
+    void choose_loops() {
+        // Loops of the caller are drawn on the input mesh, and the single-level method knows no other; the library's
+        // own are cheapest where it is coarse.
+        const bool fine = kind_ == 0 || r_.method == HMF_METHOD_SINGLE_LEVEL;
+        const Clock::time_point start = Clock::now();
+        if (!has_start_ && kind_ == 0) loops_ = read_.view();
+        else if (!has_start_) {
+            made_ = library_loops(fine ? 0 : hmf_level_count(hierarchy_.get()) - 1);
+            loops_ = *made_;
+        }
+        loops_seconds_ = seconds_since(start);
+        weights_given_ = !r_.weights.empty();
+        // Without loops the weights are for the pictures only.
+        if (!weights_given_) r_.weights.assign(has_start_ ? 1 : loops_.count, 1.0);
+        if (r_.weights.size() != loops_.count && !has_start_)
+            throw Failure(EXIT_USAGE, "--weights: " + std::to_string(r_.weights.size()) + " weights for "
+                                          + std::to_string(loops_.count) + " loops; give one weight per loop");
+        loops_.weights = r_.weights.data();
+    }
+
+    Owned<hmf_loop_set> library_loops(size_t level) {
+        return make<hmf_loop_set>(name_, [&](hmf_loop_set** out, hmf_error* error) {
+            return hmf_loops(hierarchy_.get(), level, kind_, control_, out, error);
+        });
+    }
+
+    // The loops on the input mesh.
+    const hmf_loop_set& fine_loops() {
+        if (loops_.level == 0) return loops_;
+        if (!fine_loops_) fine_loops_ = library_loops(0);
+        return *fine_loops_;
+    }
+
+    Owned<hmf_foliation> start_values() {
+        std::vector<uint32_t> ends(2 * finest_.edge_count);
+        hmf_error error{};
+        check(hmf_level_edge_vertices(hierarchy_.get(), 0, ends.data(), ends.size(), &error), error, name_);
+        const std::vector<double> values = read_values(r_.start, ends);
+        return make<hmf_foliation>(shown(r_.start), [&](hmf_foliation** out, hmf_error* e) {
+            return hmf_foliation_create(hierarchy_.get(), 0, values.data(), values.size(), control_, out, e);
+        });
+    }
+
+    void solve() {
+        hmf_solve_options options = {};
+        options.struct_size = sizeof options;
+        options.method = r_.method;
+        options.tolerance = r_.tolerance;
+        options.time_limit = r_.time_limit;
+        Owned<hmf_foliation> start;
+        if (has_start_) start = start_values();
+        options.start = start.get();
+        const hmf_control* const control = progress_.part("solve", 0.35, 1);
+        hmf_foliation* raw = nullptr;
+        hmf_error error{};
+        status_ = hmf_solve(hierarchy_.get(), has_start_ ? nullptr : &loops_, &options, control, &raw, &error);
+        foliation_.reset(raw);
+        progress_.clear();
+        if (status_ >= HMF_ERROR_NULL) {
+            if (error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size())
+                fail_with(status_, error, shown(r_.loops) + ":" + std::to_string(read_.lines[error.index]));
+            fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(r_.start) : name_);
+        }
+        report_ = hmf_foliation_report(foliation_.get());
+        if (!report_) throw Failure(EXIT_LIMIT, name_ + ": cancelled before there was a result");
+        r_.method = report_->method;
+        if (r_.tolerance == 0) r_.tolerance = r_.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
+        if (status_ == HMF_OK) return;
+        progress_.finish_quietly();
+        outcome_.exit_status = EXIT_LIMIT;
+        const bool written = !outputs_of(options_).empty();
+        outcome_.errors.push_back(name_ + ": " + (status_ == HMF_CANCELLED ? "interrupted" : hmf_status_string(status_))
+                                  + (written ? "; the best foliation so far was written"
+                                             : "; the numbers are those of the best foliation so far"));
+    }
+
+    // Everything that the files need, in the numbering of level 0.
+    void describe() {
+        hmf_error error{};
+        size_t count = 0;
+        const double* const values = hmf_foliation_values(foliation_.get(), &count);
+        f_.values.assign(values, values + count);
+        f_.triangles.resize(3 * finest_.triangle_count);
+        f_.triangle_edges.resize(3 * finest_.triangle_count);
+        f_.edge_vertices.resize(2 * count);
+        const hmf_hierarchy* const h = hierarchy_.get();
+        check(hmf_level_triangle_vertices(h, 0, f_.triangles.data(), f_.triangles.size(), &error), error, name_);
+        check(hmf_level_triangle_edges(h, 0, f_.triangle_edges.data(), f_.triangle_edges.size(), &error), error, name_);
+        check(hmf_level_edge_vertices(h, 0, f_.edge_vertices.data(), f_.edge_vertices.size(), &error), error, name_);
+        const auto singular = make<hmf_singularity_set>(name_, [&](hmf_singularity_set** out, hmf_error* e) {
+            return hmf_singularities(foliation_.get(), nullptr, out, e);
+        });
+        f_.singular.assign(singular->list, singular->list + singular->count);
+        f_.positions = std::move(mesh_.positions);
+    }
+
+    // An output that fails does not take the others with it.
+    template <class Work>
+    void attempt(const char* option, bool wanted, const Work& work) {
+        if (!wanted) return;
+        ExitStatus status = EXIT_RESOURCES;
+        try {
+            work();
+            return;
+        } catch (const Failure& failure) {
+            // The command was right: only this mesh shows that it cannot be.
+            status = failure.exit_status == EXIT_USAGE ? EXIT_BAD_INPUT : failure.exit_status;
+            outcome_.errors.push_back(std::string(option) + ": " + failure.what());
+            if (was_interrupted()) progress_.finish_quietly(); // only the output that was being made is given up
+        } catch (const std::bad_alloc&) { outcome_.errors.push_back(std::string(option) + ": out of memory"); }
+        if (outcome_.exit_status == EXIT_SOLVED || outcome_.exit_status == EXIT_LIMIT) outcome_.exit_status = status;
+    }
+
+    void find_cylinders() {
+        cylinders_ = make<hmf_cylinder_set>(name_, [&](hmf_cylinder_set** out, hmf_error* error) {
+            return hmf_cylinders(foliation_.get(), has_start_ ? nullptr : &loops_, control_, out, error);
+        });
+    }
+
+    void write() {
+        for (const std::string& path : r_.values)
+            attempt("--values", true, [&] {
+                if (extension_of(path) == ".npy") write_values_npy(path, f_.values);
+                else write_values_csv(path, f_);
+            });
+        attempt("--history", !r_.history.empty(), [&] { write_history(r_.history, *report_); });
+        attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
+        control_ = progress_.part("leaves", 0, 1);
+        const bool pictured = !r_.image.empty() || !r_.obj.empty();
+        attempt("--leaves", !r_.leaves.empty() && status_ == HMF_OK, [&] { find_cylinders(); });
+        if (has_start_ && !weights_given_ && (pictured || !r_.leaves.empty()) && status_ == HMF_OK) {
+            // The class of the values has its own weights.  Where they cannot be found stripes may not match.
+            try {
+                if (!cylinders_) find_cylinders();
+                for (uint64_t k = 0; k < cylinders_->count; ++k) {
+                    if (k == 0) r_.weights.clear();
+                    r_.weights.push_back(cylinders_->list[k].height);
+                }
+            } catch (const Failure&) {}
+        }
+        f_.loop_weights = r_.weights;
+        if (r_.spacing == 0 && !r_.leaves.empty())
+            r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
+        attempt("--quads", !r_.quads.empty(),
+                [&] { quads_ = write_quads(r_.quads, foliation_.get(), r_.size, control_, name_); });
+        attempt("--leaves", !r_.leaves.empty(), [&] {
+            leaves_ = write_leaves(r_.leaves, foliation_.get(), r_.spacing, r_.conjugate, control_, name_);
+        });
+        const Potential potential = pictured ? local_potential(f_) : Potential{};
+        const char* const asking = !r_.obj.empty() ? "--obj" : r_.checkerboard ? "--pattern" : "--conformality";
+        attempt(asking, r_.checkerboard || !r_.obj.empty() || r_.conformality, [&] {
+            control_ = progress_.part("unfold", 0, 1);
+            parameterization_ = make<hmf_parameterization>(name_, [&](hmf_parameterization** out, hmf_error* error) {
+                return hmf_parameterize(foliation_.get(), nullptr, control_, out, error);
+            });
+        });
+        attempt("--obj", !r_.obj.empty() && parameterization_,
+                [&] { write_textured_obj(r_.obj, f_, *parameterization_, pattern_period(f_, potential)); });
+        attempt("--image", !r_.image.empty(), [&] {
+            std::vector<Line> lines;
+            if (!has_start_) lines = loop_lines(f_, fine_loops());
+            write_png(r_.image, render(f_, potential, r_.checkerboard ? parameterization_.get() : nullptr, lines));
+        });
+        progress_.clear();
+    }
+
+    void report() {
+        const double seconds = seconds_since(begin_);
+        const hmf_report& r = *report_;
+        if (!r_.report.empty()) {
+            const Json json = report_json(seconds);
+            attempt("--report", true, [&] { write_report(r_.report, json); });
+        }
+        char line[240];
+        std::snprintf(
+            line, sizeof line,
+            ": genus %zu, %llu edges, %llu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s",
+            hmf_genus(hierarchy_.get()), static_cast<unsigned long long>(finest_.edge_count),
+            static_cast<unsigned long long>(loops_.count), r.energy, r.residual_max,
+            static_cast<unsigned long long>(r.zeros), static_cast<unsigned long long>(r.poles), seconds);
+        outcome_.summary = name_ + line;
+    }
+
+    Json report_json(double seconds) const {
+        const hmf_report& r = *report_;
+        Json::Array levels, singular;
+        for (uint64_t k = 0; k < r.level_count; ++k) {
+            const hmf_level_report& level = r.levels[k];
+            levels.push_back(Json{{"vertices", level.vertices},
+                                  {"edges", level.edges},
+                                  {"nld", level.raised_count},
+                                  {"raised_count", level.raised_count},
+                                  {"iterations", level.iterations},
+                                  {"linear_solves", level.linear_solves},
+                                  {"optimize_seconds", level.optimize_seconds},
+                                  {"interpolate_seconds", level.interpolate_seconds}});
+        }
+        static const char* const kinds[] = {"", "vertex", "triangle", "cluster"};
+        for (const hmf_singularity& s : f_.singular)
+            singular.push_back(Json{{"kind", kinds[s.kind & 3]},
+                                    {"index", s.index},
+                                    {"element", s.element},
+                                    {"size", s.size},
+                                    {"position", std::vector<double>(s.position, s.position + 3)}});
+        Json report = {{"version", version_text()},
+                       {"input", r_.mesh},
+                       {"options", values_of(options_)},
+                       {"exit_status", static_cast<int>(outcome_.exit_status)},
+                       {"errors", outcome_.errors},
+                       {"mesh", Json{{"vertices", finest_.vertex_count},
+                                     {"edges", finest_.edge_count},
+                                     {"triangles", finest_.triangle_count},
+                                     {"genus", hmf_genus(hierarchy_.get())}}},
+                       {"method", method_name(r.method)},
+                       {"levels", levels},
+                       {"loops", loops_.count},
+                       {"build_seconds", build_seconds_},
+                       {"loops_seconds", loops_seconds_},
+                       {"solve_seconds", r.solve_seconds},
+                       {"total_seconds", seconds},
+                       {"cpu_seconds", double(std::clock()) / CLOCKS_PER_SEC},
+                       {"energy", r.energy},
+                       {"residual_max", r.residual_max},
+                       {"residual_mean", r.residual_mean},
+                       {"poles", r.poles},
+                       {"zeros", r.zeros},
+                       {"index_sum", r.index_sum},
+                       {"singularities", singular},
+                       {"bad_flips", r.bad_flips},
+                       {"bad_flips_left", r.bad_flips_left},
+                       {"converged", r.converged != 0},
+                       {"peak_memory_bytes", meter_.peak}};
+        if (parameterization_) {
+            const hmf_parameterization& p = *parameterization_;
+            report.set("dilatation_mean", p.dilatation_mean);
+            report.set("dilatation_median", p.dilatation_median);
+            // Not finite where more than a hundredth of the area is degenerate.
+            report.set("dilatation_p99", std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json());
+            report.set("flipped_triangles", p.flipped_triangles);
+            report.set("degenerate_triangles", p.degenerate_triangles);
+            report.set("seam_edges", p.seam_edge_count);
+            report.set("seam_length", p.seam_length);
+            report.set("parameterize_seconds", p.seconds);
+        }
+        if (leaves_ > 0) {
+            Json::Array cylinders;
+            for (uint64_t k = 0; cylinders_ && k < cylinders_->count; ++k) {
+                const hmf_cylinder& c = cylinders_->list[k];
+                cylinders.push_back(Json{{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
+                                         {"height", c.height},
+                                         {"circumference", c.circumference},
+                                         {"modulus", c.modulus},
+                                         {"area", c.area}});
+            }
+            report.set("leaves", leaves_);
+            report.set("cylinders", cylinders);
+        }
+        if (quads_ > 0) report.set("quads", quads_);
+        return report;
+    }
+
+    SolveRequest& r_;
+    const Options& options_;
+    const Clock::time_point begin_ = Clock::now();
+    const std::string name_ = shown(r_.mesh);
+    const bool has_start_ = !r_.start.empty();
+    const int32_t kind_ = loop_kind(r_.loops);
+    Outcome outcome_;
+    Progress progress_;
+    const hmf_control* control_ = nullptr;
+    Meter meter_; // lives longer than all that the library made
+    TriangleMesh mesh_;
+    LoopList read_; // loops of the caller
+    Owned<hmf_hierarchy> hierarchy_;
+    hmf_level_info finest_{};
+    Owned<hmf_loop_set> made_, fine_loops_;
+    hmf_loop_set loops_{}; // those that were used
+    bool weights_given_ = false;
+    double build_seconds_ = 0, loops_seconds_ = 0;
+    hmf_status status_ = HMF_OK;
+    Owned<hmf_foliation> foliation_;
+    const hmf_report* report_ = nullptr;
+    Foliation f_;
+    Owned<hmf_cylinder_set> cylinders_;
+    Owned<hmf_parameterization> parameterization_;
+    size_t leaves_ = 0, quads_ = 0; // written
+};
 
 } // namespace
 
-int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& request) {
-    const std::string& name = request.mesh_name;
-    const Clock::time_point start = Clock::now();
-    const int32_t kind = loop_kind(request.loops);
-    const bool own_loops = kind == 0, has_start = !request.start.empty();
-    LoopList loops;
-    if (own_loops) loops = read_loops(request.loops, mesh.vertex_count(), mesh.triangle_count());
-    for (const std::string& path : request.values) check_writable(path);
-    for (const std::string& path :
-         {request.report, request.history, request.image, request.leaves, request.quads, request.obj})
-        if (!path.empty()) check_writable(path);
-
-    InterruptGuard guard;
-    Progress progress("build");
-    Meter meter;
-    Summary summary;
-
-    hmf_build_options build_options;
-    hmf_build_options_init(&build_options);
-    build_options.ratio = request.ratio;
-    build_options.mollify = request.mollify;
-    build_options.coarsest = request.coarsest;
-    build_options.collapse = request.collapse;
-    build_options.allocate = Meter::allocate;
-    build_options.release = Meter::release;
-    build_options.allocator_user = &meter;
-    build_options.progress = Progress::callback;
-    build_options.progress_user = &progress;
-    progress.part("build", 0, 0.35);
-    const Clock::time_point build_start = Clock::now();
-    const Hierarchy hierarchy = build(mesh, name, build_options);
-    summary.build_seconds = seconds_since(build_start);
-
-    const size_t level_count = hmf_level_count(hierarchy.get());
-    // Loops of the caller are drawn on the input mesh, and the single-level
-    // method knows no other; the library's own are cheapest where it is coarse.
-    const size_t loop_level = own_loops || request.method == HMF_METHOD_SINGLE_LEVEL ? 0 : level_count - 1;
-    const Clock::time_point loops_start = Clock::now();
-    if (!own_loops && !has_start) loops = library_loops(hierarchy.get(), loop_level, kind, name);
-    summary.loops_seconds = seconds_since(loops_start);
-
-    std::vector<double> weights = request.loop_weights;
-    // Without loops the weights are for the pictures only.
-    if (weights.empty()) weights.assign(has_start ? 1 : loops.count(), 1.0);
-    if (weights.size() != loops.count() && !has_start)
-        throw Failure(EXIT_USAGE, "--weights: " + std::to_string(weights.size()) + " weights for "
-                                      + std::to_string(loops.count()) + " loops; give one weight per loop");
-    hmf_loop_set loop_set{};
-    loop_set.struct_size = sizeof loop_set;
-    loop_set.element_kind = loops.element_kind;
-    loop_set.level = loop_level;
-    loop_set.count = loops.count();
-    loop_set.offsets = loops.offsets.data();
-    loop_set.elements = loops.elements.data();
-    loop_set.weights = weights.data();
-
-    hmf_level_info finest{};
-    hmf_error error{};
-    check(hmf_level_counts(hierarchy.get(), 0, &finest, &error), error, name);
-    hmf_solve_options options;
-    hmf_solve_options_init(&options);
-    options.method = request.method;
-    options.tolerance = request.tolerance;
-    options.time_limit = request.time_limit;
-    options.progress = Progress::callback;
-    options.progress_user = &progress;
-    summary.levels.resize(level_count);
-    // Room for every sweep of a long run, only where it is wanted.
-    std::vector<hmf_history_entry> history(request.history.empty() ? 0 : size_t(1) << 20);
-    hmf_report& report = summary.report;
-    report.struct_size = sizeof report;
-    report.levels = summary.levels.data();
-    report.level_capacity = summary.levels.size();
-    report.history = history.empty() ? nullptr : history.data();
-    report.history_capacity = history.size();
-
-    std::vector<double> values(finest.edge_count);
-    if (has_start) {
-        std::vector<uint32_t> edge_vertices(2 * finest.edge_count);
-        check(hmf_level_edge_vertices(hierarchy.get(), 0, edge_vertices.data(), edge_vertices.size(), &error), error,
-              name);
-        values = read_values(request.start, edge_vertices);
-        options.initial_values = values.data();
-        options.initial_count = values.size();
-    }
-    progress.part("solve", 0.35, 1);
-    const hmf_status status = hmf_solve(hierarchy.get(), has_start ? nullptr : &loop_set, &options, values.data(),
-                                        values.size(), &report, &error);
-    progress.clear();
-    if (status >= HMF_ERROR_NULL) {
-        if (own_loops && error.status == status && error.element == HMF_ELEMENT_LOOP
-            && error.index < loops.lines.size())
-            fail_with(status, error, request.loops + ":" + std::to_string(loops.lines[error.index]));
-        fail_with(status, error,
-                  has_start && status >= HMF_ERROR_VALUE_NOT_FINITE && status < 600 ? request.start : name);
-    }
-    if (!report.values_written) throw Failure(EXIT_LIMIT, name + ": cancelled before there was a result");
-    summary.levels.resize(std::min<uint64_t>(report.level_count, summary.levels.size()));
-    history.resize(std::min<uint64_t>(report.history_count, history.size()));
-
-    const Foliation foliation = collect(hierarchy.get(), mesh, std::move(values), weights, name);
-    summary.vertices = finest.vertex_count;
-    summary.edges = finest.edge_count;
-    summary.triangles = finest.triangle_count;
-    summary.genus = hmf_genus(hierarchy.get());
-    summary.loops = loops.count();
-    summary.method = method_name(report.method);
-    summary.peak_memory_bytes = meter.peak;
-    summary.total_seconds = read_seconds + seconds_since(start);
-
-    for (const std::string& path : request.values)
-        if (extension_of(path) == ".npy") write_values_npy(path, foliation.values);
-        else write_values_csv(path, foliation);
-    if (!request.history.empty()) write_history(request.history, history);
-    if (!request.leaves.empty() && status == HMF_OK)
-        summary.cylinders = find_cylinders(hierarchy.get(), foliation, loop_set, name);
-    if (!request.quads.empty())
-        summary.quads = write_quads(request.quads, hierarchy.get(), foliation, request.quad_size, name);
-    if (!request.leaves.empty())
-        summary.leaves =
-            write_leaves(request.leaves, hierarchy.get(), foliation, request.leaf_spacing, request.conjugate, name);
-    const Potential potential = request.image.empty() && request.obj.empty() ? Potential{} : local_potential(foliation);
-    // Asked for, or for the report, which tells how conformal the result is.
-    const bool asked = request.checkerboard || !request.obj.empty();
-    Parameterization parameterization;
-    std::exception_ptr no_parameterization;
-    if (asked
-        || (!request.report.empty() && status == HMF_OK && request.method != HMF_METHOD_WHITEHEAD
-            && request.method != HMF_METHOD_SINGLE_LEVEL)) {
-        progress.part("unfold", 0, 1);
-        try {
-            parameterization = parameterize(hierarchy.get(), foliation, Progress::callback, &progress, name);
-            summary.parameterized = true;
-            summary.parameterization = parameterization.numbers;
-        } catch (const Failure&) {
-            // The other results come first.
-            if (asked) no_parameterization = std::current_exception();
-        }
-        progress.clear();
-    }
-    if (!request.obj.empty() && summary.parameterized)
-        write_textured_obj(request.obj, foliation, parameterization, pattern_period(foliation, potential));
-    if (!request.image.empty()) {
-        const LoopList drawn = loop_level == 0 ? loops : library_loops(hierarchy.get(), 0, kind, name);
-        write_png(request.image, render(foliation, potential,
-                                        request.checkerboard && summary.parameterized ? &parameterization : nullptr,
-                                        loop_lines(foliation, drawn)));
-    }
-    if (!request.report.empty()) write_report(request.report, summary);
-
-    std::printf("%s: genus %zu, %zu edges, %zu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s\n",
-                name.c_str(), summary.genus, summary.edges, summary.loops, report.energy, report.residual_max,
-                static_cast<unsigned long long>(report.zeros), static_cast<unsigned long long>(report.poles),
-                summary.total_seconds);
-    if (status != HMF_OK) {
-        std::fflush(stdout);
-        std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(),
-                     status == HMF_CANCELLED ? "interrupted" : hmf_status_string(status));
-        if (!no_parameterization) return EXIT_LIMIT;
-    }
-    if (no_parameterization) std::rethrow_exception(no_parameterization);
-    return EXIT_SOLVED;
+std::string version_text() {
+    const uint32_t version = hmf_version();
+    return std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "."
+         + std::to_string(version % 100);
 }
 
-int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json) {
-    InterruptGuard guard;
-    Progress progress("check");
-    hmf_build_options options;
-    hmf_build_options_init(&options);
-    // Validation only: one level.
-    options.coarsest = mesh.vertex_count();
-    options.progress = Progress::callback;
-    options.progress_user = &progress;
-    hmf_hierarchy* raw = nullptr;
-    hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &raw, &error);
-    const Hierarchy hierarchy(raw);
-    progress.clear();
-    if (status != HMF_OK) {
-        if (json && status >= 300 && status < 400) {
-            const nlohmann::ordered_json refused = {{"mesh", mesh_name},        {"valid", false},
-                                                    {"status", status},         {"text", hmf_status_string(status)},
-                                                    {"message", error.message}, {"index", error.index}};
-            std::printf("%s\n", refused.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-        }
-        fail_with(status, error, mesh_name);
-    }
-
-    hmf_level_info counts{};
-    check(hmf_level_counts(hierarchy.get(), 0, &counts, &error), error, mesh_name);
-    std::vector<double> weights(counts.edge_count);
-    check(hmf_level_weights(hierarchy.get(), 0, weights.data(), weights.size(), &error), error, mesh_name);
-    const auto negative = std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; });
-    double low[3] = {}, high[3] = {}, area = 0, least_angle = 180, largest_angle = 0, edge_sum = 0;
-    for (size_t v = 0; v < mesh.vertex_count(); ++v)
-        for (size_t a = 0; a < 3; ++a) {
-            const double x = mesh.positions[3 * v + a];
-            low[a] = v ? std::min(low[a], x) : x;
-            high[a] = v ? std::max(high[a], x) : x;
-        }
-    for (size_t t = 0; t < mesh.triangle_count(); ++t) {
-        double square[3];
-        for (size_t s = 0; s < 3; ++s) {
-            square[s] = 0;
-            for (size_t a = 0; a < 3; ++a) {
-                const double d = mesh.positions[3 * size_t(mesh.triangles[3 * t + s]) + a]
-                               - mesh.positions[3 * size_t(mesh.triangles[3 * t + (s + 1) % 3]) + a];
-                square[s] += d * d;
-            }
-            edge_sum += std::sqrt(square[s]);
-        }
-        const double p = square[0], q = square[1], r = square[2];
-        const double twice = 0.5 * std::sqrt(std::max(0.0, 4 * p * q - (p + q - r) * (p + q - r)));
-        area += twice / 2;
-        for (size_t s = 0; s < 3; ++s) {
-            const double cosine_side = (square[s] + square[(s + 1) % 3] - square[(s + 2) % 3]) / 2;
-            const double angle = std::atan2(twice, cosine_side) * 57.29577951308232;
-            least_angle = std::min(least_angle, angle);
-            largest_angle = std::max(largest_angle, angle);
-        }
-    }
-    const double mean_edge = edge_sum / double(3 * mesh.triangle_count());
-    const size_t genus = hmf_genus(hierarchy.get());
-    const uint64_t memory = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), nullptr);
-    if (json) {
-        const nlohmann::ordered_json report = {{"mesh", mesh_name},
-                                               {"valid", true},
-                                               {"vertices", counts.vertex_count},
-                                               {"edges", counts.edge_count},
-                                               {"triangles", counts.triangle_count},
-                                               {"genus", genus},
-                                               {"non_delaunay_edges", negative},
-                                               {"min_angle", least_angle},
-                                               {"max_angle", largest_angle},
-                                               {"mean_edge_length", mean_edge},
-                                               {"area", area},
-                                               {"box_low", {low[0], low[1], low[2]}},
-                                               {"box_high", {high[0], high[1], high[2]}},
-                                               {"memory_estimate_bytes", memory}};
-        std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-        return EXIT_SOLVED;
-    }
-    std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), genus);
-    std::printf("  vertices       %llu\n", static_cast<unsigned long long>(counts.vertex_count));
-    std::printf("  edges          %llu\n", static_cast<unsigned long long>(counts.edge_count));
-    std::printf("  triangles      %llu\n", static_cast<unsigned long long>(counts.triangle_count));
-    std::printf("  not Delaunay   %lld edges (%.2f %%)\n", static_cast<long long>(negative),
-                100.0 * double(negative) / double(counts.edge_count));
-    std::printf("  angles         %.3f to %.3f degrees\n", least_angle, largest_angle);
-    std::printf("  mean edge      %.6g\n", mean_edge);
-    std::printf("  area           %.6g\n", area);
-    std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1],
-                high[2]);
-    std::printf("  memory to build, at most %.1f MB\n", double(memory) / 1e6);
-    return EXIT_SOLVED;
+Outcome solve(const std::vector<std::string>& words) {
+    SolveRequest request;
+    Options options = solve_options(request);
+    parse(options, words, "solve");
+    if (!request.start.empty()) request.loops.clear();
+    if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
+        && request.leaves.empty())
+        throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
+    return Run(request, options).go();
 }
 
 } // namespace cli

@@ -1,33 +1,48 @@
-// The commands that call the library.
+// hmf solve: what it is asked for, and what comes out.
 #pragma once
+
+#include <hmf/hmf.h>
 
 #include <string>
 #include <vector>
 
-#include "../../include/hmf/hmf.h"
-#include "read_mesh.hpp"
+#include "failure.hpp"
+#include "options.hpp"
 
 namespace cli {
 
 struct SolveRequest {
-    std::string mesh_name;            // for messages
-    std::string loops = "cut";        // cut, handle, tunnel, pants, or a file
-    std::vector<double> loop_weights; // empty: all 1
+    std::string mesh;
+    std::string loops = "cut";   // cut, handle, tunnel, pants, or a file
+    std::vector<double> weights; // of the loops; empty: all 1
+    std::string start;           // values to start from instead of loops; empty: none
     int32_t method = HMF_METHOD_DEFAULT;
-    int32_t collapse = HMF_COLLAPSE_DEFAULT;
-    std::string start; // values to start from instead of loops; empty: none
-    double ratio = 0, mollify = 0, tolerance = 0, time_limit = 0;
-    uint64_t coarsest = 0;
+    int32_t collapse = HMF_COLLAPSE_MIDPOINT;
+    double ratio = 0.5, mollify = 0, tolerance = 0, time_limit = 0;
+    uint64_t coarsest = 1000;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, quads, obj;
-    double leaf_spacing = 0, quad_size = 0;
-    bool conjugate = false;    // leaves across as well
-    bool checkerboard = false; // in the picture, instead of stripes
+    std::string report, history, image, leaves, quads, obj, save_loops;
+    double spacing = 0, size = 0; // of leaves, of quads
+    bool conjugate = false;       // leaves across as well
+    int32_t checkerboard = 0;     // in the picture, instead of stripes
+    bool conformality = false;    // in the report
 };
 
-// Both print to standard output, and return an exit status or throw Failure.
-int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& request);
-int info(const TriangleMesh& mesh, const std::string& mesh_name, bool json);
+Options solve_options(SolveRequest& request);
+
+// What a run has to say; all outputs are written.
+struct Outcome {
+    ExitStatus exit_status = EXIT_SOLVED;
+    std::string summary;             // one line
+    bool uses_stdout = false;        // for an output
+    std::vector<std::string> errors; // a sentence each: the limit that ended it, outputs that could not be made
+};
+
+// Throws Failure where there is no result.
+Outcome solve(const std::vector<std::string>& words);
+
+// hmf_version as text.
+std::string version_text();
 
 } // namespace cli

@@ -1,16 +1,15 @@
 #include "write_results.hpp"
 
-#include <png.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <memory>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 
 #include "failure.hpp"
+#include "options.hpp"
 #include "output.hpp"
+#include "png.hpp"
 
 namespace cli {
 
@@ -42,74 +41,32 @@ void write_values_npy(const std::string& path, const std::vector<double>& values
     output.close();
 }
 
-void write_report(const std::string& path, const Summary& summary) {
-    const hmf_report& r = summary.report;
-    nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-    for (const hmf_level_report& level : summary.levels)
-        levels.push_back({{"vertices", level.vertices},
-                          {"edges", level.edges},
-                          {"nld", level.nld},
-                          {"iterations", level.iterations},
-                          {"linear_solves", level.linear_solves},
-                          {"optimize_seconds", level.optimize_seconds},
-                          {"interpolate_seconds", level.interpolate_seconds}});
-    nlohmann::ordered_json report = {{"mesh",
-                                      {{"vertices", summary.vertices},
-                                       {"edges", summary.edges},
-                                       {"triangles", summary.triangles},
-                                       {"genus", summary.genus}}},
-                                     {"method", summary.method},
-                                     {"levels", levels},
-                                     {"loops", summary.loops},
-                                     {"build_seconds", summary.build_seconds},
-                                     {"loops_seconds", summary.loops_seconds},
-                                     {"solve_seconds", r.solve_seconds},
-                                     {"total_seconds", summary.total_seconds},
-                                     {"energy", r.energy},
-                                     {"residual_max", r.residual_max},
-                                     {"residual_mean", r.residual_mean},
-                                     {"poles", r.poles},
-                                     {"zeros", r.zeros},
-                                     {"index_sum", r.index_sum},
-                                     {"bad_flips", r.bad_flips},
-                                     {"bad_flips_left", r.bad_flips_left},
-                                     {"converged", r.converged != 0},
-                                     {"peak_memory_bytes", summary.peak_memory_bytes}};
-    if (summary.parameterized) {
-        const hmf_parameterization& p = summary.parameterization;
-        report["dilatation_mean"] = p.dilatation_mean;
-        report["dilatation_median"] = p.dilatation_median;
-        // Not finite where more than a hundredth of the area is degenerate.
-        report["dilatation_p99"] =
-            std::isfinite(p.dilatation_p99) ? nlohmann::ordered_json(p.dilatation_p99) : nlohmann::ordered_json();
-        report["flipped_triangles"] = p.flipped_triangles;
-        report["degenerate_triangles"] = p.degenerate_triangles;
-        report["seam_edges"] = p.seam_edge_count;
-        report["seam_length"] = p.seam_length;
-        report["parameterize_seconds"] = p.seconds;
-    }
-    if (summary.leaves > 0) {
-        report["leaves"] = summary.leaves;
-        report["cylinders"] = nlohmann::ordered_json::array();
-        for (const hmf_cylinder& c : summary.cylinders)
-            report["cylinders"].push_back({{"loop", c.loop},
-                                           {"height", c.height},
-                                           {"circumference", c.circumference},
-                                           {"modulus", c.modulus},
-                                           {"area", c.area}});
-    }
-    if (summary.quads > 0) report["quads"] = summary.quads;
+void write_report(const std::string& path, const readers::Json& report) {
     const std::string text = report.dump(2) + "\n";
     Output output(path);
     std::fwrite(text.data(), 1, text.size(), output.file());
     output.close();
 }
 
-void write_history(const std::string& path, const std::vector<hmf_history_entry>& history) {
+void write_loops(const std::string& path, const hmf_loop_set& loops, const std::vector<double>& weights) {
+    Output output(path);
+    std::fprintf(output.file(), "# --weights ");
+    for (size_t c = 0; c < weights.size(); ++c) std::fprintf(output.file(), c ? ",%.17g" : "%.17g", weights[c]);
+    for (uint64_t c = 0; c < loops.count; ++c) {
+        std::fprintf(output.file(), loops.element_kind == HMF_LOOP_TRIANGLES ? "\nt:" : "\nv:");
+        for (uint64_t i = loops.offsets[c]; i < loops.offsets[c + 1]; ++i)
+            std::fprintf(output.file(), " %u", loops.elements[i]);
+    }
+    std::fputc('\n', output.file());
+    output.close();
+}
+
+void write_history(const std::string& path, const hmf_report& report) {
     static const char* const kinds[] = {"interpolation", "sweep", "linear_solve"};
     Output output(path);
     std::fprintf(output.file(), "seconds,energy,residual_max,level,kind\n");
-    for (const hmf_history_entry& entry : history) {
+    for (uint64_t k = 0; k < report.history_count; ++k) {
+        const hmf_history_entry& entry = report.history[k];
         std::fprintf(output.file(), "%.9g,%.17g,", entry.seconds, entry.energy);
         // An empty field where it was not evaluated.
         if (entry.residual_max >= 0) std::fprintf(output.file(), "%.9g", entry.residual_max);
@@ -119,24 +76,14 @@ void write_history(const std::string& path, const std::vector<hmf_history_entry>
 }
 
 void write_png(const std::string& path, const Image& image) {
-    png_image png;
-    std::memset(&png, 0, sizeof png);
-    png.version = PNG_IMAGE_VERSION;
-    png.width = image.width;
-    png.height = image.height;
-    png.format = PNG_FORMAT_RGB;
+    const std::string bytes = png_of(image);
     Output output(path);
-    if (!png_image_write_to_stdio(&png, output.file(), 0, image.rgb.data(), 0, nullptr))
-        throw Failure(EXIT_RESOURCES, path + ": " + png.message);
+    std::fwrite(bytes.data(), 1, bytes.size(), output.file());
     output.close();
 }
 
-std::string with_extension(const std::string& path, const char* extension) {
-    return std::filesystem::path(path).replace_extension(extension).string();
-}
-
-void write_textured_obj(const std::string& path, const Foliation& foliation, const Parameterization& parameterization,
-                        double period) {
+void write_textured_obj(const std::string& path, const Foliation& foliation,
+                        const hmf_parameterization& parameterization, double period) {
     const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
     Image tile;
     tile.width = tile.height = 256;
@@ -165,7 +112,7 @@ void write_textured_obj(const std::string& path, const Foliation& foliation, con
                      foliation.positions[3 * v + 2]);
     // One vt for all corners of a vertex with the same (u, v): a list per vertex.
     constexpr uint32_t none = 0xffffffffu;
-    const std::vector<double>& uv = parameterization.corner_uv;
+    const double* const uv = parameterization.corner_uv;
     std::vector<uint32_t> head(foliation.positions.size() / 3, none), next, corner_of,
         number(foliation.triangles.size());
     for (size_t k = 0; k < foliation.triangles.size(); ++k) {

@@ -1,7 +1,7 @@
 // Triangle meshes from the bytes of a file: OBJ, OFF, PLY, STL, glTF.
 //
 // Who calls has the bytes already, from a file, a pipe or a network.  Memory and time are bounded by their number,
-// whatever a header says.  Nothing but the standard library is needed, and for glTF nlohmann-json.
+// whatever a header says.  Nothing but the standard library is needed.
 #pragma once
 
 #include <cstddef>

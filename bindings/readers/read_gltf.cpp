@@ -8,9 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "byte_order.hpp"
+#include "json.hpp"
 #include "mesh_formats.hpp"
 #include "point_numbers.hpp"
 #include "text_cursor.hpp"
@@ -19,10 +18,7 @@ namespace readers {
 
 namespace {
 
-using nlohmann::json;
-
 constexpr uint32_t chunk_json = 0x4e4f534a, chunk_bin = 0x004e4942; // "JSON", "BIN\0"
-constexpr size_t deepest = 64;                                      // nested arrays and objects in the JSON
 
 // Nodes may show a mesh again and again.  Beyond so many corners of triangles for each byte of the file it is not
 // believed that this is meant.
@@ -39,27 +35,27 @@ struct Place {
 }
 
 // A whole number; without fallback it has to be there.
-uint64_t whole(const json& object, const char* key, Place place, std::optional<uint64_t> fallback = {}) {
-    const auto found = object.find(key);
-    if (found == object.end()) {
+uint64_t whole(const Json& object, const char* key, Place place, std::optional<uint64_t> fallback = {}) {
+    const Json* const found = object.find(key);
+    if (!found) {
         if (!fallback) fail(place, std::string("has no \"") + key + "\"");
         return *fallback;
     }
     // Sums and products of these numbers with sizes of files fit.
-    if (!found->is_number_unsigned() || found->get<uint64_t>() > UINT32_MAX)
+    if (!found->whole() || *found->whole() > UINT32_MAX)
         fail(place, std::string("has a \"") + key + "\" that is not a whole number below 2^32");
-    return found->get<uint64_t>();
+    return *found->whole();
 }
 
 // An array of so many numbers; empty where there is none.
 template <size_t count>
-bool read_numbers(const json& node, const char* key, Place place, std::array<double, count>& n) {
-    const auto found = node.find(key);
-    if (found == node.end()) return false;
-    bool good = found->is_array() && found->size() == count;
+bool read_numbers(const Json& node, const char* key, Place place, std::array<double, count>& n) {
+    const Json* const found = node.find(key);
+    if (!found) return false;
+    bool good = found->elements().size() == count;
     for (size_t k = 0; good && k < count; ++k) {
-        good = (*found)[k].is_number();
-        if (good) n[k] = (*found)[k].get<double>();
+        good = found->elements()[k].is_number();
+        n[k] = found->elements()[k].number();
     }
     if (!good) fail(place, std::string("has a \"") + key + "\" that is not " + std::to_string(count) + " numbers");
     return true;
@@ -97,7 +93,7 @@ struct Transform {
     }
 };
 
-Transform transform_of(const json& node, Place place) {
+Transform transform_of(const Json& node, Place place) {
     Transform result;
     std::array<double, 16> matrix;
     if (read_numbers(node, "matrix", place, matrix)) {
@@ -163,21 +159,6 @@ uint64_t size_of_type(uint64_t type) {
     }
 }
 
-// Arrays and objects that are open at once: each takes memory, a hundred times its byte.  The callback of the parser
-// could count them as well, but takes quadratic time.
-size_t depth_of(std::string_view text) {
-    size_t depth = 0, most = 0;
-    bool in_string = false;
-    for (size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (c == '"') in_string = !in_string;
-        else if (in_string) i += c == '\\' ? 1 : 0;
-        else if (c == '[' || c == '{') most = std::max(most, ++depth);
-        else if ((c == ']' || c == '}') && depth > 0) --depth;
-    }
-    return most;
-}
-
 std::string decode_base64(std::string_view text, Place place) {
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 3);
@@ -219,11 +200,11 @@ public:
     GltfReader(std::string_view bytes, const Neighbour& neighbour) :
         neighbour_(neighbour), size_(bytes.size()), points_(mesh_.positions) {
         parse(bytes.substr(0, 4) == "glTF" ? split(bytes) : bytes, bytes);
-        const auto asset = root_.find("asset");
-        if (asset == root_.end() || text_of(*asset, "version").substr(0, 2) != "2.")
+        const Json* const asset = root_.find("asset");
+        if (!asset || text_of(*asset, "version").substr(0, 2) != "2.")
             throw MeshError("the file is not glTF of version 2; save it as glTF 2.0");
-        for (const json& extension : list(root_, "extensionsRequired")) {
-            const std::string name = extension.is_string() ? extension.get<std::string>() : extension.dump();
+        for (const Json& extension : list(root_, "extensionsRequired")) {
+            const std::string name = extension.text() ? *extension.text() : extension.dump();
             if (!is_harmless(name))
                 throw MeshError("the mesh needs the extension " + in_quotes(name)
                                 + ", which is not read; save it without compression and extensions");
@@ -232,9 +213,9 @@ public:
 
     TriangleMesh read() {
         Place scene = {"scenes", 0};
-        if (const auto number = root_.find("scene"); number != root_.end()) {
-            if (!number->is_number_unsigned()) throw MeshError("the default scene is not named by a whole number");
-            scene.index = number->get<uint64_t>();
+        if (const Json* const number = root_.find("scene")) {
+            if (!number->whole()) throw MeshError("the default scene is not named by a whole number");
+            scene.index = *number->whole();
         }
         std::vector<bool> met(list(root_, "nodes").size());
         std::vector<Branch> path = {{&list(item(scene), "nodes"), 0, Transform()}};
@@ -244,15 +225,15 @@ public:
                 path.pop_back();
                 continue;
             }
-            const json& number = (*branch.nodes)[branch.next++];
-            if (!number.is_number_unsigned()) throw MeshError("a node is named by " + in_quotes(number.dump()));
-            const Place place = {"nodes", number.get<uint64_t>()};
-            const json& node = item(place);
+            const Json& number = (*branch.nodes)[branch.next++];
+            if (!number.whole()) throw MeshError("a node is named by " + in_quotes(number.dump()));
+            const Place place = {"nodes", *number.whole()};
+            const Json& node = item(place);
             if (met[place.index]) fail(place, "has two parents; save the mesh with a tree of nodes");
             met[place.index] = true;
             const Transform transform = branch.transform.after(transform_of(node, place));
-            if (node.contains("mesh")) add_mesh({"meshes", whole(node, "mesh", place)}, transform);
-            if (const json& children = list(node, "children"); !children.empty())
+            if (node.find("mesh")) add_mesh({"meshes", whole(node, "mesh", place)}, transform);
+            if (const Json::Array& children = list(node, "children"); !children.empty())
                 path.push_back({&children, 0, transform});
         }
         return std::move(mesh_);
@@ -261,7 +242,7 @@ public:
 private:
     // Nodes whose parent is reached, and how many of them are done.
     struct Branch {
-        const json* nodes;
+        const Json::Array* nodes;
         size_t next;
         Transform transform;
     };
@@ -290,18 +271,18 @@ private:
     }
 
     void parse(std::string_view text, std::string_view bytes) {
-        if (depth_of(text) > deepest) throw MeshError("the JSON is nested too deeply; save the mesh without extras");
         try {
-            root_ = json::parse(text.begin(), text.end());
-        } catch (const json::parse_error& error) {
-            const size_t byte = std::min(error.byte, text.size());
-            const std::string_view before = text.substr(0, byte);
+            root_ = parse_json(text);
+        } catch (const JsonError& error) {
+            const std::string_view before = text.substr(0, error.byte);
+            const std::string sentence = std::string(": ") + error.what() + "; the file is cut, or is not glTF";
             if (text.size() < bytes.size())
                 throw MeshError("the JSON cannot be read at byte "
-                                + std::to_string(static_cast<size_t>(text.data() - bytes.data()) + byte));
-            throw MeshError("the JSON cannot be read here; the file is cut, or is not glTF",
+                                + std::to_string(static_cast<size_t>(text.data() - bytes.data()) + error.byte)
+                                + sentence);
+            throw MeshError("the JSON cannot be read here" + sentence,
                             1 + static_cast<size_t>(std::count(before.begin(), before.end(), '\n')));
-        } catch (const json::exception&) { throw MeshError("the JSON has a number that is too large"); }
+        }
         if (!root_.is_object()) throw MeshError("the JSON is no object; the file is not glTF");
     }
 
@@ -314,26 +295,27 @@ private:
     }
 
     // An array or a text in an object, or an empty one.
-    const json& list(const json& object, const char* key) const {
-        const auto found = object.find(key);
-        return found != object.end() && found->is_array() ? *found : empty_;
+    static const Json::Array& list(const Json& object, const char* key) {
+        static const Json none;
+        const Json* const found = object.find(key);
+        return (found ? *found : none).elements();
     }
 
-    static const std::string& text_of(const json& object, const char* key) {
+    static const std::string& text_of(const Json& object, const char* key) {
         static const std::string empty;
-        const auto found = object.find(key);
-        return found != object.end() && found->is_string() ? found->get_ref<const std::string&>() : empty;
+        const Json* const found = object.find(key);
+        return found && found->text() ? *found->text() : empty;
     }
 
-    const json& item(Place place) const {
-        const json& array = list(root_, place.array);
+    const Json& item(Place place) const {
+        const Json::Array& array = list(root_, place.array);
         if (place.index >= array.size() || !array[place.index].is_object()) fail(place, "does not exist");
         return array[place.index];
     }
 
     std::string_view buffer(uint64_t index) {
         const Place place = {"buffers", index};
-        const json& object = item(place);
+        const Json& object = item(place);
         const uint64_t length = whole(object, "byteLength", place);
         const std::string_view bytes = loaded_buffer(object, place);
         if (length > bytes.size())
@@ -342,14 +324,14 @@ private:
         return bytes.substr(0, length);
     }
 
-    std::string_view loaded_buffer(const json& object, Place place) {
-        const auto uri = object.find("uri");
-        if (uri == object.end()) return place.index == 0 ? chunk_ : std::string_view();
+    std::string_view loaded_buffer(const Json& object, Place place) {
+        const Json* const uri = object.find("uri");
+        if (!uri) return place.index == 0 ? chunk_ : std::string_view();
         const auto [found, is_new] = buffers_.try_emplace(place.index);
         Buffer& buffer = found->second;
         if (!is_new) return buffer.bytes;
-        if (!uri->is_string()) fail(place, "has a \"uri\" that is no text");
-        const std::string& text = uri->get_ref<const std::string&>();
+        if (!uri->text()) fail(place, "has a \"uri\" that is no text");
+        const std::string& text = *uri->text();
         if (text.rfind("data:", 0) == 0) {
             const size_t comma = text.find(',');
             if (comma == text.npos || text.substr(0, comma).find(";base64") == text.npos)
@@ -377,16 +359,16 @@ private:
     // components: 1 for indices, 3 for points.
     Accessor accessor(uint64_t index, size_t components) {
         const Place place = {"accessors", index};
-        const json& object = item(place);
-        if (object.contains("sparse")) fail(place, "is sparse, which is not read; save the mesh without sparse data");
-        if (!object.contains("bufferView")) fail(place, "has no bufferView; save the mesh without compression");
+        const Json& object = item(place);
+        if (object.find("sparse")) fail(place, "is sparse, which is not read; save the mesh without sparse data");
+        if (!object.find("bufferView")) fail(place, "has no bufferView; save the mesh without compression");
         const Place view_place = {"bufferViews", whole(object, "bufferView", place)};
-        const json& view = item(view_place);
+        const Json& view = item(view_place);
         Accessor result{};
         result.count = whole(object, "count", place);
         result.type = whole(object, "componentType", place);
-        const auto normalized = object.find("normalized");
-        result.normalized = normalized != object.end() && normalized->is_boolean() && normalized->get<bool>();
+        const Json* const normalized = object.find("normalized");
+        result.normalized = normalized && normalized->is_true();
         const bool whole_type = result.type == 5121 || result.type == 5123 || result.type == 5125;
         const uint64_t size = size_of_type(result.type) * components;
         if (text_of(object, "type") != (components == 1 ? "SCALAR" : "VEC3") || size == 0
@@ -407,15 +389,15 @@ private:
     }
 
     void add_mesh(Place place, const Transform& transform) {
-        for (const json& primitive : list(item(place), "primitives")) {
+        for (const Json& primitive : list(item(place), "primitives")) {
             const uint64_t mode = whole(primitive, "mode", place, 4);
             if (mode < 4) continue; // points and lines
             if (mode > 6) fail(place, "has a primitive of mode " + std::to_string(mode) + ", which does not exist");
-            const auto attributes = primitive.find("attributes");
-            if (attributes == primitive.end()) fail(place, "has a primitive without attributes");
+            const Json* const attributes = primitive.find("attributes");
+            if (!attributes) fail(place, "has a primitive without attributes");
             const Accessor positions = accessor(whole(*attributes, "POSITION", place), 3);
             std::optional<Accessor> indices;
-            if (primitive.contains("indices")) indices = accessor(whole(primitive, "indices", place), 1);
+            if (primitive.find("indices")) indices = accessor(whole(primitive, "indices", place), 1);
             add_triangles(positions, indices, mode, transform, place);
         }
     }
@@ -478,8 +460,7 @@ private:
     uint64_t largest_neighbour_ = 0; // of the files beside it
     uint64_t corners_ = 0;           // of triangles so far
     std::string_view chunk_;         // binary data of a .glb
-    const json empty_ = json::array();
-    json root_;
+    Json root_;
     std::map<uint64_t, Buffer> buffers_; // those that were needed
     TriangleMesh mesh_;
     PointNumbers points_;

@@ -118,23 +118,22 @@ static uint64_t fnv1a64(const double* values, size_t count) {
 static int solve_plate(const struct plate* p) {
     struct mesh m = {0};
     hmf_hierarchy* h = NULL;
+    hmf_foliation* f = NULL;
     hmf_error e = {0};
-    hmf_level_info info;
     hmf_status s = HMF_ERROR_MEMORY;
-    double* values = NULL;
-    if (make_plate(p, &m)) s = hmf_build(m.positions, m.vertex_count, 0, m.triangles, m.triangle_count, NULL, &h, &e);
-    if (!s) s = hmf_level_counts(h, 0, &info, &e);
-    if (!s) values = malloc((size_t)info.edge_count * sizeof *values);
-    if (!s && !values) s = HMF_ERROR_MEMORY;
-    if (!s) s = hmf_solve(h, NULL, NULL, values, (size_t)info.edge_count, NULL, &e);
+    if (make_plate(p, &m))
+        s = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &h, &e);
+    if (!s) s = hmf_solve(h, NULL, NULL, NULL, &f, &e);
     if (s) {
         fprintf(stderr, "%s: %s: %s\n", p->name, hmf_status_string(s), e.message);
     } else {
-        const uint64_t hash = fnv1a64(values, (size_t)info.edge_count);
+        size_t count;
+        const double* values = hmf_foliation_values(f, &count);
+        const uint64_t hash = fnv1a64(values, count);
         printf("%s %lu %lu %08lx%08lx\n", p->name, (unsigned long)m.vertex_count, (unsigned long)m.triangle_count,
                (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffffu));
     }
-    free(values);
+    hmf_foliation_destroy(f);
     hmf_destroy(h);
     free(m.positions);
     free(m.triangles);

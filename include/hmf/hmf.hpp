@@ -4,22 +4,26 @@
  *     const hmf::Hierarchy hierarchy(positions, triangles);
  *     const hmf::Solution solution = hierarchy.solve();
  *     solution.foliation.values();           // one value per edge
- *     solution.foliation.zeros_and_poles();
+ *     solution.foliation.singularities();
  *
- * hmf.h is the manual; here is only what differs.
+ * What one does with a foliation is in uses.hpp.  hmf.h is the manual; here is
+ * only what differs.
  *
  *   errors    A failing call throws hmf::Error with the status, the element
  *             and the sentence of hmf_error.  Limits are no failure: see
  *             Solution::status.  std::bad_alloc comes from the vectors only.
  *   arrays    In: Span, a pointer with a size, made from vectors, arrays and
- *             the like, also of std::array<T, N>.  Out: flat std::vector.
- *   handles   Hierarchy and Foliation can be moved, not copied.  A foliation
- *             keeps its hierarchy alive.  What has been moved from can be
+ *             the like, also of std::array<T, N>.  Out: a flat std::vector
+ *             where the caller allocates in C, else a Span that lives as long
+ *             as the object it was asked of.
+ *   objects   Hierarchy, Foliation and Results can be moved, not copied, and
+ *             destroyed in any order.  What has been moved from can be
  *             destroyed or assigned to; its calls throw HMF_ERROR_NULL.
  *   threads   As in C: any number of threads may use a const Hierarchy or
  *             Foliation.
- *   progress  An exception of the progress function cancels the call, and is
- *             thrown again once the call has ended.
+ *   progress  The last argument of every call that can be long.  An exception
+ *             of the function cancels the call, and is thrown again once the
+ *             call has ended.
  */
 #ifndef HMF_HMF_HPP
 #define HMF_HMF_HPP
@@ -139,12 +143,13 @@ struct BuildOptions {
     double ratio = 0;
     uint64_t coarsest = 0;
     uint64_t memory_limit = 0;
-    hmf_allocate_fn allocate = nullptr; /* must outlive the hierarchy and its foliations */
+    hmf_allocate_fn allocate = nullptr; /* must outlive the hierarchy, its foliations and their results */
     hmf_release_fn release = nullptr;
     void* allocator_user = nullptr;
-    ProgressFunction progress;
     double mollify = 0;
 };
+
+class Foliation;
 
 /* hmf_solve_options; zero means the default. */
 struct SolveOptions {
@@ -153,33 +158,7 @@ struct SolveOptions {
     double time_limit = 0; /* seconds */
     uint64_t iteration_limit = 0;
     std::size_t stop_level = 0;
-    std::size_t history_capacity = 4096; /* most entries of Report::history */
-    Span<double> initial_values;         /* borrowed until the call ends */
-    std::size_t initial_level = 0;
-    ProgressFunction progress;
-};
-
-enum class LeavesKind : int32_t {
-    automatic = HMF_LEAVES_DEFAULT,
-    foliation = HMF_LEAVES_FOLIATION,
-    conjugate = HMF_LEAVES_CONJUGATE,
-};
-
-/* hmf_trace_options; zero means the default. */
-struct TraceOptions {
-    bool critical = false;
-    double spacing = 0;
-    double length_limit = 0;
-    std::vector<uint32_t> point_triangles;  /* point_count */
-    std::vector<double> point_barycentrics; /* point_count x 3 */
-    LeavesKind leaves = LeavesKind::automatic;
-};
-
-/* hmf_parameterize_options; zero means the default. */
-struct ParameterizeOptions {
-    double tolerance = 0;
-    std::vector<uint32_t> seam_edges; /* where seams cost nothing */
-    ProgressFunction progress;
+    const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
 };
 
 /* Closed curves on a level, with weights: hmf_loop_set with its own arrays. */
@@ -213,77 +192,34 @@ using LevelInfo = hmf_level_info;
 using LevelReport = hmf_level_report;
 using HistoryEntry = hmf_history_entry;
 using Singularity = hmf_singularity;
-using Line = hmf_line;
-using Cylinder = hmf_cylinder;
 
 /* hmf_report with its own arrays. */
-struct Report {
-    Method method = Method::automatic;
-    bool converged = false;
-    double energy = 0;
-    double residual_max = 0;
-    double residual_mean = 0;
-    uint64_t poles = 0;
-    uint64_t zeros = 0;
-    int64_t index_sum = 0;
-    uint64_t bad_flips = 0;
-    uint64_t bad_flips_left = 0;
-    double solve_seconds = 0;
-    uint64_t peak_memory_bytes = 0;
+struct Report : hmf_report {
     std::vector<LevelReport> levels;   /* finest first */
-    std::vector<HistoryEntry> history; /* in order of time, at most SolveOptions::history_capacity */
-    uint64_t history_count = 0;        /* also of those that history has no room for */
-};
+    std::vector<HistoryEntry> history; /* in order of time */
 
-/* Outputs of hmf_singularities. */
-struct Singularities {
-    std::vector<int32_t> vertex_index;    /* vertex_count */
-    std::vector<int32_t> triangle_index;  /* triangle_count */
-    std::vector<uint32_t> vertex_cluster; /* vertex_count */
-    std::vector<Singularity> list;
-};
-
-/* Outputs of hmf_trace. */
-struct Leaves {
-    std::vector<Line> lines;           /* line_count */
-    std::vector<uint64_t> offsets;     /* line_count + 1; line k has the points offsets[k] .. offsets[k+1]-1 */
-    std::vector<double> points;        /* point_count x 3 */
-    std::vector<uint32_t> point_edges; /* point_count, or HMF_NONE */
-};
-
-/* Outputs of hmf_cylinders. */
-struct Cylinders {
-    std::vector<Cylinder> list;
-    Loops leaves; /* the leaf in the middle of each as a triangle loop, weights: the heights */
-};
-
-/* Outputs of hmf_quads. */
-struct QuadMesh {
-    std::vector<double> positions; /* vertex_count x 3 */
-    std::vector<uint32_t> quads;   /* quad_count x 4 */
-};
-
-/* hmf_parameterization with its own arrays, all of which are filled. */
-struct Parameterization {
-    std::vector<double> corner_uv;    /* triangle_count x 3 x 2 */
-    std::vector<double> transition;   /* edge_count x 3: sign, du, dv */
-    std::vector<uint8_t> seam;        /* edge_count */
-    std::vector<int32_t> cone;        /* vertex_count */
-    std::vector<double> dilatation;   /* triangle_count */
-    std::vector<double> differential; /* triangle_count x 2 */
-    double dilatation_mean = 0;
-    double dilatation_median = 0;
-    double dilatation_p99 = 0;
-    uint64_t flipped_triangles = 0;
-    uint64_t degenerate_triangles = 0;
-    uint64_t seam_edge_count = 0;
-    double seam_length = 0;
-    double area = 0;
-    uint64_t linear_iterations = 0;
-    double seconds = 0;
+    explicit Report(const hmf_report& report) :
+        hmf_report(report), levels(report.levels, report.levels + report.level_count),
+        history(report.history, report.history + report.history_count) {
+        hmf_report::levels = nullptr;
+        hmf_report::history = nullptr;
+    }
 };
 
 namespace detail {
+
+struct Delete {
+    void operator()(const hmf_hierarchy* hierarchy) const noexcept {
+        hmf_destroy(const_cast<hmf_hierarchy*>(hierarchy));
+    }
+    void operator()(const hmf_foliation* foliation) const noexcept {
+        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
+    }
+    void operator()(const void* result) const noexcept { hmf_free(result); }
+};
+
+template <class T>
+using Handle = std::unique_ptr<const T, Delete>;
 
 /* Makes a call with an hmf_error; throws unless it succeeds. */
 template <class Call>
@@ -295,9 +231,15 @@ void check(Call&& call) {
 /* The callback of a call, and the exception that it must not let through. */
 class Reporter {
 public:
-    explicit Reporter(const ProgressFunction& function) : function_(function) {}
+    explicit Reporter(const ProgressFunction& function) : function_(function) {
+        control_.struct_size = sizeof control_;
+        control_.progress = report;
+        control_.progress_user = this;
+    }
+    Reporter(const Reporter&) = delete;
+    Reporter& operator=(const Reporter&) = delete;
 
-    hmf_progress_fn callback() const { return function_ ? report : nullptr; }
+    const hmf_control* control() const noexcept { return function_ ? &control_ : nullptr; }
     void rethrow() const {
         if (exception_) std::rethrow_exception(exception_);
     }
@@ -316,7 +258,37 @@ private:
 
     const ProgressFunction& function_;
     std::exception_ptr exception_;
+    hmf_control control_ = {};
 };
+
+/* Makes call(control, error), which fills an array. */
+template <class Call>
+void fill(const ProgressFunction& progress, Call&& call) {
+    Reporter reporter(progress);
+    hmf_error error = {};
+    const hmf_status status = call(reporter.control(), &error);
+    reporter.rethrow();
+    if (status != HMF_OK) throw Error(error);
+}
+
+/* Makes call(control, &object, error).  A call may be stopped and give an object
+   all the same: then the error says why. */
+template <class T, class Call>
+Handle<T> make(const ProgressFunction& progress, Call&& call, hmf_error& error) {
+    Reporter reporter(progress);
+    T* out = nullptr;
+    const hmf_status status = call(reporter.control(), &out, &error);
+    Handle<T> handle(out);
+    reporter.rethrow();
+    if (status != HMF_OK && !handle) throw Error(error);
+    return handle;
+}
+
+template <class T, class Call>
+Handle<T> make(const ProgressFunction& progress, Call&& call) {
+    hmf_error error = {};
+    return make<T>(progress, std::forward<Call>(call), error);
+}
 
 inline hmf_build_options raw(const BuildOptions& options) {
     hmf_build_options all = {};
@@ -329,20 +301,6 @@ inline hmf_build_options raw(const BuildOptions& options) {
     all.release = options.release;
     all.allocator_user = options.allocator_user;
     all.mollify = options.mollify;
-    return all;
-}
-
-inline hmf_solve_options raw(const SolveOptions& options) {
-    hmf_solve_options all = {};
-    all.struct_size = sizeof all;
-    all.method = static_cast<int32_t>(options.method);
-    all.tolerance = options.tolerance;
-    all.time_limit = options.time_limit;
-    all.iteration_limit = options.iteration_limit;
-    all.stop_level = options.stop_level;
-    all.initial_values = options.initial_values.data();
-    all.initial_count = options.initial_values.size();
-    all.initial_level = options.initial_level;
     return all;
 }
 
@@ -367,19 +325,48 @@ inline hmf_loop_set raw(const Loops& loops) {
     return set;
 }
 
-using Handle = std::shared_ptr<const hmf_hierarchy>;
-
-inline LevelInfo level_info(const Handle& handle, std::size_t level) {
-    LevelInfo info = {};
-    check([&](hmf_error* error) { return hmf_level_counts(handle.get(), level, &info, error); });
-    return info;
-}
-
-inline std::size_t edge_count(const Handle& handle, std::size_t level) {
-    return static_cast<std::size_t>(level_info(handle, level).edge_count);
+/* A copy with its own arrays, and all weights. */
+inline Loops own(const hmf_loop_set& set) {
+    Loops loops;
+    loops.level = static_cast<std::size_t>(set.level);
+    loops.kind = static_cast<LoopElements>(set.element_kind);
+    loops.offsets.assign(set.offsets, set.offsets + set.count + 1);
+    loops.elements.assign(set.elements, set.elements + set.offsets[set.count]);
+    loops.weights.assign(static_cast<std::size_t>(set.count), 1.0);
+    if (set.weights) loops.weights.assign(set.weights, set.weights + set.count);
+    return loops;
 }
 
 } // namespace detail
+
+/* A structure that the library made, with its arrays: result->count and the like. */
+template <class T>
+class Result {
+public:
+    explicit Result(detail::Handle<T> handle) noexcept : handle_(std::move(handle)) {}
+
+    const T* get() const noexcept { return handle_.get(); }
+    const T* operator->() const noexcept { return handle_.get(); }
+
+protected:
+    template <class E>
+    static Span<E> span(const E* data, uint64_t size) noexcept {
+        return Span<E>(data, static_cast<std::size_t>(size));
+    }
+
+private:
+    detail::Handle<T> handle_;
+};
+
+/* What hmf_singularities gives. */
+class Singularities : public Result<hmf_singularity_set> {
+public:
+    using Result::Result;
+    Span<Singularity> list() const noexcept { return span(get()->list, get()->count); }
+    Span<int32_t> vertex_index() const noexcept { return span(get()->vertex_index, get()->vertex_count); }
+    Span<uint32_t> vertex_cluster() const noexcept { return span(get()->vertex_cluster, get()->vertex_count); }
+    Span<int32_t> triangle_index() const noexcept { return span(get()->triangle_index, get()->triangle_count); }
+};
 
 /* ------------------------------------------------------------------------
  * Foliation
@@ -387,231 +374,76 @@ inline std::size_t edge_count(const Handle& handle, std::size_t level) {
 
 struct Solution;
 
-/* One value for each edge of a level. */
+/* An immutable measured foliation; it may outlive its hierarchy. */
 class Foliation {
 public:
     Foliation(Foliation&&) = default;
     Foliation& operator=(Foliation&&) = default;
 
-    std::size_t level() const noexcept { return level_; }
-    const std::vector<double>& values() const& noexcept { return values_; }
-    std::vector<double> values() && noexcept { return std::move(values_); }
+    /* The object, for calls of hmf.h; it stays ours. */
+    const hmf_foliation* get() const noexcept { return handle_.get(); }
+
+    std::size_t level() const noexcept { return hmf_foliation_level(get()); }
+    double unit() const noexcept { return hmf_foliation_unit(get()); }
+
+    /* One for each edge of the level. */
+    Span<double> values() const noexcept {
+        std::size_t count = 0;
+        const double* data = hmf_foliation_values(get(), &count);
+        return Span<double>(data, data ? count : 0);
+    }
 
     /* hmf_energy */
-    double energy() const {
+    double energy(const ProgressFunction& progress = nullptr) const {
         double energy = 0;
-        detail::check([&](hmf_error* error) {
-            return hmf_energy(handle_.get(), level_, values_.data(), values_.size(), &energy, error);
+        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
+            return hmf_energy(get(), control, &energy, error);
         });
         return energy;
     }
 
     /* hmf_residuals: vertex_count */
-    std::vector<double> residuals() const {
-        std::vector<double> residuals(static_cast<std::size_t>(detail::level_info(handle_, level_).vertex_count));
-        detail::check([&](hmf_error* error) {
-            return hmf_residuals(handle_.get(), level_, values_.data(), values_.size(), residuals.data(),
-                                 residuals.size(), error);
+    std::vector<double> residuals(const ProgressFunction& progress = nullptr) const {
+        // Euler: edges = 3 (vertices + 2 genus - 2).
+        std::vector<double> residuals(get() ? values().size() / 3 + 2 - 2 * genus_ : 0);
+        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
+            return hmf_residuals(get(), control, residuals.data(), residuals.size(), error);
         });
         return residuals;
     }
 
+    /* hmf_singularities */
+    Singularities singularities(const ProgressFunction& progress = nullptr) const {
+        return Singularities(
+            detail::make<hmf_singularity_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+                return hmf_singularities(get(), control, out, error);
+            }));
+    }
+
     /* hmf_interpolate: the same foliation on another level. */
-    Foliation to_level(std::size_t level) const {
-        std::vector<double> values(detail::edge_count(handle_, level));
-        detail::check([&](hmf_error* error) {
-            return hmf_interpolate(handle_.get(), level_, values_.data(), values_.size(), level, values.data(),
-                                   values.size(), error);
-        });
-        return Foliation(handle_, level, std::move(values));
+    Foliation to_level(std::size_t level, const ProgressFunction& progress = nullptr) const {
+        return Foliation(detail::make<hmf_foliation>(progress,
+                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
+                                                         return hmf_interpolate(get(), level, control, out, error);
+                                                     }),
+                         genus_);
     }
 
-    /* hmf_singularities, all of it. */
-    Singularities singularities() const {
-        const LevelInfo info = detail::level_info(handle_, level_);
-        Singularities all;
-        all.vertex_index.resize(static_cast<std::size_t>(info.vertex_count));
-        all.triangle_index.resize(static_cast<std::size_t>(info.triangle_count));
-        all.vertex_cluster.resize(static_cast<std::size_t>(info.vertex_count));
-        all.list = list(&all);
-        return all;
-    }
-
-    /* hmf_singularities, the list alone. */
-    std::vector<Singularity> zeros_and_poles() const { return list(nullptr); }
-
-    /* hmf_trace */
-    Leaves trace(const TraceOptions& options = {}) const {
-        if (options.point_barycentrics.size() != 3 * options.point_triangles.size())
-            throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        "There are " + std::to_string(options.point_barycentrics.size())
-                            + " barycentric coordinates for " + std::to_string(options.point_triangles.size())
-                            + " points. Give three for each.");
-        hmf_trace_options all = {};
-        all.struct_size = sizeof all;
-        all.critical = options.critical;
-        all.spacing = options.spacing;
-        all.length_limit = options.length_limit;
-        all.point_count = options.point_triangles.size();
-        all.point_triangles = options.point_triangles.data();
-        all.point_barycentrics = options.point_barycentrics.data();
-        all.leaves = static_cast<int32_t>(options.leaves);
-        Leaves leaves;
-        std::size_t lines = 0, points = 0;
-        const auto call = [&](bool fill) {
-            detail::check([&](hmf_error* error) {
-                return hmf_trace(handle_.get(), level_, values_.data(), values_.size(), &all,
-                                 fill ? leaves.lines.data() : nullptr, leaves.lines.size(),
-                                 fill ? leaves.offsets.data() : nullptr, leaves.offsets.size(),
-                                 fill ? leaves.points.data() : nullptr, fill ? leaves.point_edges.data() : nullptr,
-                                 leaves.point_edges.size(), &lines, &points, error);
-            });
-        };
-        call(false);
-        leaves.lines.resize(lines);
-        leaves.offsets.resize(lines + 1);
-        leaves.points.resize(3 * points);
-        leaves.point_edges.resize(points);
-        call(true);
-        return leaves;
-    }
-
-    /* hmf_cylinders; loops: those that the values belong to, or NULL. */
-    Cylinders cylinders(const Loops* loops = nullptr) const {
-        hmf_loop_set set = {};
-        if (loops) set = detail::raw(*loops);
-        Cylinders own;
-        std::size_t count = 0, size = 0;
-        // Without the list and the loops it is quick.
-        const auto call = [&](bool fill) {
-            detail::check([&](hmf_error* error) {
-                return hmf_cylinders(handle_.get(), level_, values_.data(), values_.size(),
-                                     fill && loops ? &set : nullptr, fill ? own.list.data() : nullptr, own.list.size(),
-                                     fill ? own.leaves.offsets.data() : nullptr, own.leaves.offsets.size(),
-                                     fill ? own.leaves.elements.data() : nullptr, own.leaves.elements.size(), &count,
-                                     &size, error);
-            });
-        };
-        call(false);
-        own.list.resize(count);
-        own.leaves.level = level_;
-        own.leaves.kind = LoopElements::triangles;
-        own.leaves.offsets.resize(count + 1);
-        own.leaves.elements.resize(size);
-        call(true);
-        for (const Cylinder& cylinder : own.list) own.leaves.weights.push_back(cylinder.height);
-        return own;
-    }
-
-    /* hmf_quads; edge_length 0: about as many quads as triangles / 2 */
-    QuadMesh quads(double edge_length = 0) const {
-        hmf_quad_options options = {};
-        options.struct_size = sizeof options;
-        options.edge_length = edge_length;
-        QuadMesh mesh;
-        std::size_t vertices = 0, quads = 0;
-        const auto call = [&](bool fill) {
-            detail::check([&](hmf_error* error) {
-                return hmf_quads(handle_.get(), level_, values_.data(), values_.size(), &options,
-                                 fill ? mesh.positions.data() : nullptr, vertices, fill ? mesh.quads.data() : nullptr,
-                                 quads, &vertices, &quads, error);
-            });
-        };
-        call(false);
-        mesh.positions.resize(3 * vertices);
-        mesh.quads.resize(4 * quads);
-        call(true);
-        return mesh;
-    }
-
-    /* hmf_parameterize */
-    Parameterization parameterize(const ParameterizeOptions& options = {}) const {
-        const LevelInfo info = detail::level_info(handle_, level_);
-        const auto triangles = static_cast<std::size_t>(info.triangle_count);
-        const auto edges = static_cast<std::size_t>(info.edge_count);
-        Parameterization own;
-        own.corner_uv.resize(6 * triangles);
-        own.transition.resize(3 * edges);
-        own.seam.resize(edges);
-        own.cone.resize(static_cast<std::size_t>(info.vertex_count));
-        own.dilatation.resize(triangles);
-        own.differential.resize(2 * triangles);
-
-        hmf_parameterization out = {};
-        out.struct_size = sizeof out;
-        out.vertex_capacity = info.vertex_count;
-        out.edge_capacity = info.edge_count;
-        out.triangle_capacity = info.triangle_count;
-        out.corner_uv = own.corner_uv.data();
-        out.transition = own.transition.data();
-        out.seam = own.seam.data();
-        out.cone = own.cone.data();
-        out.dilatation = own.dilatation.data();
-        out.differential = own.differential.data();
-        detail::Reporter reporter(options.progress);
-        hmf_parameterize_options all = {};
-        all.struct_size = sizeof all;
-        all.tolerance = options.tolerance;
-        all.seam_edges = options.seam_edges.data();
-        all.seam_edge_count = options.seam_edges.size();
-        all.progress = reporter.callback();
-        all.progress_user = &reporter;
-        hmf_error error = {};
-        const hmf_status status =
-            hmf_parameterize(handle_.get(), level_, values_.data(), values_.size(), &all, &out, &error);
-        reporter.rethrow();
-        if (status != HMF_OK) throw Error(error);
-
-        own.dilatation_mean = out.dilatation_mean;
-        own.dilatation_median = out.dilatation_median;
-        own.dilatation_p99 = out.dilatation_p99;
-        own.flipped_triangles = out.flipped_triangles;
-        own.degenerate_triangles = out.degenerate_triangles;
-        own.seam_edge_count = out.seam_edge_count;
-        own.seam_length = out.seam_length;
-        own.area = out.area;
-        own.linear_iterations = out.linear_iterations;
-        own.seconds = out.seconds;
-        return own;
-    }
-
-    /* hmf_relax: optimises a copy on its level. */
-    Solution relax(const SolveOptions& options = {}) const;
+    /* hmf_relax */
+    Solution relax(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const;
 
 private:
     friend class Hierarchy;
 
-    Foliation(detail::Handle handle, std::size_t level, std::vector<double> values) :
-        handle_(std::move(handle)), level_(level), values_(std::move(values)) {}
+    Foliation(detail::Handle<hmf_foliation> handle, std::size_t genus) noexcept :
+        handle_(std::move(handle)), genus_(genus) {}
 
-    std::vector<Singularity> list(Singularities* arrays) const {
-        // Without a pole there are at most 4 genus - 4 zeros, so that one call is enough.
-        const std::size_t genus = hmf_genus(handle_.get());
-        std::vector<Singularity> list(genus > 1 ? 4 * genus - 4 : 1);
-        std::size_t count = 0;
-        const auto call = [&](Singularities* to, std::vector<Singularity>* out, hmf_error* error) {
-            return hmf_singularities(handle_.get(), level_, values_.data(), values_.size(),
-                                     to ? to->vertex_index.data() : nullptr, to ? to->vertex_index.size() : 0,
-                                     to ? to->triangle_index.data() : nullptr, to ? to->triangle_index.size() : 0,
-                                     to ? to->vertex_cluster.data() : nullptr, to ? to->vertex_cluster.size() : 0,
-                                     out ? out->data() : nullptr, out ? out->size() : 0, &count, error);
-        };
-        hmf_error error = {};
-        const hmf_status status = call(arrays, &list, &error);
-        if (status == HMF_ERROR_CAPACITY) {
-            detail::check([&](hmf_error* e) { return call(nullptr, nullptr, e); });
-            list.resize(count);
-            detail::check([&](hmf_error* e) { return call(arrays, &list, e); });
-        } else if (status != HMF_OK) {
-            throw Error(error);
-        }
-        list.resize(count);
-        return list;
-    }
+    template <class Call>
+    static Solution solved(const SolveOptions& options, const ProgressFunction& progress, std::size_t genus,
+                           Call&& call);
 
-    detail::Handle handle_;
-    std::size_t level_;
-    std::vector<double> values_;
+    detail::Handle<hmf_foliation> handle_;
+    std::size_t genus_;
 };
 
 /* What hmf_solve and hmf_relax give. */
@@ -622,60 +454,30 @@ struct Solution {
     Report report;
 };
 
-namespace detail {
-
-/* Runs call(options, report, error), which writes `values`. */
-template <class Call, class Make>
-Solution run(const Handle& handle, const SolveOptions& options, Make&& make, Call&& call) {
-    std::vector<LevelReport> levels(hmf_level_count(handle.get()));
-    std::vector<HistoryEntry> history(options.history_capacity);
-    hmf_report report = {};
-    report.struct_size = sizeof report;
-    report.levels = levels.data();
-    report.level_capacity = levels.size();
-    report.history = history.data();
-    report.history_capacity = history.size();
-
-    Reporter reporter(options.progress);
-    hmf_solve_options all = raw(options);
-    all.progress = reporter.callback();
-    all.progress_user = &reporter;
+template <class Call>
+Solution Foliation::solved(const SolveOptions& options, const ProgressFunction& progress, std::size_t genus,
+                           Call&& call) {
+    hmf_solve_options all = {};
+    all.struct_size = sizeof all;
+    all.method = static_cast<int32_t>(options.method);
+    all.tolerance = options.tolerance;
+    all.time_limit = options.time_limit;
+    all.iteration_limit = options.iteration_limit;
+    all.stop_level = options.stop_level;
+    all.start = options.start ? options.start->get() : nullptr;
     hmf_error error = {};
-    const hmf_status status = call(all, &report, &error);
-    reporter.rethrow();
-    if (status != HMF_OK && !report.values_written) throw Error(error);
-    if (status != HMF_OK && !(status >= HMF_LIMIT_ITERATIONS && status <= HMF_CANCELLED)) throw Error(error);
-
-    Report own;
-    own.method = static_cast<Method>(report.method);
-    own.converged = report.converged != 0;
-    own.energy = report.energy;
-    own.residual_max = report.residual_max;
-    own.residual_mean = report.residual_mean;
-    own.poles = report.poles;
-    own.zeros = report.zeros;
-    own.index_sum = report.index_sum;
-    own.bad_flips = report.bad_flips;
-    own.bad_flips_left = report.bad_flips_left;
-    own.solve_seconds = report.solve_seconds;
-    own.peak_memory_bytes = report.peak_memory_bytes;
-    own.history_count = report.history_count;
-    if (report.level_count < levels.size()) levels.resize(static_cast<std::size_t>(report.level_count));
-    if (report.history_count < history.size()) history.resize(static_cast<std::size_t>(report.history_count));
-    own.levels = std::move(levels);
-    own.history = std::move(history);
-    return Solution{make(), status, status == HMF_OK ? std::string() : std::string(error.message), std::move(own)};
+    detail::Handle<hmf_foliation> handle = detail::make<hmf_foliation>(
+        progress,
+        [&](const hmf_control* control, hmf_foliation** out, hmf_error* e) { return call(&all, control, out, e); },
+        error);
+    Report report(*hmf_foliation_report(handle.get()));
+    return Solution{Foliation(std::move(handle), genus), error.status, error.message, std::move(report)};
 }
 
-} // namespace detail
-
-inline Solution Foliation::relax(const SolveOptions& options) const {
-    std::vector<double> values = values_;
-    return detail::run(
-        handle_, options, [&] { return Foliation(handle_, level_, std::move(values)); },
-        [&](const hmf_solve_options& all, hmf_report* report, hmf_error* error) {
-            return hmf_relax(handle_.get(), level_, &all, values.data(), values.size(), report, error);
-        });
+inline Solution Foliation::relax(const SolveOptions& options, const ProgressFunction& progress) const {
+    return solved(options, progress, genus_, [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
+        return hmf_relax(get(), all, control, out, error);
+    });
 }
 
 /* ------------------------------------------------------------------------
@@ -686,20 +488,15 @@ inline Solution Foliation::relax(const SolveOptions& options) const {
 class Hierarchy {
 public:
     /* hmf_build.  positions: vertex_count x 3; triangles: triangle_count x 3. */
-    Hierarchy(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {}) {
+    Hierarchy(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
+              const ProgressFunction& progress = nullptr) {
         check_triples(positions.size(), "positions", "vertex");
         check_triples(triangles.size(), "triangles", "triangle");
-        detail::Reporter reporter(options.progress);
-        hmf_build_options all = detail::raw(options);
-        all.progress = reporter.callback();
-        all.progress_user = &reporter;
-        hmf_hierarchy* out = nullptr;
-        hmf_error error = {};
-        const hmf_status status = hmf_build(positions.data(), positions.size() / 3, 0, triangles.data(),
-                                            triangles.size() / 3, &all, &out, &error);
-        handle_ = detail::Handle(out, Destroy());
-        reporter.rethrow();
-        if (status != HMF_OK) throw Error(error);
+        const hmf_build_options all = detail::raw(options);
+        handle_ = detail::make<hmf_hierarchy>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+            return hmf_build(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
+                             control, out, error);
+        });
     }
 
     Hierarchy(Hierarchy&&) = default;
@@ -712,14 +509,18 @@ public:
         return hmf_memory_estimate(vertex_count, triangle_count, &all);
     }
 
-    /* The handle, for calls of hmf.h; it stays ours. */
+    /* The object, for calls of hmf.h; it stays ours. */
     const hmf_hierarchy* get() const noexcept { return handle_.get(); }
 
     uint64_t memory() const noexcept { return hmf_hierarchy_memory(get()); }
     std::size_t level_count() const noexcept { return hmf_level_count(get()); }
     std::size_t coarsest_level() const noexcept { return level_count() - 1; }
     std::size_t genus() const noexcept { return hmf_genus(get()); }
-    LevelInfo level(std::size_t level) const { return detail::level_info(handle_, level); }
+    LevelInfo level(std::size_t level) const {
+        LevelInfo info = {};
+        detail::check([&](hmf_error* error) { return hmf_level_counts(get(), level, &info, error); });
+        return info;
+    }
 
     /* edge_count x 2 */
     std::vector<uint32_t> edge_vertices(std::size_t level) const {
@@ -743,59 +544,46 @@ public:
     }
 
     /* hmf_loops, with weights 1 */
-    Loops loops(std::size_t level, LoopsKind kind = LoopsKind::cut) const {
-        std::size_t count = 0, size = 0;
-        Loops loops;
-        const auto call = [&](uint64_t* offsets, uint32_t* elements) {
-            detail::check([&](hmf_error* error) {
-                return hmf_loops(get(), level, static_cast<int32_t>(kind), offsets, offsets ? loops.offsets.size() : 0,
-                                 elements, elements ? loops.elements.size() : 0, &count, &size, error);
-            });
-        };
-        call(nullptr, nullptr);
-        loops.level = level;
-        loops.kind = LoopElements::triangles;
-        loops.offsets.resize(count + 1);
-        loops.elements.resize(size);
-        loops.weights.assign(count, 1.0);
-        call(loops.offsets.data(), loops.elements.data());
-        return loops;
+    Loops loops(std::size_t level, LoopsKind kind = LoopsKind::cut, const ProgressFunction& progress = nullptr) const {
+        return detail::own(
+            *detail::make<hmf_loop_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+                return hmf_loops(get(), level, static_cast<int32_t>(kind), control, out, error);
+            }));
     }
 
     /* hmf_initialize */
-    Foliation initialize(const Loops& loops) const {
+    Foliation initialize(const Loops& loops, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        std::vector<double> values(detail::edge_count(handle_, loops.level));
-        detail::check(
-            [&](hmf_error* error) { return hmf_initialize(get(), &set, values.data(), values.size(), error); });
-        return Foliation(handle_, loops.level, std::move(values));
+        return initialize_set(&set, progress);
     }
 
-    /* A foliation of the caller's values, edge_count of the level.  Here only
-       their number is checked; each use checks that they are closed. */
-    Foliation foliation(std::size_t level, std::vector<double> values) const {
-        const std::size_t edges = detail::edge_count(handle_, level);
-        if (values.size() != edges)
-            throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        "There are " + std::to_string(values.size()) + " values, but level " + std::to_string(level)
-                            + " has " + std::to_string(edges) + " edges. Give one for each.");
-        return Foliation(handle_, level, std::move(values));
+    /* hmf_initialize with the loops of the library. */
+    Foliation initialize(const ProgressFunction& progress = nullptr) const { return initialize_set(nullptr, progress); }
+
+    /* hmf_foliation_create: a foliation of values, edge_count of the level. */
+    Foliation foliation(std::size_t level, Span<double> values, const ProgressFunction& progress = nullptr) const {
+        return Foliation(detail::make<hmf_foliation>(progress,
+                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
+                                                         return hmf_foliation_create(get(), level, values.data(),
+                                                                                     values.size(), control, out,
+                                                                                     error);
+                                                     }),
+                         genus());
     }
 
-    /* hmf_solve with the loops of the library. */
-    Solution solve(const SolveOptions& options = {}) const { return solve_set(nullptr, options); }
+    /* hmf_solve with the loops of the library, or from options.start. */
+    Solution solve(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const {
+        return solve_set(nullptr, options, progress);
+    }
 
     /* hmf_solve */
-    Solution solve(const Loops& loops, const SolveOptions& options = {}) const {
+    Solution solve(const Loops& loops, const SolveOptions& options = {},
+                   const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        return solve_set(&set, options);
+        return solve_set(&set, options, progress);
     }
 
 private:
-    struct Destroy {
-        void operator()(const hmf_hierarchy* handle) const noexcept { hmf_destroy(const_cast<hmf_hierarchy*>(handle)); }
-    };
-
     static void check_triples(std::size_t size, const char* what, const char* element) {
         if (size % 3 != 0)
             throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
@@ -807,20 +595,26 @@ private:
     std::vector<T> fill(std::size_t level, uint64_t LevelInfo::*count, std::size_t width,
                         hmf_status (*call)(const hmf_hierarchy*, std::size_t, T*, std::size_t, hmf_error*)) const {
         std::vector<T> array(width * static_cast<std::size_t>(this->level(level).*count));
-        detail::check([&](hmf_error* error) { return call(handle_.get(), level, array.data(), array.size(), error); });
+        detail::check([&](hmf_error* error) { return call(get(), level, array.data(), array.size(), error); });
         return array;
     }
 
-    Solution solve_set(const hmf_loop_set* loops, const SolveOptions& options) const {
-        std::vector<double> values(detail::edge_count(handle_, options.stop_level));
-        return detail::run(
-            handle_, options, [&] { return Foliation(handle_, options.stop_level, std::move(values)); },
-            [&](const hmf_solve_options& all, hmf_report* report, hmf_error* error) {
-                return hmf_solve(get(), loops, &all, values.data(), values.size(), report, error);
-            });
+    Foliation initialize_set(const hmf_loop_set* loops, const ProgressFunction& progress) const {
+        return Foliation(detail::make<hmf_foliation>(progress,
+                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
+                                                         return hmf_initialize(get(), loops, control, out, error);
+                                                     }),
+                         genus());
     }
 
-    detail::Handle handle_;
+    Solution solve_set(const hmf_loop_set* loops, const SolveOptions& options, const ProgressFunction& progress) const {
+        return Foliation::solved(options, progress, genus(),
+                                 [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
+                                     return hmf_solve(get(), loops, all, control, out, error);
+                                 });
+    }
+
+    detail::Handle<hmf_hierarchy> handle_;
 };
 
 } // namespace cpp

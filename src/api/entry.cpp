@@ -9,11 +9,20 @@ hmf_status unusable_options(const char* name, Call& call) {
                      name, name);
 }
 
-Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* error) :
+Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* error, bool can_finish) :
     control_(control), error_(error),
     memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
            h ? h->memory_limit : 0, h ? h->memory.used() : 0),
-    call(memory, error, control_.given.progress, control_.given.progress_user) {}
+    call(memory, error, control_.given.progress, control_.given.progress_user) {
+    if (!can_finish) call.never_finish();
+}
+
+hmf_status Entry::end() {
+    if (call.status()) return call.status();
+    call.range(1, 1);
+    call.tick(1, true); // nothing is left to cancel
+    return HMF_OK;
+}
 
 hmf_status Entry::check(const hmf_hierarchy* hierarchy, const void* out) {
     if (!control_.usable) return unusable_options("hmf_control", call);

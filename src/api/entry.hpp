@@ -45,13 +45,23 @@ class Entry {
     hmf_error* error_;
 
 public:
-    Entry(const hmf_hierarchy* hierarchy, const hmf_control* control, hmf_error* error);
+    // can_finish: HMF_PROGRESS_FINISH is another answer than CANCEL.
+    Entry(const hmf_hierarchy* hierarchy, const hmf_control* control, hmf_error* error, bool can_finish = false);
 
     Memory memory;
     Call call;
 
-    // The same call on the memory of something that outlives it.
-    Call part(Memory& own) const { return {own, error_, control_.given.progress, control_.given.progress_user}; }
+    // The status; a call that has succeeded reports its end.
+    hmf_status end();
+
+    // The same call on the memory of something that outlives it, up to a fraction of the progress.
+    Call part(Memory& own, double until) {
+        Call part(own, error_, control_.given.progress, control_.given.progress_user);
+        part.never_finish();
+        part.range(call.reached(), until);
+        call.range(until, 1);
+        return part;
+    }
 
     // hierarchy, control and out are there; *out becomes NULL.
     template <class Result>

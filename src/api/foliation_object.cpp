@@ -184,7 +184,7 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     if (!call.tick(0.1)) return call.was_cancelled();
     if (read_values(state, values, count, making.unit, making.poles, call)) return call.status();
     if (!call.tick(0.9)) return call.was_cancelled();
-    return make_foliation(state, making, call, out);
+    return make_foliation(state, making, call, out) ? call.status() : entry.end();
 }
 
 void hmf_foliation_destroy(hmf_foliation* foliation) {

@@ -94,7 +94,7 @@ hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const h
     if (!state.go_to(level, call)) return call.stopped();
     Making making;
     making.unit = foliation->unit;
-    return make_foliation(state, making, call, out);
+    return make_foliation(state, making, call, out) ? call.status() : entry.end();
 }
 
 hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control, double* out, hmf_error* error) {
@@ -105,7 +105,7 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     if (load_solved(*foliation, state, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
     *out = energy(state.foliation, weight) * foliation->unit * foliation->unit;
-    return HMF_OK;
+    return entry.end();
 }
 
 hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* control, double* out, size_t capacity,
@@ -129,7 +129,7 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (state.foliation.out_of_memory || call.cancelled()) return call.stopped();
     for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
-    return HMF_OK;
+    return entry.end();
 }
 
 hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* control, hmf_singularity_set** out,
@@ -187,8 +187,7 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
         places.of_face(side[t], list[at++].position);
     }
     *out = made;
-    call.tick(1);
-    return HMF_OK;
+    return entry.end();
 }
 
 } // extern "C"

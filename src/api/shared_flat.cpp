@@ -30,12 +30,11 @@ hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatS
         void* block = entry.memory.take(sizeof(SharedFlat));
         if (!block) return entry.call.out_of_memory();
         SharedFlat* made = new (block) SharedFlat(h);
-        Call call = entry.part(made->memory);
+        Call call = entry.part(made->memory, 0.8);
         if (build(foliation, made->flat, call)) {
             free_part(h, made);
             return call.status();
         }
-        entry.call.range(0.8, 1);
         if (foliation.flat.compare_exchange_strong(part, made, std::memory_order_acq_rel)) part = made;
         else free_part(h, made);
     }

@@ -175,7 +175,7 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     block.array(made, made.offsets, loops.offsets.size(), loops.offsets.data());
     block.array(made, made.elements, faces.size(), faces.data());
     *out = block.make(made, *hierarchy, call);
-    return call.status();
+    return entry.end();
 }
 
 hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_control* control,
@@ -191,12 +191,12 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     Making making;
     making.unit = given.unit;
-    return make_foliation(state, making, call, out);
+    return make_foliation(state, making, call, out) ? call.status() : entry.end();
 }
 
 hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_solve_options* options,
                      const hmf_control* control, hmf_foliation** out, hmf_error* error) {
-    Entry entry(hierarchy, control, error);
+    Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
     hmf_solve_options all;
     SolveOptions solve;
@@ -225,7 +225,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
 hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* options, const hmf_control* control,
                      hmf_foliation** out, hmf_error* error) {
     const hmf_hierarchy* const hierarchy = foliation ? foliation->hierarchy : nullptr;
-    Entry entry(hierarchy, control, error);
+    Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
     hmf_solve_options all;
     SolveOptions solve;

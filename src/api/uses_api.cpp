@@ -260,8 +260,7 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
         fill(result->cone)[v] = made.cone[level == 0 ? h.vertex_internal[v] : v];
     result->seconds = call.seconds();
     *out = result;
-    call.tick(1);
-    return HMF_OK;
+    return entry.end();
 }
 
 hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* options, const hmf_control* control,
@@ -281,7 +280,7 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
         Lines made(leaves.state.foliation, level.position, foliation->unit, all.length_limit, call);
         if (!made.start()) return call.out_of_memory();
         if (trace_leaves(all, side, leaves.cylinders, made, call)) return call.status();
-        return hand_over(*foliation, made, call, out);
+        return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
     }
     ConjugateLevels levels;
     if (all.spacing > 0) {
@@ -299,7 +298,7 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
     if (!made.start()) return call.out_of_memory();
     if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
         return call.status();
-    return hand_over(*foliation, made, call, out);
+    return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
 }
 
 hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loops, const hmf_control* control,
@@ -348,7 +347,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     if (!result) return call.status();
     result->set.leaves = &result->leaves;
     *out = &result->set;
-    return HMF_OK;
+    return entry.end();
 }
 
 hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* options, const hmf_control* control,
@@ -378,7 +377,7 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
     block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());
     *out = block.make(mesh, *foliation->hierarchy, call);
-    return call.status();
+    return entry.end();
 }
 
 } // extern "C"

@@ -122,7 +122,7 @@ bool Call::tick(double fraction, bool can_finish) {
     if (at < last_) at = last_;
     last_ = at;
     const int32_t answer = progress_(progress_user_, at);
-    if (answer == HMF_PROGRESS_FINISH && can_finish) finishing_ = true;
+    if (answer == HMF_PROGRESS_FINISH && can_finish && may_finish_) finishing_ = true;
     else if (answer != HMF_PROGRESS_CONTINUE) cancelled_ = true;
     return !cancelled_;
 }

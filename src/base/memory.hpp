@@ -199,8 +199,10 @@ public:
         from_ = from;
         to_ = to;
     } // where the fractions 0 and 1 of tick lie
+    double reached() const { return last_; }
     bool cancelled() const { return cancelled_; }
     bool finishing() const { return finishing_; } // the callback asked to stop improving
+    void never_finish() { may_finish_ = false; }  // HMF_PROGRESS_FINISH is as CANCEL
 
     double seconds() const; // since the construction
     void set_time_limit(double limit) { time_limit_ = limit; }
@@ -211,7 +213,7 @@ private:
     hmf_progress_fn progress_;
     void* progress_user_;
     hmf_status status_ = HMF_OK;
-    bool cancelled_ = false, finishing_ = false;
+    bool cancelled_ = false, finishing_ = false, may_finish_ = true;
     double from_ = 0, to_ = 1, last_ = 0, time_limit_ = 0;
     int64_t start_; // nanoseconds of the steady clock
 };

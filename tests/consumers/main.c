@@ -3,7 +3,6 @@
 #include <hmf/hmf.h>
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define N 24 /* around */
@@ -59,12 +58,13 @@ int main(void) {
     hmf_hierarchy* hierarchy = NULL;
     hmf_error error;
     hmf_status status;
-    hmf_loop_set loops;
-    uint64_t *offsets, hash = 0xcbf29ce484222325u;
-    uint32_t* elements;
-    double* values;
-    size_t coarsest, loop_count = 0, element_count = 0, zeros = 0, i;
-    const size_t edge_count = 3 * N * M;
+    hmf_loop_set* loops = NULL;
+    hmf_foliation* foliation = NULL;
+    hmf_singularity_set* zeros = NULL;
+    const double* values;
+    uint64_t hash = 0xcbf29ce484222325u;
+    size_t edge_count, i;
+    int wrong;
 
     memset(&error, 0, sizeof error);
     if (hmf_version() != HMF_VERSION_MAJOR * 10000 + HMF_VERSION_MINOR * 100 + HMF_VERSION_PATCH) {
@@ -72,44 +72,30 @@ int main(void) {
         return 1;
     }
     make_torus();
-    status = hmf_build(positions, N * M, 0, triangles, 2 * N * M, NULL, &hierarchy, &error);
+    status = hmf_build(positions, N * M, triangles, 2 * N * M, NULL, NULL, &hierarchy, &error);
     if (status != HMF_OK) return fail("hmf_build", status, &error);
     if (hmf_genus(hierarchy) != 1) return fail("hmf_genus", HMF_ERROR_INTERNAL, &error);
 
-    coarsest = hmf_level_count(hierarchy) - 1;
-    status = hmf_loops(hierarchy, coarsest, HMF_LOOPS_CUT, NULL, 0, NULL, 0, &loop_count, &element_count, &error);
+    status = hmf_loops(hierarchy, hmf_level_count(hierarchy) - 1, HMF_LOOPS_CUT, NULL, &loops, &error);
     if (status != HMF_OK) return fail("hmf_loops", status, &error);
-    offsets = (uint64_t*)malloc((loop_count + 1) * sizeof *offsets);
-    elements = (uint32_t*)malloc(element_count * sizeof *elements);
-    values = (double*)malloc(edge_count * sizeof *values);
-    if (!offsets || !elements || !values) return 1;
-    status = hmf_loops(hierarchy, coarsest, HMF_LOOPS_CUT, offsets, loop_count + 1, elements, element_count,
-                       &loop_count, &element_count, &error);
-    if (status != HMF_OK) return fail("hmf_loops", status, &error);
-
-    memset(&loops, 0, sizeof loops);
-    loops.struct_size = (uint32_t)sizeof loops;
-    loops.element_kind = HMF_LOOP_TRIANGLES;
-    loops.level = coarsest;
-    loops.count = loop_count;
-    loops.offsets = offsets;
-    loops.elements = elements;
-    status = hmf_solve(hierarchy, &loops, NULL, values, edge_count, NULL, &error);
+    status = hmf_solve(hierarchy, loops, NULL, NULL, &foliation, &error);
     if (status != HMF_OK) return fail("hmf_solve", status, &error);
-    status = hmf_singularities(hierarchy, 0, values, edge_count, NULL, 0, NULL, 0, NULL, 0, NULL, 0, &zeros, &error);
+    status = hmf_singularities(foliation, NULL, &zeros, &error);
     if (status != HMF_OK) return fail("hmf_singularities", status, &error);
 
+    values = hmf_foliation_values(foliation, &edge_count);
     for (i = 0; i < edge_count; ++i) {
         uint64_t bits;
         int byte;
         memcpy(&bits, values + i, sizeof bits);
         for (byte = 0; byte < 8; ++byte) hash = (hash ^ ((bits >> (8 * byte)) & 255u)) * 0x100000001b3u;
     }
-    printf("%lu loops, %lu singularities, checksum %08lx%08lx\n", (unsigned long)loop_count, (unsigned long)zeros,
-           (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffffu));
-    free(offsets);
-    free(elements);
-    free(values);
+    printf("%lu loops, %lu singularities, checksum %08lx%08lx\n", (unsigned long)loops->count,
+           (unsigned long)zeros->count, (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffffu));
+    wrong = edge_count != 3 * N * M || zeros->count != 0; /* a harmonic foliation of a torus has none */
+    hmf_free(loops);
+    hmf_free(zeros);
+    hmf_foliation_destroy(foliation);
     hmf_destroy(hierarchy);
-    return zeros == 0 ? 0 : 1; /* a harmonic foliation of a torus has none */
+    return wrong;
 }

@@ -12,11 +12,11 @@ namespace test {
 namespace {
 
 hmf_build_options build_options(double ratio, uint64_t coarsest, int32_t collapse) {
-    hmf_build_options options;
-    hmf_build_options_init(&options);
-    if (ratio > 0) options.ratio = ratio;
-    if (coarsest > 0) options.coarsest = coarsest;
-    if (collapse > 0) options.collapse = collapse;
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
+    options.ratio = ratio;
+    options.coarsest = coarsest;
+    options.collapse = collapse;
     return options;
 }
 
@@ -46,8 +46,8 @@ Hierarchy::Hierarchy(const TriMesh& mesh, double ratio, uint64_t coarsest, int32
 
 Hierarchy::Hierarchy(const TriMesh& mesh, const hmf_build_options& options) {
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, &handle_, &error);
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), &options, nullptr, &handle_, &error);
     EXPECT_EQ(status, HMF_OK) << error.message;
     if (handle_) { EXPECT_EQ(hmf_genus(handle_), mesh.genus); }
 }
@@ -66,7 +66,7 @@ LevelMesh read_level(const Hierarchy& hierarchy, size_t level) {
     mesh.vertex_count = info.vertex_count;
     mesh.edge_count = info.edge_count;
     mesh.triangle_count = info.triangle_count;
-    mesh.non_delaunay_count = info.non_delaunay_count;
+    mesh.raised_count = info.raised_count;
     mesh.edge_vertices.resize(2 * mesh.edge_count);
     mesh.triangle_edges.resize(3 * mesh.triangle_count);
     mesh.triangle_vertices.resize(3 * mesh.triangle_count);
@@ -104,20 +104,70 @@ hmf_loop_set Loops::view() const {
     return set;
 }
 
+hmf_status expect_ok(hmf_status status, const hmf_error& error) {
+    EXPECT_EQ(status, HMF_OK) << error.message;
+    return status;
+}
+
 Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
     Loops loops;
     loops.level = level;
-    size_t count = 0, total = 0;
-    hmf_error error{};
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, nullptr, 0, nullptr, 0, &count, &total, &error), HMF_OK)
-        << error.message;
-    loops.offsets.assign(count + 1, 0);
-    loops.elements.resize(total);
-    EXPECT_EQ(hmf_loops(hierarchy.get(), level, kind, loops.offsets.data(), count + 1, loops.elements.data(), total,
-                        &count, &total, &error),
-              HMF_OK)
-        << error.message;
+    const auto set = make<hmf_loop_set>([&](hmf_loop_set** out, hmf_error* error) {
+        return hmf_loops(hierarchy.get(), level, kind, nullptr, out, error);
+    });
+    if (!set) return loops;
+    EXPECT_GE(set->struct_size, sizeof(hmf_loop_set));
+    EXPECT_EQ(set->element_kind, HMF_LOOP_TRIANGLES);
+    EXPECT_EQ(set->level, level);
+    EXPECT_EQ(set->weights, nullptr);
+    loops.offsets.assign(set->offsets, set->offsets + set->count + 1);
+    loops.elements.assign(set->elements, set->elements + loops.offsets.back());
     return loops;
+}
+
+std::vector<double> values_of(const Foliation& foliation) {
+    size_t count = 0;
+    const double* values = hmf_foliation_values(foliation.get(), &count);
+    return std::vector<double>(values, values + count);
+}
+
+Foliation create(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values) {
+    return make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_foliation_create(hierarchy.get(), level, values.data(), values.size(), nullptr, out, error);
+    });
+}
+
+Foliation initialize(const Hierarchy& hierarchy, const Loops& loops) {
+    const hmf_loop_set set = loops.view();
+    return make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_initialize(hierarchy.get(), &set, nullptr, out, error);
+    });
+}
+
+Foliation interpolate(const Foliation& foliation, size_t level) {
+    return make<hmf_foliation>([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_interpolate(foliation.get(), level, nullptr, out, error);
+    });
+}
+
+double energy(const Foliation& foliation) {
+    double result = -1;
+    hmf_error error{};
+    expect_ok(hmf_energy(foliation.get(), nullptr, &result, &error), error);
+    return result;
+}
+
+std::vector<double> residuals(const Foliation& foliation, size_t vertex_count) {
+    std::vector<double> result(vertex_count, -1);
+    hmf_error error{};
+    expect_ok(hmf_residuals(foliation.get(), nullptr, result.data(), result.size(), &error), error);
+    return result;
+}
+
+Owned<hmf_singularity_set> singularities(const Foliation& foliation) {
+    return make<hmf_singularity_set>([&](hmf_singularity_set** out, hmf_error* error) {
+        return hmf_singularities(foliation.get(), nullptr, out, error);
+    });
 }
 
 std::vector<uint32_t> section(const LevelMesh& mesh, const Field& field, const Field& region) {
@@ -241,49 +291,70 @@ std::string closedness_defect(const LevelMesh& mesh, const std::vector<double>& 
     return "";
 }
 
-void expect_foliation(const Hierarchy& hierarchy, const LevelMesh& mesh, const std::vector<double>& values) {
+void expect_foliation(const LevelMesh& mesh, const Foliation& foliation) {
+    ASSERT_TRUE(foliation);
+    const std::vector<double> values = values_of(foliation);
+    EXPECT_EQ(hmf_foliation_level(foliation.get()), mesh.level);
     ASSERT_EQ(closedness_defect(mesh, values), "");
-    const long genus = static_cast<long>(hmf_genus(hierarchy.get()));
+    const double unit = hmf_foliation_unit(foliation.get());
+    ASSERT_GT(unit, 0);
+    for (const double x : values) ASSERT_EQ(x / unit, std::floor(x / unit)) << "not a multiple of the unit";
+    const long genus =
+        (2 - static_cast<long>(mesh.vertex_count + mesh.triangle_count) + static_cast<long>(mesh.edge_count)) / 2;
     const Indices own = count_indices(mesh, values);
     EXPECT_EQ(own.poles, 0u);
     EXPECT_EQ(own.sum, 4 - 4 * genus);
     EXPECT_EQ(static_cast<long>(own.zeros), 4 * genus - 4);
 
-    size_t count = 0;
-    hmf_error error{};
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), nullptr, 0, nullptr, 0,
-                                nullptr, 0, nullptr, 0, &count, &error),
-              HMF_OK)
-        << error.message;
-    std::vector<hmf_singularity> list(count);
-    std::vector<int32_t> at_vertex(mesh.vertex_count), at_triangle(mesh.triangle_count);
-    std::vector<uint32_t> cluster(mesh.vertex_count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), mesh.level, values.data(), values.size(), at_vertex.data(),
-                                at_vertex.size(), at_triangle.data(), at_triangle.size(), cluster.data(),
-                                cluster.size(), list.data(), list.size(), &count, &error),
-              HMF_OK)
-        << error.message;
+    const auto set = singularities(foliation);
+    ASSERT_TRUE(set);
+    EXPECT_GE(set->struct_size, sizeof(hmf_singularity_set));
+    ASSERT_EQ(set->vertex_count, mesh.vertex_count);
+    ASSERT_EQ(set->triangle_count, mesh.triangle_count);
     long listed = 0, arrays = 0;
-    for (const hmf_singularity& s : list) {
+    bool triangles = false;
+    uint32_t before = 0;
+    for (size_t i = 0; i < set->count; ++i) {
+        const hmf_singularity& s = set->list[i];
         EXPECT_LT(s.index, 0);
         listed += s.index;
-        if (s.kind == HMF_SINGULAR_TRIANGLE) {
+        // Vertices and clusters, then triangles, each by number.
+        const bool in_triangle = s.kind == HMF_SINGULAR_TRIANGLE;
+        if (i > 0 && in_triangle == triangles) { EXPECT_GT(s.element, before); }
+        EXPECT_GE(in_triangle, triangles);
+        triangles = in_triangle;
+        before = s.element;
+        double place[3] = {0, 0, 0};
+        const auto add = [&](size_t v, double share) {
+            for (size_t x = 0; x < 3; ++x) place[x] += share * mesh.positions[3 * v + x];
+        };
+        if (in_triangle) {
             ASSERT_LT(s.element, mesh.triangle_count);
-            EXPECT_EQ(at_triangle[s.element], s.index);
+            EXPECT_EQ(set->triangle_index[s.element], s.index);
+            for (size_t c = 0; c < 3; ++c) add(mesh.triangle_vertices[3 * s.element + c], 1.0 / 3);
         } else {
             ASSERT_LT(s.element, mesh.vertex_count);
-            EXPECT_EQ(at_vertex[s.element], s.index);
-            EXPECT_EQ(static_cast<size_t>(std::count(cluster.begin(), cluster.end(), s.element)), s.size);
+            EXPECT_EQ(set->vertex_index[s.element], s.index);
+            size_t size = 0;
+            for (size_t v = 0; v < mesh.vertex_count; ++v) {
+                if (set->vertex_cluster[v] != s.element) continue;
+                ++size;
+                add(v, 1.0 / s.size);
+            }
+            EXPECT_EQ(size, s.size);
             EXPECT_EQ(s.kind == HMF_SINGULAR_CLUSTER, s.size > 1);
         }
+        for (size_t x = 0; x < 3; ++x) EXPECT_NEAR(s.position[x], place[x], 1e-9 * (1 + std::abs(place[x])));
     }
-    for (int32_t index : at_vertex) arrays += index;
-    for (int32_t index : at_triangle) arrays += index;
+    for (size_t v = 0; v < mesh.vertex_count; ++v) arrays += set->vertex_index[v];
+    for (size_t t = 0; t < mesh.triangle_count; ++t) arrays += set->triangle_index[t];
     EXPECT_EQ(listed, 4 - 4 * genus);
     EXPECT_EQ(arrays, 4 - 4 * genus);
     for (size_t e = 0; e < mesh.edge_count; ++e)
         if (values[e] == 0) {
-            ASSERT_EQ(cluster[mesh.edge_vertices[2 * e]], cluster[mesh.edge_vertices[2 * e + 1]]) << "edge " << e;
+            ASSERT_EQ(set->vertex_cluster[mesh.edge_vertices[2 * e]],
+                      set->vertex_cluster[mesh.edge_vertices[2 * e + 1]])
+                << "edge " << e;
         }
 }
 
@@ -486,33 +557,49 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
 }
 
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations) {
-    hmf_solve_options options;
-    hmf_solve_options_init(&options);
+    hmf_solve_options options{};
+    options.struct_size = sizeof options;
     options.method = method;
     options.tolerance = tolerance;
     options.iteration_limit = iterations;
     return options;
 }
 
-Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options) {
+namespace {
+
+template <class Call>
+Solution solution_of(Call&& call) {
     Solution solution;
-    solution.values.resize(hierarchy.edges(options.stop_level));
-    solution.report.struct_size = sizeof solution.report;
-    hmf_loop_set set{};
-    if (loops) set = loops->view();
-    solution.status = hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, solution.values.data(),
-                                solution.values.size(), &solution.report, &solution.error);
+    hmf_foliation* out = reinterpret_cast<hmf_foliation*>(&solution); // must be overwritten
+    solution.status = call(&out, &solution.error);
+    solution.foliation.reset(out);
+    EXPECT_TRUE(solution.status == HMF_CANCELLED || (out != nullptr) == (solution.status < HMF_CANCELLED));
+    EXPECT_EQ(solution.error.status, solution.status);
+    const hmf_report* report = hmf_foliation_report(out);
+    EXPECT_EQ(report != nullptr, out != nullptr);
+    if (report) {
+        EXPECT_GE(report->struct_size, sizeof *report);
+        solution.values = values_of(solution.foliation);
+        solution.report = *report;
+    }
     return solution;
 }
 
-Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
-               const hmf_solve_options& options) {
-    Solution solution;
-    solution.values = values;
-    solution.report.struct_size = sizeof solution.report;
-    solution.status = hmf_relax(hierarchy.get(), level, &options, solution.values.data(), solution.values.size(),
-                                &solution.report, &solution.error);
-    return solution;
+} // namespace
+
+Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options,
+               const hmf_control* control) {
+    hmf_loop_set set{};
+    if (loops) set = loops->view();
+    return solution_of([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, control, out, error);
+    });
+}
+
+Solution relax(const Foliation& foliation, const hmf_solve_options& options, const hmf_control* control) {
+    return solution_of([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_relax(foliation.get(), &options, control, out, error);
+    });
 }
 
 } // namespace test

@@ -1,11 +1,13 @@
-// The C interface as the tests use it: handles that clean up, levels as
+// The C interface as the tests use it: objects that clean up, levels as
 // vectors, loops by construction, and checks of foliations that share no code
 // with the library.
 #pragma once
 
 #include <hmf/hmf.h>
+#include <hmf/uses.h>
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,11 +35,32 @@ private:
 };
 
 struct LevelMesh {
-    size_t level = 0, vertex_count = 0, edge_count = 0, triangle_count = 0, non_delaunay_count = 0;
+    size_t level = 0, vertex_count = 0, edge_count = 0, triangle_count = 0, raised_count = 0;
     std::vector<uint32_t> edge_vertices, triangle_edges, triangle_vertices;
     std::vector<double> weights, positions;
 };
 LevelMesh read_level(const Hierarchy& hierarchy, size_t level);
+
+struct Delete {
+    void operator()(const hmf_foliation* foliation) const {
+        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
+    }
+    void operator()(const void* result) const { hmf_free(result); }
+};
+// A foliation or a result.
+template <class T>
+using Owned = std::unique_ptr<const T, Delete>;
+using Foliation = Owned<hmf_foliation>;
+
+// Makes call(&object, error); fails the running test unless it succeeds.
+hmf_status expect_ok(hmf_status status, const hmf_error& error);
+template <class T, class Call>
+Owned<T> make(Call&& call) {
+    T* out = nullptr;
+    hmf_error error{};
+    expect_ok(call(&out, &error), error);
+    return Owned<T>(out);
+}
 
 // Loops that own their arrays.
 struct Loops {
@@ -52,6 +75,18 @@ struct Loops {
     hmf_loop_set view() const;
 };
 Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind = HMF_LOOPS_CUT);
+
+// --- Foliations --------------------------------------------------------------
+
+std::vector<double> values_of(const Foliation& foliation);
+
+// These fail the running test unless the call succeeds.
+Foliation create(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values);
+Foliation initialize(const Hierarchy& hierarchy, const Loops& loops);
+Foliation interpolate(const Foliation& foliation, size_t level);
+double energy(const Foliation& foliation);
+std::vector<double> residuals(const Foliation& foliation, size_t vertex_count);
+Owned<hmf_singularity_set> singularities(const Foliation& foliation);
 
 // --- Loops by construction ---------------------------------------------------
 
@@ -83,9 +118,9 @@ Indices count_indices(const LevelMesh& mesh, const std::vector<double>& values);
 // the sums of a triangle exact, a triangle inequality broken.
 std::string closedness_defect(const LevelMesh& mesh, const std::vector<double>& values);
 
-// Everything that holds for every result: closed, no poles, indices, and that
-// hmf_singularities says the same.
-void expect_foliation(const Hierarchy& hierarchy, const LevelMesh& mesh, const std::vector<double>& values);
+// Everything that holds for every result: closed multiples of its unit, no
+// poles, indices, and that hmf_singularities says the same.
+void expect_foliation(const LevelMesh& mesh, const Foliation& foliation);
 
 double energy(const LevelMesh& mesh, const std::vector<double>& values);
 
@@ -110,14 +145,15 @@ std::string class_defect(const LevelMesh& mesh, const std::vector<double>& value
 
 struct Solution {
     hmf_status status = HMF_ERROR_INTERNAL;
-    std::vector<double> values;
-    hmf_report report{};
+    Foliation foliation;
+    std::vector<double> values; // of the foliation
+    hmf_report report{};        // its arrays live as long as the foliation
     hmf_error error{};
 };
 
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations = 0);
-Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options);
-Solution relax(const Hierarchy& hierarchy, size_t level, const std::vector<double>& values,
-               const hmf_solve_options& options);
+Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options,
+               const hmf_control* control = nullptr);
+Solution relax(const Foliation& foliation, const hmf_solve_options& options, const hmf_control* control = nullptr);
 
 } // namespace test

@@ -11,15 +11,6 @@ namespace {
 
 double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs(a), std::abs(b)); }
 
-std::vector<double> carried(const Hierarchy& hierarchy, size_t from, const std::vector<double>& values, size_t to) {
-    std::vector<double> out(hierarchy.edges(to));
-    hmf_error error{};
-    EXPECT_EQ(hmf_interpolate(hierarchy.get(), from, values.data(), values.size(), to, out.data(), out.size(), &error),
-              HMF_OK)
-        << error.message;
-    return out;
-}
-
 } // namespace
 
 void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
@@ -31,7 +22,6 @@ void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
         ASSERT_TRUE(hierarchy);
         loops = library_loops(hierarchy, 0);
     }
-    const hmf_loop_set set = loops.view();
     const hmf_solve_options exact = solve_options(HMF_METHOD_NEWTON, 0);
     double expected = 0; // the first energy of Newton's method
     bool first = true;
@@ -45,22 +35,18 @@ void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
             EXPECT_EQ(newton.status, HMF_OK) << "newton: " << newton.error.message;
             ASSERT_LT(newton.status, HMF_ERROR_NULL);
             EXPECT_LE(newton.report.residual_max, 1e-8);
-            expect_foliation(hierarchy, level, newton.values);
+            expect_foliation(level, newton.foliation);
             if (first) expected = newton.report.energy;
             EXPECT_LT(relative(newton.report.energy, expected), 1e-10)
                 << "newton " << newton.report.energy << " instead of " << expected;
 
             if (first && options.relaxed) {
-                std::vector<double> start(level.edge_count);
-                hmf_error error{};
-                ASSERT_EQ(hmf_initialize(hierarchy.get(), &set, start.data(), start.size(), &error), HMF_OK)
-                    << error.message;
                 const size_t top = hierarchy.coarsest();
-                const std::vector<double> there = carried(hierarchy, 0, start, top);
-                expect_foliation(hierarchy, read_level(hierarchy, top), there);
-                const std::vector<double> back = carried(hierarchy, top, there, 0);
-                expect_foliation(hierarchy, level, back);
-                const Solution relaxed = relax(hierarchy, 0, back, exact);
+                const Foliation there = interpolate(initialize(hierarchy, loops), top);
+                expect_foliation(read_level(hierarchy, top), there);
+                const Foliation back = interpolate(there, 0);
+                expect_foliation(level, back);
+                const Solution relaxed = relax(back, exact);
                 EXPECT_EQ(relaxed.status, HMF_OK) << "relax: " << relaxed.error.message;
                 ASSERT_LT(relaxed.status, HMF_ERROR_NULL);
                 EXPECT_LT(relative(relaxed.report.energy, expected), 1e-10)
@@ -71,7 +57,7 @@ void expect_unique(const TriMesh& mesh, const UniqueOptions& options) {
                 EXPECT_TRUE(paper.status == HMF_OK || paper.status == HMF_LIMIT_STALLED)
                     << "whitehead: " << paper.error.message;
                 ASSERT_LT(paper.status, HMF_ERROR_NULL);
-                expect_foliation(hierarchy, level, paper.values);
+                expect_foliation(level, paper.foliation);
                 EXPECT_LT(relative(paper.report.energy, expected), 1e-6)
                     << "whitehead " << paper.report.energy << " instead of " << expected;
                 // The minimum is the minimum.

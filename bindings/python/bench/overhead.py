@@ -31,7 +31,7 @@ def build_directly(positions, triangles):
     p = ffi.cast("double *", positions.ctypes.data)
     t = ffi.cast("uint32_t *", triangles.ctypes.data)
     start = time.process_time()
-    status = lib.hmf_build(p, len(positions), 0, t, len(triangles), ffi.NULL, out, ffi.NULL)
+    status = lib.hmf_build(p, len(positions), t, len(triangles), ffi.NULL, ffi.NULL, out, ffi.NULL)
     seconds = time.process_time() - start
     assert status == 0
     lib.hmf_destroy(out[0])

@@ -1,10 +1,10 @@
-"""Makes the low-level module hmf._native from include/hmf/hmf.h.
+"""Makes the low-level module hmf._native from include/hmf/hmf.h and uses.h.
 
-    python declarations.py HEADER PROGRESS.c OUTPUT.c
+    python declarations.py HEADER ... PROGRESS.c OUTPUT.c
 
-The declarations that cffi reads are the header itself without comments and
-preprocessor lines; its integer constants stay.  The C compiler then checks
-them against the real header, so the layer cannot drift from it: what a header
+The declarations that cffi reads are the headers themselves without comments and
+preprocessor lines; their integer constants stay.  The C compiler then checks
+them against the real headers, so the layer cannot drift from them: what a header
 adds is in the module after the next build, what it takes away is missing.
 """
 
@@ -43,17 +43,19 @@ def declarations(header: str) -> str:
             constant = re.fullmatch(r"(HMF_\w+)\s+(-?\d+|0x[0-9a-fA-F]+)[uU]?", rest)
             if constant:
                 kept.append(f"#define {constant[1]} {constant[2]}")
-            elif rest != "HMF_HMF_H":
-                raise ValueError(f"hmf.h: no rule for: #define {rest}")
+            elif not re.fullmatch(r"HMF_\w+_H", rest):
+                raise ValueError(f"no rule for: #define {rest}")
     return re.sub(r"\bHMF_API\b", "", "\n".join(kept))
 
 
 def main() -> None:
     from cffi import FFI
 
-    header, progress, output = (Path(argument) for argument in sys.argv[1:])
+    *headers, progress, output = (Path(argument) for argument in sys.argv[1:])
     ffi = FFI()
-    ffi.cdef(declarations(header.read_text(encoding="utf-8")) + THROTTLE)
+    for header in headers:
+        ffi.cdef(declarations(header.read_text(encoding="utf-8")))
+    ffi.cdef(THROTTLE)
     ffi.set_source("hmf._native", progress.read_text(encoding="utf-8"))
     ffi.emit_c_code(str(output))
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gc
+
 import hmf
 import numpy as np
 import pytest
+from hmf import sample
 from hmf._boundary import as_floats, as_indices, as_positions
 
 from conftest import Mesh
@@ -113,6 +116,29 @@ def test_inputs_are_not_kept(pretzel: Mesh) -> None:
     foliation = hierarchy.foliation(values)
     values[:] = 0
     assert same(foliation, expected)
+
+
+def test_results_are_memory_of_the_library(hierarchy: hmf.Hierarchy) -> None:
+    """Not copies, and kept by the arrays alone."""
+    foliation = hmf.solve(*sample.pretzel(2, side=5))
+    found, leaves, cylinders = foliation.singularities(), foliation.trace(spacing=0.1), foliation.cylinders()
+    mesh, uv, loops = foliation.quads(), foliation.parameterize(), foliation.hierarchy.loops()
+    arrays = [foliation.values, found.positions, found.vertex_index, leaves.points, leaves.offsets, mesh.positions]
+    arrays += [uv.corner_uv, uv.seam, uv.differential, loops.elements, cylinders.leaves.elements, loops[-1]]
+    copies = [array.copy() for array in arrays]
+    for array in arrays:
+        base = array
+        while isinstance(base, np.ndarray):
+            base = base.base
+        assert type(base).__module__ == "hmf._boundary"
+        with pytest.raises(ValueError, match="cannot set WRITEABLE"):
+            array.setflags(write=True)
+    del foliation, found, leaves, cylinders, mesh, uv, loops
+    gc.collect()
+    # What was freed too early would be written over.
+    hmf.solve(*sample.pretzel(3, side=5)).parameterize()
+    for array, copy in zip(arrays, copies):
+        assert np.array_equal(array, copy, equal_nan=True)
 
 
 def test_results_are_read_only(hierarchy: hmf.Hierarchy) -> None:

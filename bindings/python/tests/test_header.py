@@ -1,4 +1,4 @@
-"""The package offers what include/hmf/hmf.h declares: each addition there fails here until it is bound."""
+"""The package offers what include/hmf declares: each addition there fails here until it is bound."""
 
 from __future__ import annotations
 
@@ -15,12 +15,9 @@ from hmf import errors
 from hmf._native import ffi, lib
 
 PACKAGE = Path(__file__).resolve().parents[1]
-HEADER = next(
-    path
-    for path in (PACKAGE / "core/include/hmf/hmf.h", PACKAGE.parents[1] / "include/hmf/hmf.h")
-    if path.exists()
-)
-TEXT = re.sub(r"/\*.*?\*/", "", HEADER.read_text(encoding="utf-8"), flags=re.S)
+HEADERS = next(path for path in (PACKAGE / "core/include/hmf", PACKAGE.parents[1] / "include/hmf") if path.exists())
+TEXT = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("hmf.h", "uses.h"))
+TEXT = re.sub(r"/\*.*?\*/", "", TEXT, flags=re.S)
 CONSTANTS = {name: int(value) for name, value in re.findall(r"#define (HMF_\w+) (-?\d+)\s", TEXT)}
 FUNCTIONS = re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", TEXT)
 
@@ -30,7 +27,7 @@ def names(prefix: str) -> dict[str, int]:
 
 
 def test_header_was_understood() -> None:
-    assert len(FUNCTIONS) >= 24 and "hmf_solve" in FUNCTIONS
+    assert len(FUNCTIONS) >= 24 and {"hmf_solve", "hmf_quads"} <= set(FUNCTIONS)
     assert len(CONSTANTS) > 60
 
 
@@ -94,33 +91,45 @@ def fields(structure: str) -> set[str]:
 
 
 def test_options_are_keywords() -> None:
-    hidden = {"struct_size", "reserved", "progress_user", "allocate", "release", "allocator_user"}
-    hidden |= {"seam_edge_count", "point_count"}  # lengths of arrays
+    hidden = {"struct_size", "reserved", "allocate", "release", "allocator_user"}
+    hidden |= {"seam_edge_count", "point_count", "position_stride"}  # those of arrays
+    common = {"foliation", "progress"}
     build = set(inspect.signature(hmf.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
     both = set(inspect.signature(hmf.solve).parameters)
-    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles"}
-    initial = {"initial_values", "initial_count", "initial_level"}
-    assert fields("hmf_solve_options") - hidden - initial == solve - {"self", "loops", "weights", "initial"}
+    assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "progress"}
+    start = {"self", "loops", "weights", "initial", "progress"}
+    assert fields("hmf_solve_options") - hidden - {"start"} == solve - start
     assert (build | solve) - {"self"} == both
     parameterize = set(inspect.signature(hmf.Foliation.parameterize).parameters)
-    assert fields("hmf_parameterize_options") - hidden == parameterize - {"self"}
+    assert fields("hmf_parameterize_options") - hidden == parameterize - common
     trace = set(inspect.signature(hmf.Foliation.trace).parameters)
-    assert fields("hmf_trace_options") - hidden == trace - {"self"}
+    assert fields("hmf_trace_options") - hidden == trace - common
     quads = set(inspect.signature(hmf.Foliation.quads).parameters)
-    assert fields("hmf_quad_options") - hidden == quads - {"self"}
+    assert fields("hmf_quad_options") - hidden == quads - common
 
 
 def test_reports_have_all_fields() -> None:
-    hidden = {"struct_size", "values_written", "level_capacity", "level_count", "history_capacity", "history_count"}
+    hidden = {"struct_size", "reserved", "level_count", "history_count"}
     assert fields("hmf_report") - hidden == set(hmf.Report.__dataclass_fields__)
-    hidden = {"struct_size", "reserved", "vertex_capacity", "edge_capacity", "triangle_capacity"}
+    hidden = {"struct_size", "reserved", "vertex_count", "edge_count", "triangle_count"}
     assert fields("hmf_parameterization") - hidden == set(hmf.Parameterization.__dataclass_fields__)
     assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
     assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
     assert fields("hmf_line") == set(hmf.Leaf.__dataclass_fields__) - {"points", "edges"}
     assert fields("hmf_cylinder") - {"reserved"} == set(hmf.Cylinder.__dataclass_fields__)
     assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)
+
+
+def test_each_call_with_a_control_takes_progress() -> None:
+    """But hmf_energy, which is a property: Control-C ends it all the same."""
+    control = ffi.typeof("hmf_control *")
+    long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
+    owners = {"hmf_build": hmf.Hierarchy.__init__, "hmf_foliation_create": hmf.Hierarchy.foliation}
+    for name in long - {"hmf_energy"}:
+        short = name[len("hmf_") :]
+        function = owners.get(name) or getattr(hmf.Foliation, short, None) or getattr(hmf.Hierarchy, short)
+        assert "progress" in inspect.signature(function).parameters, name
 
 
 def test_version() -> None:

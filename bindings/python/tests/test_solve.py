@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import warnings
+from pathlib import Path
 from typing import get_args
 
 import hmf
@@ -185,8 +186,6 @@ def test_paths_of_vertices(hierarchy: hmf.Hierarchy) -> None:
         left = first if triangles[here][(place + 1) % 3] == second else second
         if not path or path[-1] != left:
             path.append(left)
-    if path[0] == path[-1]:
-        path.pop()
     by_triangles, by_vertices = hierarchy.solve(loops[:1]), hierarchy.solve([path])
     assert np.abs(by_triangles.values - by_vertices.values).max() < 1e-6
 
@@ -202,6 +201,66 @@ def test_report(hierarchy: hmf.Hierarchy) -> None:
     assert report.history[-1].energy == pytest.approx(report.energy)
     assert report.zeros == -sum(zero.index for zero in hierarchy.solve().singularities().zeros) == 4
     assert (report.poles, report.index_sum) == (0, -4)
+
+
+def test_a_report_is_printed_on_several_lines(hierarchy: hmf.Hierarchy) -> None:
+    report = hierarchy.solve().report
+    lines = str(report).splitlines()
+    assert len(lines) == 4 + len(hierarchy.levels) and max(map(len, lines)) < 80
+    assert "newton: converged" in lines[0] and "4 zeros" in lines[1]
+    for number, level in enumerate(hierarchy.levels):
+        assert lines[4 + number].split()[:3] == [str(number), str(level.vertex_count), str(level.edge_count)]
+
+
+def test_singularities_have_positions(hierarchy: hmf.Hierarchy) -> None:
+    level = hierarchy.levels[0]
+    found = hierarchy.solve().singularities()
+    assert len(found) > 1 and found.positions.shape == (len(found), 3)
+    for zero, place in zip(found, found.positions):
+        assert zero.position == tuple(place)
+        own = level.triangles[zero.element] if zero.kind == "triangle" else [zero.element]
+        if zero.kind == "cluster":
+            own = np.flatnonzero(found.vertex_cluster == zero.element)
+            assert len(own) == zero.size > 1
+        assert np.allclose(place, level.positions[own].mean(axis=0))
+
+
+def test_values_are_multiples_of_the_unit(hierarchy: hmf.Hierarchy) -> None:
+    foliation = hierarchy.solve(weights=[1, 3])
+    assert np.frexp(foliation.unit)[0] == 0.5
+    assert (foliation.values / foliation.unit % 1 == 0).all()
+
+
+@pytest.mark.parametrize("level", [0, 2])
+def test_saved_and_loaded(hierarchy: hmf.Hierarchy, pretzel: Mesh, tmp_path: Path, level: int) -> None:
+    foliation, file = hierarchy.solve(stop_level=level), tmp_path / "foliation"
+    foliation.save(file)
+    again = hmf.Foliation.load(str(file), hierarchy)
+    assert np.array_equal(again.values, foliation.values)
+    assert (again.level, again.status, again.report) == (level, foliation.status, None)
+    assert again.energy == pytest.approx(foliation.energy, rel=1e-12)
+    with pytest.raises(ValueError, match="one for each edge|triangles"):
+        hmf.Foliation.load(file, hmf.Hierarchy(*sample.pretzel(2, side=5), coarsest=200))
+    # The same counts, but other numbers.
+    turned = hmf.Hierarchy(pretzel[0], pretzel[1][::-1], coarsest=200)
+    with pytest.raises(ValueError):
+        hmf.Foliation.load(file, turned)
+
+
+@pytest.mark.parametrize("content", ["nothing", "text", "array", "archive"])
+def test_loading_what_was_not_saved(hierarchy: hmf.Hierarchy, tmp_path: Path, content: str) -> None:
+    file = tmp_path / "foliation.npz"
+    if content == "array":
+        with file.open("wb") as opened:
+            np.save(opened, np.ones(5))
+    elif content == "archive":
+        np.savez(file, values=np.ones(5))
+    else:
+        file.write_text("" if content == "nothing" else "hello")
+    with pytest.raises(ValueError, match="no file that"):
+        hmf.Foliation.load(file, hierarchy)
+    with pytest.raises(FileNotFoundError):
+        hmf.Foliation.load(tmp_path / "none", hierarchy)
 
 
 def test_a_limit_warns_and_gives_the_result(hierarchy: hmf.Hierarchy) -> None:
@@ -249,7 +308,8 @@ def test_build_options(pretzel: Mesh) -> None:
 
 
 def test_plates_have_the_sizes_of_the_contract() -> None:
-    for size, vertices, triangles in (((1, 1, 4, 4), 512, 1024), ((2, 1, 8, 7), 3006, 6016), ((3, 2, 15, 10), 20240, 40500)):
+    sizes = (((1, 1, 4, 4), 512, 1024), ((2, 1, 8, 7), 3006, 6016), ((3, 2, 15, 10), 20240, 40500))
+    for size, vertices, triangles in sizes:
         points, corners = sample.plate(*size)
         assert (len(points), len(corners)) == (vertices, triangles)
 

@@ -1,12 +1,15 @@
-// A user of the installed hmf.hpp: objects and exceptions between two files.
+// A user of the installed hmf.hpp and uses.hpp: objects and exceptions between two files.
 #include "other.hpp"
 
 #include <cstdio>
+#include <hmf/uses.hpp>
 
 int main() {
     const hmf::Hierarchy hierarchy = build();
     const hmf::Solution solution = hierarchy.solve();
     if (solution.status != HMF_OK || energy(solution.foliation) != solution.foliation.energy()) return 1;
+    const hmf::QuadMesh mesh = hmf::quads(solution.foliation);
+    if (mesh->vertex_count != mesh->quad_count) return 1; // genus 1
     try {
         hierarchy.level(hierarchy.level_count());
     } catch (const hmf::Error& error) {

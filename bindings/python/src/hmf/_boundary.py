@@ -1,4 +1,4 @@
-"""The boundary to the C library: arrays, errors and progress.
+"""The boundary to the C library: arrays, options, progress and calls.
 
 Everything that touches pointers goes through here.  cffi releases the
 interpreter lock for the time of each call.
@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterator
+import weakref
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import IntEnum
+from functools import lru_cache
 from importlib import import_module
 from types import TracebackType
-from typing import Any, Union
+from typing import Any, NamedTuple, TypeVar, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -105,19 +108,39 @@ def as_count(number: int, what: str) -> int:
     return result
 
 
-def constant(prefix: str, name: str, what: str) -> int:
-    """The value of HMF_<prefix>_<NAME>; ValueError with the names that exist."""
-    key = f"HMF_{prefix}_{str(name).upper().replace('-', '_')}"
-    if key not in _CONSTANTS:
-        start = f"HMF_{prefix}_"
-        names = sorted(entry[len(start) :].lower() for entry in _CONSTANTS if entry.startswith(start))
-        raise ValueError(f"{what} must be one of {', '.join(names)}; got {name!r}.")
-    return int(_CONSTANTS[key])
-
+# --- Choices and options -----------------------------------------------------
 
 _CONSTANTS: dict[str, int] = {
     name: getattr(lib, name) for name in dir(lib) if name.startswith("HMF_") and isinstance(getattr(lib, name), int)
 }
+
+
+def names(prefix: str) -> dict[int, Any]:
+    """The names of the values HMF_<prefix>_<NAME>."""
+    start = f"HMF_{prefix}_"
+    return {value: name[len(start) :].lower() for name, value in _CONSTANTS.items() if name.startswith(start)}
+
+
+def constant(prefix: str, name: str | None, what: str) -> int | None:
+    """The value of HMF_<prefix>_<NAME>, None of None; ValueError with the names that exist."""
+    if name is None:
+        return None
+    values = {known: value for value, known in names(prefix).items()}
+    key = str(name).lower().replace("-", "_")
+    if key not in values:
+        raise ValueError(f"{what} must be one of {', '.join(sorted(values))}; got {name!r}.")
+    return values[key]
+
+
+def structure(ctype: str, **values: Any) -> Any:
+    """A structure that begins with its size; None in a field is its default, and counts are checked to fit."""
+    fields = dict(ffi.typeof(ctype).fields)
+    result = ffi.new(f"{ctype} *", {"struct_size": ffi.sizeof(ctype)})
+    for name, value in values.items():
+        if value is not None:
+            setattr(result, name, as_count(value, name) if fields[name].type.cname == "uint64_t" else value)
+    return result
+
 
 # --- Arrays out --------------------------------------------------------------
 
@@ -128,25 +151,75 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def optional_index(number: Any) -> int | None:
-    """An index of the library as a number; None for HMF_NONE."""
-    return None if number == lib.HMF_NONE else int(number)
+class _Memory:
+    """What numpy needs to make a read-only array, whose base this object then is."""
+
+    def __init__(self, owner: Any, address: int, size: int) -> None:
+        self._owner = owner
+        self.__array_interface__ = {"version": 3, "typestr": "|u1", "shape": (size,), "data": (address, True)}
 
 
-_FORMATS = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "int64_t": "i8", "uint64_t": "u8"}
+_FORMATS = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "int64_t": "i8", "uint64_t": "u8", "uint8_t": "u1"}
 
 
-def structure_dtype(ctype: str) -> np.dtype[Any]:
-    """The dtype of an array of structures of the header, which have plain numbers only."""
-    fields = ffi.typeof(ctype).fields
+@lru_cache(maxsize=None)
+def _dtype(ctype: Any) -> np.dtype[Any]:
+    """The dtype of an element: a number, an array of them, or a structure of both."""
+    if ctype.kind == "array":
+        return np.dtype((_dtype(ctype.item), (ctype.length,)))
+    if ctype.kind != "struct":
+        return np.dtype(_FORMATS[ctype.cname])
+    fields = [(name, field) for name, field in ctype.fields if name != "reserved"]
     return np.dtype(
         {
             "names": [name for name, _ in fields],
-            "formats": [_FORMATS[field.type.cname] for _, field in fields],
+            "formats": [_dtype(field.type) for _, field in fields],
             "offsets": [field.offset for _, field in fields],
             "itemsize": ffi.sizeof(ctype),
         }
     )
+
+
+def view(owner: Any, elements: Any, *shape: int) -> NDArray[Any]:
+    """The array that ``elements`` points to: not a copy, but memory of the library that ``owner`` keeps alive."""
+    dtype = _dtype(ffi.typeof(elements).item)
+    count = int(np.prod(shape))
+    if count == 0:
+        return frozen(np.empty(shape, dtype))
+    address = int(ffi.cast("uintptr_t", elements))
+    return np.asarray(_Memory(owner, address, count * dtype.itemsize)).view(dtype).reshape(shape)
+
+
+def optional_index(number: int) -> int | None:
+    """An index of the library; None for HMF_NONE."""
+    return None if number == lib.HMF_NONE else number
+
+
+_Entry = TypeVar("_Entry")
+
+
+class Rows(Sequence[_Entry]):
+    """A list of structures of the library; each becomes an object when it is asked for."""
+
+    def __init__(self, rows: NDArray[Any]) -> None:
+        self._rows = rows
+
+    @abstractmethod
+    def _entry(self, number: int, row: dict[str, Any]) -> _Entry:
+        """The object of one structure."""
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, which: int) -> _Entry: ...
+    @overload
+    def __getitem__(self, which: slice) -> tuple[_Entry, ...]: ...
+    def __getitem__(self, which: int | slice) -> _Entry | tuple[_Entry, ...]:
+        chosen = range(len(self))[which]
+        if isinstance(chosen, range):
+            return tuple(self[number] for number in chosen)
+        return self._entry(chosen, dict(zip(self._rows.dtype.names or (), self._rows[chosen].item())))
 
 
 # --- Progress ----------------------------------------------------------------
@@ -158,7 +231,7 @@ class Progress(IntEnum):
     CONTINUE = 0
     #: Return at once; :class:`hmf.Cancelled` is raised.
     CANCEL = 1
-    #: Stop improving and return the foliation so far; while a hierarchy is built, as CANCEL.
+    #: solve and relax: stop improving and return the foliation so far; elsewhere as CANCEL.
     FINISH = 2
 
 
@@ -179,15 +252,17 @@ class Watch:
         #: The callback said FINISH, and not CANCEL later.
         self.finished = False
 
-    def install(self, options: Any) -> list[Any]:
-        """Sets progress and progress_user of an options structure; returns what must stay alive."""
+    def control(self) -> Any:
+        """hmf_control for a call; valid as long as this object is."""
         if self._callback is None and threading.current_thread() is not threading.main_thread():
-            return []  # signals arrive on the main thread only
-        handle = ffi.new_handle(self)
-        throttle = ffi.new("hmf_python_throttle *", {"interval": PROGRESS_INTERVAL, "last": -1e9, "watch": handle})
-        options.progress = ffi.addressof(lib, "hmf_python_throttled")
-        options.progress_user = throttle
-        return [handle, throttle]
+            return ffi.NULL  # signals arrive on the main thread only
+        self._handle = ffi.new_handle(weakref.proxy(self))
+        self._throttle = ffi.new(
+            "hmf_python_throttle *", {"interval": PROGRESS_INTERVAL, "last": -1e9, "watch": self._handle}
+        )
+        throttled = ffi.addressof(lib, "hmf_python_throttled")
+        self._control = structure("hmf_control", progress=throttled, progress_user=self._throttle)
+        return self._control
 
     def tick(self, fraction: float) -> int:
         # To be in Python code is enough for signals to be handled.
@@ -222,7 +297,9 @@ def _store(kind: type[BaseException], exception: BaseException, traceback: Trace
         ffi.from_handle(traceback.tb_frame.f_locals["watch"]).fail(exception.with_traceback(traceback))
 
 
-@ffi.def_extern(name="hmf_python_progress", error=int(Progress.CANCEL), onerror=_store)  # type: ignore[untyped-decorator]
+@ffi.def_extern(  # type: ignore[untyped-decorator]
+    name="hmf_python_progress", error=int(Progress.CANCEL), onerror=_store
+)
 def _progress(watch: Any, fraction: float) -> int:
     return int(ffi.from_handle(watch).tick(fraction))
 
@@ -238,7 +315,8 @@ class _Bar:
             tqdm = import_module("tqdm.auto")
         except ImportError:
             return
-        self._bar = tqdm.tqdm(total=100, desc=title, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
+        form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+        self._bar = tqdm.tqdm(total=100, desc=title, bar_format=form)
 
     def update(self, fraction: float) -> None:
         percent = int(100 * fraction)
@@ -290,16 +368,52 @@ def part(callback: ProgressCallback | None, low: float, high: float) -> Progress
 # --- Calls -------------------------------------------------------------------
 
 
-def call(function: Any, *arguments: Any, watch: Watch | None = None, accept: frozenset[int] = frozenset()) -> tuple[Status, str]:
-    """Calls a fallible function, whose last argument is the error.
+class Outcome(NamedTuple):
+    """What a call gave."""
 
-    Returns the status and the message of it, if it is OK or in ``accept``; raises otherwise.
+    status: Status
+    message: str
+    #: What the library made, given back with the last reference to it; None if nothing.
+    result: Any
+    #: The progress callback said FINISH.
+    finished: bool
+
+
+_CONTROL = ffi.typeof("hmf_control *")
+_FREE = {
+    ffi.typeof("hmf_hierarchy *"): lib.hmf_destroy,
+    ffi.typeof("hmf_foliation *"): lib.hmf_foliation_destroy,
+}
+
+
+def run(
+    function: Any, *arguments: Any, progress: ProgressOption = None, accept: frozenset[int] = frozenset()
+) -> Outcome:
+    """Calls a fallible function; raises unless the status is OK or in ``accept``.
+
+    ``arguments`` are those but hmf_control, the address of an object that the
+    library makes, and hmf_error, which stand where the header declares them.
     """
+    types = ffi.typeof(function).args
     error = ffi.new("hmf_error *")
-    status = function(*arguments, error)
-    if watch is not None:
+    made = types[-2].item if types[-2].kind == "pointer" else types[-2]
+    out = ffi.new(types[-2]) if made.kind == "pointer" else None
+    passed = [*arguments, error] if out is None else [*arguments, out, error]
+    with progress_callback(progress, function.__name__.replace("_", " ")) as callback:
+        watch = Watch(callback)
+        if _CONTROL in types:
+            passed.insert(types.index(_CONTROL), watch.control())
+        status = function(*passed)
+        result = None
+        if out is not None and out[0] != ffi.NULL:
+            result = ffi.gc(out[0], _FREE.get(made, lib.hmf_free))
         watch.reraise()
-    message = ffi.string(error.message).decode("utf-8", "replace")
-    if status != Status.OK and status not in accept:
-        raise error_class(status)(message, status, error.element, error.index)
-    return Status(status), message
+        message = ffi.string(error.message).decode("utf-8", "replace")
+        if status != Status.OK and status not in accept:
+            raise error_class(status)(message, status, error.element, error.index)
+    return Outcome(Status(status), message, result, watch.finished)
+
+
+def call(function: Any, *arguments: Any, progress: ProgressOption = None) -> Any:
+    """What a function of the library makes, see :func:`run`."""
+    return run(function, *arguments, progress=progress).result

@@ -78,7 +78,8 @@ class _Picture:
         while start < len(triangles):
             done = int(ends[start - 1]) if start else 0
             stop = max(start + 1, int(np.searchsorted(ends, done + _PAIRS, side="right")))
-            self._draw_some(points, triangles[start:stop], corners[start:stop], first[start:stop], count[start:stop], light)
+            some = slice(start, stop)
+            self._draw_some(points, triangles[some], corners[some], first[some], count[some], light)
             start = stop
 
     def _draw_some(
@@ -209,13 +210,8 @@ def plot(
             LineCollection(list(segments), colors=[stripe_colour], linewidths=1.1, capstyle="round", zorder=2)
         )
     if zeros:
-        marks = [zero for zero in foliation.singularities() if zero.index < 0]
-        places = np.array(
-            [
-                points[level.triangles[zero.element]].mean(axis=0) if zero.kind == "triangle" else points[zero.element]
-                for zero in marks
-            ]
-        ).reshape(-1, 3)
+        marks = foliation.singularities().zeros
+        places = np.array([zero.position for zero in marks]).reshape(-1, 3) @ frame.T
         shown = picture.visible(places)
         sizes = np.array([-40.0 * zero.index for zero in marks])
         ax.scatter(places[shown, 0], places[shown, 1], s=sizes[shown], color=zero_colour, edgecolors="white", zorder=3)

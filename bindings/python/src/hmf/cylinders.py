@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import call, optional_index, pointer, structure_dtype
-from ._native import ffi, lib
-from .loops import Loops, as_loops
+from ._boundary import ProgressOption, Rows, call, optional_index, view
+from ._native import lib
+from .loops import Loops, loop_structure
 
 if TYPE_CHECKING:
     from .foliation import Foliation
-
-_CYLINDER = structure_dtype("hmf_cylinder")
 
 
 @dataclass(frozen=True)
@@ -30,7 +27,7 @@ class Cylinder:
     area: float  #: areas add up to the energy
 
 
-class Cylinders(Sequence[Cylinder]):
+class Cylinders(Rows[Cylinder]):
     """Cylinders from :meth:`Foliation.cylinders`, in the order of :attr:`Leaf.cylinder`.
 
     Attributes
@@ -40,49 +37,42 @@ class Cylinders(Sequence[Cylinder]):
         level, with the heights as weights: loops of the class of the foliation.
     """
 
-    def __init__(self, entries: tuple[Cylinder, ...], leaves: Loops) -> None:
-        self._entries = entries
+    def __init__(self, rows: NDArray[Any], leaves: Loops) -> None:
+        super().__init__(rows)
         self.leaves = leaves
 
-    def __len__(self) -> int:
-        return len(self._entries)
-
-    @overload
-    def __getitem__(self, which: int) -> Cylinder: ...
-    @overload
-    def __getitem__(self, which: slice) -> tuple[Cylinder, ...]: ...
-    def __getitem__(self, which: int | slice) -> Cylinder | tuple[Cylinder, ...]:
-        return self._entries[which]
-
-    def __iter__(self) -> Iterator[Cylinder]:
-        return iter(self._entries)
+    def _entry(self, number: int, row: dict[str, Any]) -> Cylinder:
+        row["loop"] = optional_index(row["loop"])
+        return Cylinder(**row)
 
     def __repr__(self) -> str:
         return f"<{len(self)} cylinders>"
 
 
-def cylinders(foliation: Foliation, loops: Loops | Sequence[ArrayLike] | None, weights: ArrayLike | None) -> Cylinders:
-    """hmf_cylinders; the documentation is that of Foliation.cylinders."""
-    chosen = None if loops is None else as_loops(loops, weights)
-    given = [*foliation._given(), ffi.NULL if chosen is None else chosen._structure()]
-    counts = ffi.new("size_t[2]")
-    # The counts do not depend on the loops, and are found faster without them.
-    call(lib.hmf_cylinders, *foliation._given(), ffi.NULL, *[ffi.NULL, 0] * 3, counts, counts + 1)
-    rows: NDArray[Any] = np.empty(counts[0], dtype=_CYLINDER)
-    offsets = np.zeros(counts[0] + 1, dtype=np.uint64)
-    triangles = np.empty(counts[1], dtype=np.uint32)
-    call(
-        lib.hmf_cylinders,
-        *given,
-        *[pointer(rows, "hmf_cylinder *"), rows.size],
-        *[pointer(offsets, "uint64_t *"), offsets.size],
-        *[pointer(triangles, "uint32_t *"), triangles.size],
-        counts,
-        counts + 1,
-    )
-    entries = tuple(
-        Cylinder(optional_index(loop), height, circumference, modulus, area)
-        for loop, height, circumference, modulus, area in rows[list(Cylinder.__dataclass_fields__)].tolist()
-    )
-    leaves = Loops._of_arrays(offsets, triangles, "triangles", foliation.level, [entry.height for entry in entries])
-    return Cylinders(entries, leaves)
+def cylinders(
+    foliation: Foliation,
+    loops: Loops | Sequence[ArrayLike] | None = None,
+    weights: ArrayLike | None = None,
+    *,
+    progress: ProgressOption = None,
+) -> Cylinders:
+    """The cylinders into which the critical leaves cut the surface: one for each loop, filled with closed leaves.
+
+    Parameters
+    ----------
+    loops, weights : as for :meth:`Hierarchy.solve`, optional
+        Those that the values belong to, to say which cylinder is whose.
+    progress : bool or function, optional
+        As for :class:`Hierarchy`.
+
+    Raises
+    ------
+    FoliationError
+        The values do not belong to the loops, have a pole, or are too far from harmonic.
+    LoopError
+        The loops cannot be used.
+    """
+    given, alive = loop_structure(loops, weights)
+    made = call(lib.hmf_cylinders, foliation._pointer, given, progress=progress)
+    del alive
+    return Cylinders(view(made, made.list, made.count), Loops._of(made.leaves, made))

@@ -11,9 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._boundary import (
     Floats,
     Indices,
-    ProgressCallback,
     ProgressOption,
-    Watch,
     as_count,
     as_floats,
     as_indices,
@@ -24,10 +22,12 @@ from ._boundary import (
     part,
     pointer,
     progress_callback,
+    run,
+    structure,
 )
 from ._native import ffi, lib
-from .foliation import Foliation, Method, optimise
-from .loops import Loops, as_loops
+from .foliation import STOPPED, Foliation, Method, solve_options, solved
+from .loops import Loops, loop_structure
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
@@ -36,26 +36,8 @@ LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 _BUILD_SHARE = 0.25
 
 
-def _build_options(
-    ratio: float | None,
-    coarsest: int | None,
-    collapse: Collapse | None,
-    memory_limit: int | None,
-    mollify: float | None,
-) -> Any:
-    options = ffi.new("hmf_build_options *")
-    lib.hmf_build_options_init(options)
-    if ratio is not None:
-        options.ratio = ratio
-    if coarsest is not None:
-        options.coarsest = as_count(coarsest, "coarsest")
-    if collapse is not None:
-        options.collapse = constant("COLLAPSE", collapse, "collapse")
-    if memory_limit is not None:
-        options.memory_limit = as_count(memory_limit, "memory_limit")
-    if mollify is not None:
-        options.mollify = mollify
-    return options
+def _build_options(collapse: Collapse | None = None, **others: Any) -> Any:
+    return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
 
 
 class Level:
@@ -80,7 +62,7 @@ class Level:
         self.edge_count = int(info.edge_count)
         self.triangle_count = int(info.triangle_count)
         #: Edges whose weight was below the floor and was raised to it.
-        self.non_delaunay_count = int(info.non_delaunay_count)
+        self.raised_count = int(info.raised_count)
 
     def _array(self, function: Any, shape: tuple[int, ...], dtype: Any, ctype: str) -> NDArray[Any]:
         if function not in self._arrays:
@@ -119,7 +101,8 @@ class Level:
         return self._array(lib.hmf_level_weights, (self.edge_count,), np.float64, "double *")
 
     def __repr__(self) -> str:
-        return f"<level {self.number}: {self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles>"
+        counts = f"{self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles"
+        return f"<level {self.number}: {counts}>"
 
 
 class Hierarchy:
@@ -186,33 +169,18 @@ class Hierarchy:
             "memory_limit": memory_limit,
             "mollify": mollify,
         }
-        with progress_callback(progress, "hmf build") as callback:
-            self._build(positions, triangles, _build_options(**self._options), callback)
-
-    def _build(self, positions: ArrayLike, triangles: ArrayLike, options: Any, callback: ProgressCallback | None) -> None:
         points = as_positions(positions)
         corners = as_indices(triangles, "triangles", 3)
-        watch = Watch(callback)
-        alive = watch.install(options)
-        out = ffi.new("hmf_hierarchy **")
-        try:
-            call(
-                lib.hmf_build,
-                pointer(points, "double *"),
-                points.shape[0],
-                points.strides[0] if points.shape[0] > 1 else 0,
-                pointer(corners, "uint32_t *"),
-                corners.shape[0],
-                options,
-                out,
-                watch=watch,
-            )
-        except BaseException:
-            lib.hmf_destroy(out[0])  # an exception of the last callback, after which the call succeeded
-            raise
-        finally:
-            del alive
-        self._pointer = ffi.gc(out[0], lib.hmf_destroy, lib.hmf_hierarchy_memory(out[0]))
+        stride = points.strides[0] if len(points) > 1 else None
+        self._pointer = call(
+            lib.hmf_build,
+            pointer(points, "double *"),
+            len(points),
+            pointer(corners, "uint32_t *"),
+            len(corners),
+            _build_options(**self._options, position_stride=stride),
+            progress=progress,
+        )
         self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
 
     @classmethod
@@ -239,7 +207,7 @@ class Hierarchy:
         """Bytes held by the hierarchy."""
         return int(lib.hmf_hierarchy_memory(self._pointer))
 
-    def loops(self, kind: LoopsKind = "cut", *, level: int | None = None) -> Loops:
+    def loops(self, kind: LoopsKind = "cut", *, level: int | None = None, progress: ProgressOption = None) -> Loops:
         """Loops made by the library, as loops of triangles.
 
         Parameters
@@ -250,19 +218,21 @@ class Hierarchy:
             "pants": 3 genus - 3 (genus 1: one), which leave pairs of pants.
         level : int, optional
             Default: the coarsest, where they are found fastest.
+        progress : bool or function, optional
+            As for :class:`Hierarchy`.
         """
         number = len(self.levels) - 1 if level is None else as_count(level, "level")
         value = constant("LOOPS", kind, "kind of loops")
-        counts = ffi.new("size_t[2]")
-        count = [lib.hmf_loops, self._pointer, number, value]
-        call(*count, ffi.NULL, 0, ffi.NULL, 0, counts, counts + 1)
-        offsets = np.empty(counts[0] + 1, dtype=np.uint64)
-        elements = np.empty(counts[1], dtype=np.uint32)
-        out = [pointer(offsets, "uint64_t *"), offsets.size, pointer(elements, "uint32_t *"), elements.size]
-        call(*count, *out, counts, counts + 1)
-        return Loops._of_arrays(offsets, elements, "triangles", number, None)
+        made = call(lib.hmf_loops, self._pointer, number, value, progress=progress)
+        return Loops._of(made, made)
 
-    def initialize(self, loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None = None) -> Foliation:
+    def initialize(
+        self,
+        loops: Loops | Sequence[ArrayLike] | None = None,
+        weights: ArrayLike | None = None,
+        *,
+        progress: ProgressOption = None,
+    ) -> Foliation:
         """The initial foliation of loops on their level: for each edge the weights of the loops that cross it.
 
         Raises
@@ -270,25 +240,34 @@ class Hierarchy:
         LoopError
             A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
         """
-        chosen = as_loops(loops, weights)
-        count = self.levels[chosen.level].edge_count if chosen.level < len(self.levels) else 0
-        values = np.empty(count, dtype=np.float64)
-        call(lib.hmf_initialize, self._pointer, chosen._structure(), pointer(values, "double *"), count)
-        return Foliation._of(self, chosen.level, values)
+        if loops is None:
+            loops = self.loops()
+        given, alive = loop_structure(loops, weights)
+        made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
+        del alive
+        return Foliation._of(self, made)
 
-    def foliation(self, values: ArrayLike, *, level: int = 0) -> Foliation:
+    def foliation(self, values: ArrayLike, *, level: int = 0, progress: ProgressOption = None) -> Foliation:
         """Your own values as a foliation, for example ones that were stored.
 
         Parameters
         ----------
         values : (edge_count of the level,) floats
-            Copied.  Whether they are closed is checked by the calls that need it (:class:`hmf.FoliationError`).
+            Copied, and checked: finite, not negative and closed.
+
+        Raises
+        ------
+        FoliationError
+            They are not.
         """
         number = as_count(level, "level")
         # Of a level that does not exist, the error of the library.
-        info = ffi.new("hmf_level_info *")
-        call(lib.hmf_level_counts, self._pointer, number, info)
-        return Foliation._of(self, number, as_floats(values, info.edge_count, "values", "edge of the level").copy())
+        count = Level(self, number).edge_count
+        given = as_floats(values, count, "values", "edge of the level")
+        made = call(
+            lib.hmf_foliation_create, self._pointer, number, pointer(given, "double *"), count, progress=progress
+        )
+        return Foliation._of(self, made)
 
     def solve(
         self,
@@ -347,47 +326,16 @@ class Hierarchy:
         KeyboardInterrupt
             Control-C cancels; it takes at most some 50 ms.
         """
-        with progress_callback(progress, "hmf solve") as callback:
-            return self._solve(
-                loops, weights, initial, method, tolerance, time_limit, iteration_limit, stop_level, callback
-            )
-
-    def _solve(
-        self,
-        loops: Loops | Sequence[ArrayLike] | None,
-        weights: ArrayLike | None,
-        initial: Foliation | None,
-        method: Method | None,
-        tolerance: float | None,
-        time_limit: float | None,
-        iteration_limit: int | None,
-        stop_level: int,
-        callback: ProgressCallback | None,
-    ) -> Foliation:
         if initial is not None and (loops is not None or weights is not None):
             raise ValueError("initial values have a class and weights of their own: give no loops and no weights.")
         if loops is None and weights is not None:
             loops = self.loops(level=0 if method == "single_level" else None)
-        chosen = None if loops is None else as_loops(loops, weights)
-        level = as_count(stop_level, "stop_level")
-        count = self.levels[level].edge_count if level < len(self.levels) else 0
-        structure = ffi.NULL if chosen is None else chosen._structure()
-        return optimise(
-            self,
-            level,
-            np.empty(count, dtype=np.float64),
-            lambda options, values, size, report, error: lib.hmf_solve(
-                self._pointer, structure, options, values, size, report, error
-            ),
-            method=method,
-            tolerance=tolerance,
-            time_limit=time_limit,
-            iteration_limit=iteration_limit,
-            stop_level=level,
-            initial=initial,
-            callback=callback,
-            stacklevel=4,
-        )
+        given, alive = loop_structure(loops, weights)
+        start = None if initial is None else initial._pointer
+        options = solve_options(method, tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start)
+        outcome = run(lib.hmf_solve, self._pointer, given, options, progress=progress, accept=STOPPED)
+        del alive
+        return solved(self, outcome)
 
     def __repr__(self) -> str:
         mesh = self.levels[0]
@@ -407,7 +355,7 @@ def memory_estimate(
     mollify: float | None = None,
 ) -> int:
     """Upper bound of the bytes that building a :class:`Hierarchy` uses at its peak; 0 if the counts are unusable."""
-    options = _build_options(ratio, coarsest, collapse, None, mollify)
+    options = _build_options(ratio=ratio, coarsest=coarsest, collapse=collapse, mollify=mollify)
     vertices, triangles = as_count(vertex_count, "vertex_count"), as_count(triangle_count, "triangle_count")
     return int(lib.hmf_memory_estimate(vertices, triangles, options))
 
@@ -447,14 +395,14 @@ def solve(
             mollify=mollify,
             progress=part(callback, 0.0, _BUILD_SHARE),
         )
-        return hierarchy._solve(
+        return hierarchy.solve(
             loops,
             weights,
-            initial,
-            method,
-            tolerance,
-            time_limit,
-            iteration_limit,
-            stop_level,
-            part(callback, _BUILD_SHARE, 1.0),
+            initial=initial,
+            method=method,
+            tolerance=tolerance,
+            time_limit=time_limit,
+            iteration_limit=iteration_limit,
+            stop_level=stop_level,
+            progress=part(callback, _BUILD_SHARE, 1.0),
         )

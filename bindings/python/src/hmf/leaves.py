@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,16 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 from ._boundary import (
     Floats,
     Indices,
+    ProgressOption,
+    Rows,
     as_indices,
     as_positions,
     call,
     constant,
-    frozen,
+    names,
     optional_index,
     pointer,
-    structure_dtype,
+    structure,
+    view,
 )
-from ._native import ffi, lib
+from ._native import lib
 
 if TYPE_CHECKING:
     from .foliation import Foliation
@@ -30,19 +32,8 @@ LineKind = Literal["level", "critical", "point"]
 End = Literal["closed", "zero", "limit", "nowhere", "critical"]
 LeavesKind = Literal["foliation", "conjugate"]
 
-_LINE = structure_dtype("hmf_line")
-_KINDS: dict[int, LineKind] = {
-    lib.HMF_LINE_LEVEL: "level",
-    lib.HMF_LINE_CRITICAL: "critical",
-    lib.HMF_LINE_POINT: "point",
-}
-_ENDS: dict[int, End] = {
-    lib.HMF_END_CLOSED: "closed",
-    lib.HMF_END_ZERO: "zero",
-    lib.HMF_END_LIMIT: "limit",
-    lib.HMF_END_NOWHERE: "nowhere",
-    lib.HMF_END_CRITICAL: "critical",
-}
+_KINDS: dict[int, LineKind] = names("LINE")
+_ENDS: dict[int, End] = names("END")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +54,7 @@ class Leaf:
     edges: Indices  #: (n,) uint32: the edge each point lies on; 2^32 - 1 for the middle of a zero in a triangle
 
 
-class Leaves(Sequence[Leaf]):
+class Leaves(Rows[Leaf]):
     """Leaves from :meth:`Foliation.trace`.
 
     Attributes
@@ -77,43 +68,17 @@ class Leaves(Sequence[Leaf]):
     """
 
     def __init__(self, lines: NDArray[Any], offsets: NDArray[np.uint64], points: Floats, edges: Indices) -> None:
-        self._lines = lines
-        self.offsets = frozen(offsets)
-        self.points = frozen(points)
-        self.edges = frozen(edges)
+        super().__init__(lines)
+        self.offsets = offsets
+        self.points = points
+        self.edges = edges
 
-    def __len__(self) -> int:
-        return len(self._lines)
-
-    @overload
-    def __getitem__(self, which: int) -> Leaf: ...
-    @overload
-    def __getitem__(self, which: slice) -> tuple[Leaf, ...]: ...
-    def __getitem__(self, which: int | slice) -> Leaf | tuple[Leaf, ...]:
-        if isinstance(which, slice):
-            return tuple(self[i] for i in range(len(self))[which])
-        if not -len(self) <= which < len(self):
-            raise IndexError(f"there is no leaf {which}, only {len(self)}")
-        which %= len(self)
-        line = self._lines[which]
-        own = slice(int(self.offsets[which]), int(self.offsets[which + 1]))
-        return Leaf(
-            kind=_KINDS[int(line["kind"])],
-            closed=bool(line["closed"]),
-            begin=_ENDS[int(line["begin"])],
-            end=_ENDS[int(line["end"])],
-            begin_zero=optional_index(line["begin_zero"]),
-            end_zero=optional_index(line["end_zero"]),
-            cylinder=optional_index(line["cylinder"]),
-            source=int(line["source"]),
-            height=float(line["height"]),
-            length=float(line["length"]),
-            points=self.points[own],
-            edges=self.edges[own],
-        )
-
-    def __iter__(self) -> Iterator[Leaf]:
-        return (self[i] for i in range(len(self)))
+    def _entry(self, number: int, row: dict[str, Any]) -> Leaf:
+        own = slice(int(self.offsets[number]), int(self.offsets[number + 1]))
+        row.update(kind=_KINDS[row["kind"]], begin=_ENDS[row["begin"]], end=_ENDS[row["end"]])
+        row.update(closed=bool(row["closed"]))
+        row.update({name: optional_index(row[name]) for name in ("begin_zero", "end_zero", "cylinder")})
+        return Leaf(**row, points=self.points[own], edges=self.edges[own])
 
     def __repr__(self) -> str:
         return f"<{len(self)} leaves, {len(self.points)} points>"
@@ -121,50 +86,68 @@ class Leaves(Sequence[Leaf]):
 
 def trace(
     foliation: Foliation,
-    leaves: LeavesKind,
-    spacing: float | None,
-    critical: bool,
-    length_limit: float | None,
-    point_triangles: ArrayLike | None,
-    point_barycentrics: ArrayLike | None,
+    *,
+    leaves: LeavesKind = "foliation",
+    spacing: float | None = None,
+    critical: bool = False,
+    length_limit: float | None = None,
+    point_triangles: ArrayLike | None = None,
+    point_barycentrics: ArrayLike | None = None,
+    progress: ProgressOption = None,
 ) -> Leaves:
-    """hmf_trace; the documentation is that of Foliation.trace."""
-    options = ffi.new("hmf_trace_options *")
-    lib.hmf_trace_options_init(options)
-    options.leaves = constant("LEAVES", leaves, "leaves")
-    options.critical = bool(critical)
-    if spacing is not None:
-        options.spacing = spacing
-    if length_limit is not None:
-        options.length_limit = length_limit
+    """Leaves as polylines; without any argument the critical ones, which join zeros.
+
+    No two leaves of the foliation cross, and each closes exactly; its values
+    need not be harmonic.  Conjugate leaves do not close in general, and need
+    harmonic values; their level sets go across each cylinder.
+
+    Parameters
+    ----------
+    leaves : "foliation" or "conjugate"
+        Those along which u is constant, or v; see :meth:`Foliation.parameterize`.
+    spacing : float, optional
+        Leaves about so far apart, in the unit of the values, all over the surface.
+    critical : bool
+        All leaves out of zeros.
+    length_limit : float, optional
+        Where a leaf stops, in each direction, in the unit of the positions;
+        default nowhere, for conjugate leaves after ten times the root of the
+        area of the surface.
+    point_triangles, point_barycentrics : (n,) ints and (n, 3) floats, optional
+        The leaves through these points, given by triangle and barycentric
+        coordinates: not negative, of sum 1.
+    progress : bool or function, optional
+        As for :class:`Hierarchy`.
+
+    Raises
+    ------
+    FoliationError
+        The values have a pole, or belong to no loops that can be followed.
+    OptionsError
+        A number is out of range.
+    """
     if (point_triangles is None) != (point_barycentrics is None):
         raise ValueError("point_triangles and point_barycentrics come together: give both or none.")
-    if point_triangles is not None and point_barycentrics is not None:
-        triangles = as_indices(point_triangles, "point_triangles")
-        barycentrics = np.ascontiguousarray(as_positions(point_barycentrics, "point_barycentrics"))
-        if len(triangles) != len(barycentrics):
-            raise ValueError(f"{len(triangles)} point_triangles but {len(barycentrics)} rows of point_barycentrics.")
-        options.point_count = len(triangles)
-        options.point_triangles = pointer(triangles, "uint32_t *")
-        options.point_barycentrics = pointer(barycentrics, "double *")
-
-    counts = ffi.new("size_t[2]")
-    none = [ffi.NULL, 0, ffi.NULL, 0, ffi.NULL, ffi.NULL, 0]
-    call(lib.hmf_trace, *foliation._given(), options, *none, counts, counts + 1)
-    line_count, point_count = counts
-    lines: NDArray[Any] = np.empty(line_count, dtype=_LINE)
-    offsets = np.zeros(line_count + 1, dtype=np.uint64)
-    points = np.empty((point_count, 3), dtype=np.float64)
-    edges = np.empty(point_count, dtype=np.uint32)
-    if line_count:
-        call(
-            lib.hmf_trace,
-            *foliation._given(),
-            options,
-            *[pointer(lines, "hmf_line *"), lines.size],
-            *[pointer(offsets, "uint64_t *"), offsets.size],
-            *[pointer(points, "double *"), pointer(edges, "uint32_t *"), edges.size],
-            counts,
-            counts + 1,
-        )
-    return Leaves(lines, offsets, points, edges)
+    none = np.empty((0, 3))
+    triangles = as_indices([] if point_triangles is None else point_triangles, "point_triangles")
+    barycentrics = as_positions(none if point_barycentrics is None else point_barycentrics, "point_barycentrics")
+    barycentrics = np.ascontiguousarray(barycentrics)
+    if len(triangles) != len(barycentrics):
+        raise ValueError(f"{len(triangles)} point_triangles but {len(barycentrics)} rows of point_barycentrics.")
+    options = structure(
+        "hmf_trace_options",
+        leaves=constant("LEAVES", leaves, "leaves"),
+        critical=bool(critical),
+        spacing=spacing,
+        length_limit=length_limit,
+        point_count=len(triangles),
+        point_triangles=pointer(triangles, "uint32_t *"),
+        point_barycentrics=pointer(barycentrics, "double *"),
+    )
+    made = call(lib.hmf_trace, foliation._pointer, options, progress=progress)
+    return Leaves(
+        view(made, made.lines, made.line_count),
+        view(made, made.offsets, made.line_count + 1),
+        view(made, made.points, made.point_count, 3),
+        view(made, made.point_edges, made.point_count),
+    )

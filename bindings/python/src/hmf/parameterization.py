@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, ProgressCallback, Watch, as_indices, call, frozen, pointer
-from ._native import ffi, lib
+from ._boundary import Floats, ProgressOption, as_indices, call, pointer, structure, view
+from ._native import lib
 
 if TYPE_CHECKING:
     from .foliation import Foliation
@@ -54,53 +54,44 @@ class Parameterization:
 
 
 def parameterize(
-    foliation: Foliation, tolerance: float | None, seam_edges: ArrayLike | None, callback: ProgressCallback | None
+    foliation: Foliation,
+    *,
+    tolerance: float | None = None,
+    seam_edges: ArrayLike | None = None,
+    progress: ProgressOption = None,
 ) -> Parameterization:
-    """hmf_parameterize; the documentation is that of Foliation.parameterize."""
-    level = foliation.hierarchy.levels[foliation.level]
-    options = ffi.new("hmf_parameterize_options *")
-    lib.hmf_parameterize_options_init(options)
-    if tolerance is not None:
-        options.tolerance = tolerance
-    seams = np.empty(0, dtype=np.uint32) if seam_edges is None else as_indices(seam_edges, "seam_edges")
-    if seams.size:
-        options.seam_edges = pointer(seams, "uint32_t *")
-        options.seam_edge_count = seams.size
-    watch = Watch(callback)
-    alive = watch.install(options)
+    """The global conformal parameterisation that has this foliation as |du|.
 
-    out = ffi.new("hmf_parameterization *")
-    out.struct_size = ffi.sizeof("hmf_parameterization")
-    out.vertex_capacity = level.vertex_count
-    out.edge_capacity = level.edge_count
-    out.triangle_capacity = level.triangle_count
-    arrays: dict[str, NDArray[Any]] = {
-        "corner_uv": np.empty((level.triangle_count, 3, 2), dtype=np.float64),
-        "transition": np.empty((level.edge_count, 3), dtype=np.float64),
-        "seam": np.empty(level.edge_count, dtype=np.uint8),
-        "cone": np.empty(level.vertex_count, dtype=np.int32),
-        "dilatation": np.empty(level.triangle_count, dtype=np.float64),
-        "differential": np.empty((level.triangle_count, 2), dtype=np.float64),
-    }
-    for name, array in arrays.items():
-        setattr(out, name, ffi.cast(ffi.typeof(getattr(out, name)), array.__array_interface__["data"][0]))
-    call(lib.hmf_parameterize, *foliation._given(), options, out, watch=watch)
-    del alive
-    return Parameterization(
-        corner_uv=frozen(arrays["corner_uv"]),
-        transition=frozen(arrays["transition"]),
-        seam=frozen(arrays["seam"].view(np.bool_)),
-        cone=frozen(arrays["cone"]),
-        dilatation=frozen(arrays["dilatation"]),
-        differential=frozen(arrays["differential"].view(np.complex128)[:, 0]),
-        dilatation_mean=out.dilatation_mean,
-        dilatation_median=out.dilatation_median,
-        dilatation_p99=out.dilatation_p99,
-        flipped_triangles=out.flipped_triangles,
-        degenerate_triangles=out.degenerate_triangles,
-        seam_edge_count=out.seam_edge_count,
-        seam_length=out.seam_length,
-        area=out.area,
-        linear_iterations=out.linear_iterations,
-        seconds=out.seconds,
+    Parameters
+    ----------
+    tolerance : float, optional
+        Largest residual of the values; default 1e-2.
+    seam_edges : (n,) ints, optional
+        Edges where seams cost nothing, so that they run there if they can.
+    progress : bool or function, optional
+        As for :class:`Hierarchy`.
+
+    Raises
+    ------
+    FoliationError
+        The values have a pole, or are too far from harmonic.
+    UnsupportedError
+        The mesh is so coarse that two zeros need the same vertex.
+    """
+    seams = as_indices([] if seam_edges is None else seam_edges, "seam_edges")
+    options = structure(
+        "hmf_parameterize_options",
+        tolerance=tolerance,
+        seam_edges=pointer(seams, "uint32_t *") if seams.size else None,
+        seam_edge_count=seams.size,
     )
+    made = call(lib.hmf_parameterize, foliation._pointer, options, progress=progress)
+    vertices, edges, triangles = made.vertex_count, made.edge_count, made.triangle_count
+    fields: dict[str, Any] = {name: getattr(made, name) for name in Parameterization.__dataclass_fields__}
+    fields["corner_uv"] = view(made, made.corner_uv, triangles, 3, 2)
+    fields["transition"] = view(made, made.transition, edges, 3)
+    fields["seam"] = view(made, made.seam, edges).view(np.bool_)
+    fields["cone"] = view(made, made.cone, vertices)
+    fields["dilatation"] = view(made, made.dilatation, triangles)
+    fields["differential"] = view(made, made.differential, triangles, 2).view(np.complex128)[:, 0]
+    return Parameterization(**fields)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from ._boundary import Floats, Indices, call, frozen, pointer
-from ._native import ffi, lib
+from ._boundary import Floats, Indices, ProgressOption, call, structure, view
+from ._native import lib
 
 if TYPE_CHECKING:
     from .foliation import Foliation
@@ -24,23 +22,27 @@ class QuadMesh(NamedTuple):
     quads: Indices
 
 
-def make_quads(foliation: Foliation, edge_length: float | None) -> QuadMesh:
-    """hmf_quads; the documentation is that of Foliation.quads."""
-    options = ffi.new("hmf_quad_options *")
-    lib.hmf_quad_options_init(options)
-    if edge_length is not None:
-        options.edge_length = edge_length
-    counts = ffi.new("size_t[2]")
-    given = [*foliation._given(), options]
-    call(lib.hmf_quads, *given, ffi.NULL, 0, ffi.NULL, 0, counts, counts + 1)
-    positions = np.empty((counts[0], 3), dtype=np.float64)
-    quads = np.empty((counts[1], 4), dtype=np.uint32)
-    call(
-        lib.hmf_quads,
-        *given,
-        *[pointer(positions, "double *"), len(positions)],
-        *[pointer(quads, "uint32_t *"), len(quads)],
-        counts,
-        counts + 1,
-    )
-    return QuadMesh(frozen(positions), frozen(quads))
+def quads(foliation: Foliation, *, edge_length: float | None = None, progress: ProgressOption = None) -> QuadMesh:
+    """A closed quad mesh along the leaves: a grid on each cylinder, glued along the critical leaves.
+
+    A zero of order m has 2 m + 4 edges, every other vertex has 4.  Zeros that
+    only discretisation keeps apart can become one.
+
+    Parameters
+    ----------
+    edge_length : float, optional
+        Wished mean length of an edge, in the unit of the positions; default:
+        about half as many quads as there are triangles.
+    progress : bool or function, optional
+        As for :class:`Hierarchy`.
+
+    Raises
+    ------
+    UnsupportedError
+        A zero goes round a part of the surface that no leaf crosses, or no grids match for edges so long.
+    FoliationError
+        The values cannot be used.
+    """
+    options = structure("hmf_quad_options", edge_length=edge_length)
+    made = call(lib.hmf_quads, foliation._pointer, options, progress=progress)
+    return QuadMesh(view(made, made.positions, made.vertex_count, 3), view(made, made.quads, made.quad_count, 4))

@@ -5,16 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from ._boundary import names, view
+from ._native import ffi
 
-from ._boundary import pointer, structure_dtype
-from ._native import ffi, lib
-
-_LEVEL = structure_dtype("hmf_level_report")
-_HISTORY = structure_dtype("hmf_history_entry")
-_LEVEL_CAPACITY = 256
-_HISTORY_CAPACITY = 1 << 16
 _HISTORY_KINDS = ("interpolation", "sweep", "linear solve")
 
 
@@ -23,7 +16,7 @@ class LevelReport(NamedTuple):
 
     vertices: int
     edges: int
-    nld: int  #: edges whose weight was raised to the floor
+    raised_count: int  #: edges whose weight was raised to the floor
     iterations: int  #: sweeps of Whitehead moves
     linear_solves: int
     optimize_seconds: float
@@ -57,7 +50,23 @@ class Report:
     solve_seconds: float
     peak_memory_bytes: int  #: of the call, without the hierarchy
     levels: tuple[LevelReport, ...]  #: finest first
-    history: tuple[HistoryEntry, ...]  #: in order of time, at most 65536
+    history: tuple[HistoryEntry, ...]  #: in order of time
+
+    def __str__(self) -> str:
+        """Several lines: what was reached, at what cost, and on which level."""
+        reached = "converged" if self.converged else "not converged"
+        residual = f"residual {self.residual_max:.2g}" if self.residual_max >= 0 else "residual not evaluated"
+        lines = [
+            f"{self.method}: {reached}, {residual}",
+            f"energy {self.energy:.12g}, {self.zeros} zeros, {self.poles} poles",
+            f"{self.solve_seconds:.3g} s, {self.peak_memory_bytes / 1e6:.3g} MB, {len(self.history)} steps",
+            "level  vertices     edges  sweeps  linear solves  seconds",
+        ]
+        for number, level in enumerate(self.levels):
+            seconds = level.optimize_seconds + level.interpolate_seconds
+            counts = f"{number:5}{level.vertices:10}{level.edges:10}{level.iterations:8}{level.linear_solves:15}"
+            lines.append(f"{counts}{seconds:9.3f}")
+        return "\n".join(lines)
 
 
 def _entry(row: Any) -> HistoryEntry:
@@ -66,44 +75,14 @@ def _entry(row: Any) -> HistoryEntry:
     return HistoryEntry(seconds, energy, None if residual < 0 else residual, level, name)
 
 
-def _method_name(value: int) -> str:
-    for name in dir(lib):
-        if name.startswith("HMF_METHOD_") and name != "HMF_METHOD_DEFAULT" and getattr(lib, name) == value:
-            return name[len("HMF_METHOD_") :].lower()
-    return str(value)
-
-
-class ReportBuffer:
-    """hmf_report with room for levels and history."""
-
-    def __init__(self) -> None:
-        self._levels: NDArray[Any] = np.zeros(_LEVEL_CAPACITY, dtype=_LEVEL)
-        self._history: NDArray[Any] = np.empty(_HISTORY_CAPACITY, dtype=_HISTORY)
-        self.structure = ffi.new("hmf_report *")
-        self.structure.struct_size = ffi.sizeof("hmf_report")
-        self.structure.levels = pointer(self._levels, "hmf_level_report *")
-        self.structure.level_capacity = _LEVEL_CAPACITY
-        self.structure.history = pointer(self._history, "hmf_history_entry *")
-        self.structure.history_capacity = _HISTORY_CAPACITY
-
-    def read(self) -> Report:
-        s = self.structure
-        levels = self._levels[: min(s.level_count, _LEVEL_CAPACITY)][list(LevelReport._fields)]
-        history = self._history[: min(s.history_count, _HISTORY_CAPACITY)][list(HistoryEntry._fields)]
-        return Report(
-            method=_method_name(s.method),
-            converged=bool(s.converged),
-            energy=s.energy,
-            residual_max=s.residual_max,
-            residual_mean=s.residual_mean,
-            poles=s.poles,
-            zeros=s.zeros,
-            index_sum=s.index_sum,
-            bad_flips=s.bad_flips,
-            bad_flips_left=s.bad_flips_left,
-            solve_seconds=s.solve_seconds,
-            peak_memory_bytes=s.peak_memory_bytes,
-            levels=tuple(LevelReport(*row) for row in levels.tolist()),
-            history=tuple(_entry(row) for row in history.tolist()),
-        )
-
+def read_report(pointer: Any) -> Report | None:
+    """The report of a foliation; None of NULL."""
+    if pointer == ffi.NULL:
+        return None
+    # Read at once, so that nothing has to keep the memory.
+    fields: dict[str, Any] = {name: getattr(pointer, name) for name in Report.__dataclass_fields__}
+    fields["method"] = names("METHOD").get(pointer.method, str(pointer.method))
+    fields["converged"] = bool(pointer.converged)
+    fields["levels"] = tuple(LevelReport(*row) for row in view(None, pointer.levels, pointer.level_count).tolist())
+    fields["history"] = tuple(_entry(row) for row in view(None, pointer.history, pointer.history_count).tolist())
+    return Report(**fields)

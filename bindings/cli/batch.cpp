@@ -1,0 +1,209 @@
+// Each mesh is solved by a child process, so that one that takes all memory or dies ends alone.
+#include "batch.hpp"
+
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+#include "output.hpp"
+#include "progress.hpp"
+#include "read_mesh.hpp"
+#include "solve.hpp"
+
+namespace cli {
+
+namespace {
+
+using readers::Json;
+
+// null: not JSON.
+Json parsed(std::string_view text) {
+    try {
+        return readers::parse_json(text);
+    } catch (const readers::JsonError&) { return {}; }
+}
+
+Json failed(const std::string& mesh, int status, const std::string& sentence) {
+    return {{"version", version_text()},
+            {"input", mesh},
+            {"exit_status", status},
+            {"errors", std::vector<std::string>{sentence}}};
+}
+
+int status_in(const Json& result) {
+    const Json* const status = result.find("exit_status");
+    return status ? static_cast<int>(status->number()) : EXIT_RESOURCES;
+}
+
+std::vector<std::string> meshes_in(const std::string& folder) {
+    std::vector<std::string> meshes;
+    std::error_code code;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
+        if (entry.is_regular_file(code) && readers::format_of_extension(extension_of(entry.path().string())))
+            meshes.push_back(entry.path().string());
+    if (code) throw Failure(EXIT_RESOURCES, folder + ": is not a folder that can be read; check its name");
+    if (meshes.empty()) throw Failure(EXIT_BAD_INPUT, folder + ": there is no mesh in it");
+    std::sort(meshes.begin(), meshes.end());
+    return meshes;
+}
+
+// The meshes that the file tells of; a last line that is cut off is removed from it.
+std::set<std::string> done_in(const std::string& path) {
+    std::set<std::string> done;
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(path, code)) return done;
+    const std::string text = read_file(path);
+    size_t begin = 0, line = 1;
+    for (size_t end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1, ++line) {
+        const Json row = parsed(std::string_view(text).substr(begin, end - begin));
+        const Json* const input = row.find("input");
+        if (!input || !input->text())
+            throw Failure(EXIT_BAD_INPUT,
+                          path + ":" + std::to_string(line) + ": not a line of hmf batch; give another name to --out");
+        done.insert(*input->text());
+    }
+    if (begin < text.size()) std::filesystem::resize_file(path, begin, code);
+    return done;
+}
+
+struct Child {
+    std::string mesh;
+    pid_t process;
+    int pipe;
+    std::string text;
+};
+
+[[noreturn]] void solve_in_child(const std::string& mesh, std::vector<std::string> words, int pipe) {
+    // Control-C is for the parent too, which then starts no other.
+    dup2(pipe, STDOUT_FILENO);
+    std::freopen("/dev/null", "w", stderr);
+    int status = EXIT_RESOURCES;
+    std::string sentence = "out of memory";
+    try {
+        words.insert(words.begin(), {mesh, "--report", "-"});
+        status = solve(words).exit_status;
+        sentence.clear();
+    } catch (const Failure& failure) {
+        status = failure.exit_status;
+        sentence = failure.what();
+    } catch (const std::exception&) {}
+    if (!sentence.empty()) std::printf("%s", failed(mesh, status, sentence).dump().c_str());
+    std::fflush(stdout);
+    std::_Exit(status);
+}
+
+Child start(const std::string& mesh, const std::vector<std::string>& words) {
+    int ends[2];
+    std::fflush(nullptr);
+    const bool piped = pipe(ends) == 0;
+    const pid_t process = piped ? fork() : -1;
+    if (process < 0)
+        throw Failure(EXIT_RESOURCES, std::string("no process can be started (") + std::strerror(errno) + ")");
+    if (process == 0) {
+        close(ends[0]);
+        solve_in_child(mesh, words, ends[1]);
+    }
+    close(ends[1]);
+    return {mesh, process, ends[0], {}};
+}
+
+// Waits for some text of a child; true: it has ended.
+bool listen(Child& child) {
+    char block[4096];
+    const ssize_t count = read(child.pipe, block, sizeof block);
+    if (count > 0) child.text.append(block, static_cast<size_t>(count));
+    return count == 0 || (count < 0 && errno != EINTR);
+}
+
+Json result_of(Child& child) {
+    close(child.pipe);
+    int status = 0;
+    while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {}
+    Json result = parsed(child.text);
+    if (result.is_object()) return result;
+    return failed(child.mesh, EXIT_RESOURCES,
+                  WIFSIGNALED(status) ? std::string("ended by signal ") + std::to_string(WTERMSIG(status))
+                                            + (WTERMSIG(status) == 9 ? ", as when memory is out" : "")
+                                      : "ended without a report");
+}
+
+} // namespace
+
+ExitStatus batch(const std::vector<std::string>& words, bool help) {
+    std::string folder, out;
+    uint64_t jobs = 1;
+    SolveRequest unused;
+    Options options = {
+        Option{"DIR", &folder, "", "folder of meshes"},
+        Option{"--jobs", &jobs, "N", "meshes at a time"}.in("[1, 1024]"),
+        Option{"--out", &out, "FILE.ndjson", "one report a line; meshes that have a line are left out"}.writes(
+            ".ndjson .jsonl"),
+    };
+    // Options of solve that say how, not what to write.
+    const size_t own = options.size();
+    for (const Option& o : solve_options(unused))
+        if (o.name[0] == '-' && o.role != Option::OUTPUT && (!o.needs[0] || std::strcmp(o.needs, "--report") == 0))
+            options.push_back(o);
+    if (help) {
+        print_help(options, "batch", "Solves every mesh of a folder; exit status 0 if all were tried.");
+        return EXIT_SOLVED;
+    }
+    parse(options, words, "batch");
+    if (out.empty() || out == "-") throw Failure(EXIT_USAGE, "--out is missing; write --out FILE.ndjson");
+    std::vector<std::string> how;
+    for (size_t i = own; i < options.size(); ++i)
+        for (const std::string& value : options[i].given) {
+            const bool flag = std::holds_alternative<bool*>(options[i].target);
+            how.push_back(flag ? options[i].name : std::string(options[i].name) + "=" + value);
+        }
+
+    std::vector<std::string> meshes = meshes_in(folder);
+    const std::set<std::string> done = done_in(out);
+    const size_t all = meshes.size();
+    meshes.erase(std::remove_if(meshes.begin(), meshes.end(), [&](const std::string& m) { return done.count(m) > 0; }),
+                 meshes.end());
+    check_writable(out);
+    std::FILE* const file = std::fopen(out.c_str(), "ab");
+    if (!file) throw Failure(EXIT_RESOURCES, out + ": cannot be written");
+
+    const Progress interrupts; // no bar, but Control-C
+    std::vector<Child> children;
+    size_t next = 0, count = all - meshes.size();
+    bool written = true;
+    while (written && (!children.empty() || (next < meshes.size() && !was_interrupted()))) {
+        while (next < meshes.size() && children.size() < jobs && !was_interrupted())
+            children.push_back(start(meshes[next++], how));
+        std::vector<pollfd> waits;
+        for (const Child& child : children) waits.push_back({child.pipe, POLLIN, 0});
+        if (poll(waits.data(), waits.size(), -1) < 0) continue;
+        for (size_t i = children.size(); i-- > 0;) {
+            if (!waits[i].revents || !listen(children[i])) continue;
+            const Json result = result_of(children[i]);
+            const std::string mesh = children[i].mesh;
+            children.erase(children.begin() + std::ptrdiff_t(i));
+            // What was interrupted is tried again the next time.
+            if (was_interrupted() && status_in(result) == EXIT_LIMIT) continue;
+            const std::string line = result.dump() + "\n";
+            written =
+                std::fwrite(line.data(), 1, line.size(), file) == line.size() && std::fflush(file) == 0 && written;
+            const Json* const errors = result.find("errors");
+            const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
+            const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
+            std::printf("[%zu/%zu] %s: %s\n", ++count, all, mesh.c_str(), sentence ? sentence->c_str() : "solved");
+            std::fflush(stdout);
+        }
+    }
+    written = std::fclose(file) == 0 && written;
+    if (!written) throw Failure(EXIT_RESOURCES, out + ": cannot be written to the end; check the free space");
+    if (was_interrupted()) throw Failure(EXIT_LIMIT, "interrupted; the same command goes on with the other meshes");
+    return EXIT_SOLVED;
+}
+
+} // namespace cli

@@ -1,0 +1,170 @@
+// Rows are filtered (each byte minus what Paeth's rule expects), then deflated: RFC 1951 with the fixed Huffman codes, and
+// matches found by hashes of three bytes.
+#include "png.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+namespace cli {
+
+namespace {
+
+class Deflate {
+public:
+    explicit Deflate(const std::string& bytes) : in_(bytes) {
+        put(1, 1); // the last block
+        put(1, 2); // fixed codes
+        head_.assign(size_t{1} << HASH_BITS, -1);
+        before_.assign(WINDOW, -1);
+        for (size_t at = 0; at < in_.size();) {
+            size_t distance = 0;
+            const size_t length = longest_match(at, distance);
+            if (length < SHORTEST) {
+                put_symbol(static_cast<unsigned char>(in_[at]));
+                insert(at++);
+                continue;
+            }
+            put_match(static_cast<unsigned>(length), static_cast<unsigned>(distance));
+            for (const size_t end = at + length; at < end; ++at) insert(at);
+        }
+        put_symbol(256);
+        put(0, 7); // whole bytes
+    }
+    const std::string& bytes() const { return out_; }
+
+private:
+    static constexpr size_t SHORTEST = 4, LONGEST = 258, WINDOW = 32768;
+    static constexpr int HASH_BITS = 15, TRIES = 32;
+
+    uint32_t hash(size_t at) const {
+        const auto byte = [&](size_t k) { return uint32_t{static_cast<unsigned char>(in_[at + k])}; };
+        return (byte(0) | byte(1) << 8 | byte(2) << 16) * 2654435761u >> (32 - HASH_BITS);
+    }
+
+    void insert(size_t at) {
+        if (at + 3 > in_.size()) return;
+        int64_t& head = head_[hash(at)];
+        before_[at % WINDOW] = head;
+        head = static_cast<int64_t>(at);
+    }
+
+    size_t longest_match(size_t at, size_t& distance) const {
+        if (at + SHORTEST > in_.size()) return 0;
+        const size_t limit = std::min(LONGEST, in_.size() - at);
+        size_t best = 0;
+        int64_t candidate = head_[hash(at)];
+        for (int t = 0; t < TRIES && candidate >= 0 && at - static_cast<size_t>(candidate) < WINDOW; ++t) {
+            const size_t from = static_cast<size_t>(candidate);
+            size_t length = 0;
+            while (length < limit && in_[from + length] == in_[at + length]) ++length;
+            if (length > best) {
+                best = length;
+                distance = at - from;
+                if (length == limit) break;
+            }
+            const int64_t older = before_[from % WINDOW];
+            if (older >= candidate) break; // overwritten
+            candidate = older;
+        }
+        return best;
+    }
+
+    // Lowest bit first.
+    void put(uint32_t bits, int count) {
+        pending_ |= uint64_t{bits} << pending_count_;
+        for (pending_count_ += count; pending_count_ >= 8; pending_count_ -= 8, pending_ >>= 8)
+            out_ += static_cast<char>(pending_ & 0xff);
+    }
+
+    // Huffman codes begin with their highest bit.
+    void put_code(uint32_t code, int count) {
+        for (int k = count; k-- > 0;) put(code >> k & 1, 1);
+    }
+
+    void put_symbol(unsigned symbol) {
+        if (symbol < 144) put_code(0x30 + symbol, 8);
+        else if (symbol < 256) put_code(0x190 + symbol - 144, 9);
+        else if (symbol < 280) put_code(symbol - 256, 7);
+        else put_code(0xc0 + symbol - 280, 8);
+    }
+
+    void put_match(unsigned length, unsigned distance) {
+        if (length == LONGEST) put_symbol(285);
+        else {
+            // Groups of four, each with one extra bit more than the one before.
+            unsigned extra = 0;
+            while (length - 3 >= 8u << extra) ++extra;
+            const unsigned base = extra ? 4u << extra : 0;
+            put_symbol(257 + 4 * extra + (extra ? 4 : 0) + ((length - 3 - base) >> extra));
+            put((length - 3) & ((1u << extra) - 1), static_cast<int>(extra));
+        }
+        unsigned extra = 0;
+        while (distance - 1 >= 4u << extra) ++extra;
+        const unsigned base = extra ? 2u << extra : 0;
+        put_code(2 * extra + (extra ? 2 : 0) + ((distance - 1 - base) >> extra), 5);
+        put((distance - 1) & ((1u << extra) - 1), static_cast<int>(extra));
+    }
+
+    const std::string& in_;
+    std::string out_;
+    uint64_t pending_ = 0;
+    int pending_count_ = 0;
+    std::vector<int64_t> head_, before_;
+};
+
+std::string big_endian(uint32_t n) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(n >> shift & 0xff);
+    return bytes;
+}
+
+uint32_t crc(const std::string& bytes) {
+    uint32_t c = 0xffffffffu;
+    for (const char b : bytes) {
+        c ^= static_cast<unsigned char>(b);
+        for (int k = 0; k < 8; ++k) c = (c & 1) ? c >> 1 ^ 0xedb88320u : c >> 1;
+    }
+    return ~c;
+}
+
+uint32_t adler(const std::string& bytes) {
+    uint32_t a = 1, b = 0;
+    for (const char c : bytes) {
+        a = (a + static_cast<unsigned char>(c)) % 65521;
+        b = (b + a) % 65521;
+    }
+    return b << 16 | a;
+}
+
+std::string chunk(const std::string& name, const std::string& data) {
+    return big_endian(static_cast<uint32_t>(data.size())) + name + data + big_endian(crc(name + data));
+}
+
+std::string filtered(const Image& image) {
+    const size_t row = 3 * size_t{image.width};
+    std::string bytes;
+    bytes.reserve((row + 1) * image.height);
+    for (size_t y = 0; y < image.height; ++y) {
+        bytes += '\4'; // Paeth
+        const uint8_t *here = image.rgb.data() + y * row, *above = y ? here - row : here;
+        for (size_t x = 0; x < row; ++x) {
+            const int left = x < 3 ? 0 : here[x - 3], up = y ? above[x] : 0, corner = x < 3 || !y ? 0 : above[x - 3];
+            const int a = std::abs(up - corner), b = std::abs(left - corner), c = std::abs(left + up - 2 * corner);
+            bytes += static_cast<char>(here[x] - (a <= b && a <= c ? left : b <= c ? up : corner));
+        }
+    }
+    return bytes;
+}
+
+} // namespace
+
+std::string png_of(const Image& image) {
+    const std::string pixels = filtered(image);
+    // 8 bits, red green blue, no interlace.
+    return "\x89PNG\r\n\x1a\n"
+         + chunk("IHDR", big_endian(image.width) + big_endian(image.height) + std::string("\x08\x02\0\0\0", 5))
+         + chunk("IDAT", "\x78\x01" + Deflate(pixels).bytes() + big_endian(adler(pixels))) + chunk("IEND", "");
+}
+
+} // namespace cli

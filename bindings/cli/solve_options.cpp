@@ -1,0 +1,72 @@
+// The table of the options of hmf solve.  A new one is a row here, a field of SolveRequest, and its use.
+#include "solve.hpp"
+
+namespace cli {
+
+Options solve_options(SolveRequest& r) {
+    return {
+        Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
+               "cut: as many as the genus, together they cut the surface into one planar piece;\n"
+               "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 that leave pairs of pants;\n"
+               "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
+            .reads(""),
+        Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"},
+        Option{"--start", &r.start, "FILE.csv|FILE.npy",
+               "values of --values to start from, instead of loops: the class is theirs"}
+            .reads(".csv .npy")
+            .without("--loops --save-loops"),
+        Option{"--method",
+               Choice{&r.method,
+                      {{"newton", HMF_METHOD_NEWTON},
+                       {"whitehead", HMF_METHOD_WHITEHEAD},
+                       {"single-level", HMF_METHOD_SINGLE_LEVEL}}},
+               "newton|whitehead|single-level", "else the most exact of this version"},
+        Option{"--collapse",
+               Choice{&r.collapse,
+                      {{"midpoint", HMF_COLLAPSE_MIDPOINT},
+                       {"endpoint", HMF_COLLAPSE_ENDPOINT},
+                       {"qslim", HMF_COLLAPSE_QSLIM}}},
+               "midpoint|endpoint|qslim", "how the hierarchy is made"},
+        Option{"--ratio", &r.ratio, "X", "edges of a level / edges of the finer one"}.in("[0.05, 0.95]"),
+        Option{"--coarsest", &r.coarsest, "N", "vertices of the coarsest level, at least 40 genus"}.in("[1, inf)"),
+        Option{"--mollify", &r.mollify, "X",
+               "accept triangles without area: margin of the triangle inequalities,\n"
+               "in mean edge lengths, e.g. 1e-5"}
+            .in("[0, 0.1]"),
+        Option{"--tolerance", &r.tolerance, "X",
+               "newton: largest residual, else 1e-8; others: change of energy, else 1e-6"}
+            .in("(0, 1)"),
+        Option{"--time-limit", &r.time_limit, "X", "seconds"}.in("[0, inf)"),
+        Option{"--values", &r.values, "FILE", "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV"}.writes(
+            ".csv .npy"),
+        Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
+        Option{"--conformality", &r.conformality, "", "report: also how conformal the parameterisation is"}
+            .requires_one_of("--report"),
+        Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
+        Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
+        Option{"--image", &r.image, "FILE.png", "stripes, zeros blue, poles yellow, loops green"}.writes(".png"),
+        Option{"--pattern", Choice{&r.checkerboard, {{"stripes", 0}, {"checkerboard", 1}}}, "stripes|checkerboard",
+               "of the picture; squares are (u, v)"}
+            .requires_one_of("--image"),
+        Option{"--obj", &r.obj, "FILE.obj",
+               "mesh with (u, v) per corner as texture coordinates;\n"
+               "FILE.mtl and FILE.png (a checkerboard) come with it"}
+            .writes(".obj", ".mtl .png"),
+        Option{"--leaves", &r.leaves, "FILE.obj", "leaves as polylines: level sets and the leaves between zeros"}
+            .writes(".obj"),
+        Option{"--spacing", &r.spacing, "X",
+               "distance of level sets, in the unit of the weights, else a tenth of the least weight"}
+            .in("(0, inf)")
+            .requires_one_of("--leaves"),
+        Option{"--conjugate", &r.conjugate, "", "leaves: also the lines across, where v is constant"}.requires_one_of(
+            "--leaves"),
+        Option{"--quads", &r.quads, "FILE.obj", "quad mesh along the leaves, irregular only at the zeros"}.writes(
+            ".obj"),
+        Option{"--size", &r.size, "X", "wished length of an edge of a quad, else half as many quads as triangles"}
+            .in("(0, inf)")
+            .requires_one_of("--quads"),
+    };
+}
+
+} // namespace cli

@@ -1,0 +1,70 @@
+// Callbacks that watch the library: an allocator that counts and can refuse,
+// and a progress function that can stop a call.
+#pragma once
+
+#include <hmf/hmf.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace test {
+
+// Counts bytes and calls; refuses the call number `fail` (from 1).
+struct Meter {
+    uint64_t used = 0, peak = 0, calls = 0, fail = 0;
+
+    static void* take(void* user, size_t size) {
+        Meter& meter = *static_cast<Meter*>(user);
+        if (++meter.calls == meter.fail) return nullptr;
+        meter.used += size;
+        meter.peak = std::max(meter.peak, meter.used);
+        // Fresh memory is never zero by luck.
+        void* block = std::malloc(size ? size : 1);
+        std::memset(block, 0xa5, size);
+        return block;
+    }
+    static void give(void* user, void* block, size_t size) {
+        Meter& meter = *static_cast<Meter*>(user);
+        EXPECT_NE(block, nullptr);
+        EXPECT_GE(meter.used, size);
+        meter.used -= size;
+        std::free(block);
+    }
+    // Several levels even on small meshes.
+    hmf_build_options options(uint64_t coarsest = 40) {
+        hmf_build_options o{};
+        o.struct_size = sizeof o;
+        o.allocate = take;
+        o.release = give;
+        o.allocator_user = this;
+        o.coarsest = coarsest;
+        return o;
+    }
+};
+
+// Answers the call number `stop` (from 1), which must be the last one.
+struct Progress {
+    uint64_t calls = 0, stop = 0;
+    int32_t answer = HMF_PROGRESS_CANCEL;
+    double last = 0;
+    bool rising = true;
+
+    static int32_t call(void* user, double fraction) {
+        Progress& p = *static_cast<Progress*>(user);
+        if (!(fraction >= p.last && fraction <= 1)) p.rising = false;
+        p.last = fraction;
+        return ++p.calls == p.stop ? p.answer : HMF_PROGRESS_CONTINUE;
+    }
+    hmf_control control() {
+        hmf_control c{};
+        c.struct_size = sizeof c;
+        c.progress = call;
+        c.progress_user = this;
+        return c;
+    }
+};
+
+} // namespace test
