@@ -147,6 +147,8 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--values", says=["--values", "value is missing"])
         self.refused(2, "solve", self.mesh, "--values", "--report", "r.json", says=["--values", "value is missing"])
         self.refused(2, "solve", self.mesh, "--ratio", "0.5", "--ratio=0.6", says=["--ratio", "twice"])
+        for weights in ("", "1,", ",1", "1,,2", "1;2", "x"):
+            self.refused(2, "solve", self.mesh, "--weights=" + weights, says=["--weights", "not a number"])
         self.refused(2, "solve", self.mesh, "--conjugate=1", says=["--conjugate", "no value"])
         self.refused(2, "solve", self.mesh, "--coarsest", "1.5", says=["--coarsest", "whole number"])
         self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead or single-level"])

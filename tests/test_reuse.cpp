@@ -229,9 +229,15 @@ TEST(Reuse, Errors) {
     // Of other triangles: it has not as many edges, or is not closed there.
     EXPECT_GE(solve(other, nullptr, options).status, HMF_ERROR_NULL);
     TriMesh turned = pretzel(2, 2);
-    std::rotate(turned.triangles.begin(), turned.triangles.begin() + 3, turned.triangles.end());
+    std::rotate(turned.triangles.begin(), turned.triangles.begin() + 3 * 100, turned.triangles.end());
     const Hierarchy renumbered(turned, 0.5, 100);
     EXPECT_GE(solve(renumbered, nullptr, options).status, HMF_ERROR_NULL);
+    // Only level 0 is the same in another hierarchy.
+    const Hierarchy twin(pretzel(2, 2), 0.6, 100);
+    const Foliation coarse = interpolate(start, 1);
+    options.start = coarse.get();
+    EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_OK);
+    EXPECT_EQ(solve(twin, nullptr, options).status, HMF_ERROR_LEVEL);
     // The small loop round a vertex makes a pole there.
     const LevelMesh mesh = read_level(hierarchy, 0);
     std::vector<double> values(mesh.edge_count, 0);

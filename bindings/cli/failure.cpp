@@ -53,6 +53,7 @@ static std::string in_words_of_tool(std::string message) {
 }
 
 void fail_with(hmf_status status, const hmf_error& error, const std::string& subject) {
+    if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, subject + ": interrupted before there was a result");
     std::string sentence = subject + ": " + hmf_status_string(status);
     if (error.status == status) {
         if (const char* name = element_name(error.element))

@@ -66,7 +66,7 @@ struct Set {
         if (o.range[0]) number_of(o, word);
     }
     void operator()(std::vector<double>* target) const {
-        std::istringstream stream(word);
+        std::istringstream stream(word + ","); // what follows the last comma is a number as well
         for (std::string part; std::getline(stream, part, ',');) target->push_back(number_of(o, part));
     }
     void operator()(const Choice& choice) const {

@@ -1,5 +1,5 @@
-// Rows are filtered (each byte minus what Paeth's rule expects), then deflated: RFC 1951 with the fixed Huffman codes, and
-// matches found by hashes of three bytes.
+// Rows are filtered (each byte minus what the rule of Paeth expects), then deflated: RFC 1951 with the fixed Huffman
+// codes, and matches found by hashes of three bytes.
 #include "png.hpp"
 
 #include <algorithm>

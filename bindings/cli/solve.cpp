@@ -180,7 +180,7 @@ private:
             fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(r_.start) : name_);
         }
         report_ = hmf_foliation_report(foliation_.get());
-        if (!report_) throw Failure(EXIT_LIMIT, name_ + ": cancelled before there was a result");
+        if (!report_) fail_with(HMF_CANCELLED, error, name_);
         r_.method = report_->method;
         if (r_.tolerance == 0) r_.tolerance = r_.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
         if (status_ == HMF_OK) return;

@@ -278,7 +278,7 @@ private:
             const std::string sentence = std::string(": ") + error.what() + "; the file is cut, or is not glTF";
             if (text.size() < bytes.size())
                 throw MeshError("the JSON cannot be read at byte "
-                                + std::to_string(static_cast<size_t>(text.data() - bytes.data()) + error.byte)
+                                + std::to_string(static_cast<size_t>(text.data() - bytes.data()) + error.byte + 1)
                                 + sentence);
             throw MeshError("the JSON cannot be read here" + sentence,
                             1 + static_cast<size_t>(std::count(before.begin(), before.end(), '\n')));

@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
         hmf_hierarchy* h = nullptr;
         hmf_error error = {};
         const double start = processor_seconds();
-        if (stop(hmf_build(positions.data(), counts[0], triangles.data(), counts[1], nullptr, nullptr, &h, &error), error))
+        if (stop(hmf_build(positions.data(), counts[0], triangles.data(), counts[1], nullptr, nullptr, &h, &error),
+                 error))
             return 1;
         const double built = processor_seconds();
         hmf_foliation* f = nullptr;

@@ -69,6 +69,17 @@ test('a status of each kind has its name and text', async () => {
     }
 });
 
+test('files import without circles, and what hmf.h has without what uses.h has', () => {
+    const lib = new URL('../lib/', import.meta.url), imports = url => [...readFileSync(url, 'utf8').matchAll(/from '(\.[^']+)'/g)].map(([, path]) => new URL(path, url).href);
+    const visit = (url, above) => {
+        assert.ok(!above.includes(url), [...above, url].join(' -> '));
+        for (const next of imports(new URL(url))) visit(next, [...above, url]);
+    };
+    visit(new URL('index.js', lib).href, []);
+    for (const name of readdirSync(lib).filter(file => file.endsWith('.js') && file !== 'index.js'))
+        assert.deepEqual(imports(new URL(name, lib)).filter(url => url.includes('/uses/')), [], name);
+});
+
 test('the package has the version of the header', async () => {
     const part = name => constants[`HMF_VERSION_${name}`];
     const version = `${part('MAJOR')}.${part('MINOR')}.${part('PATCH')}`;

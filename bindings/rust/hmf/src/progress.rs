@@ -116,30 +116,24 @@ fn watched<T>(closure: &mut dyn FnMut(f64) -> Progress, work: impl FnOnce() -> T
     work()
 }
 
-/// The reporter of this thread, for a short while.
-fn with_reporter<T>(user: *mut c_void, use_it: impl FnOnce(&mut Reporter<'_>) -> T) -> T {
-    // SAFETY: `watched` installs its own reporter for as long as it lives; no reference
-    // to it lasts longer than this call, during which no other reporter is found.
-    use_it(unsafe { &mut *user.cast::<Reporter<'_>>() })
-}
-
 /// `hmf_progress_fn`; `user` is a `Reporter`.
 unsafe extern "C" fn report(user: *mut c_void, fraction: f64) -> i32 {
     let _unwatched = Installed::new(ptr::null_mut());
-    with_reporter(user, |reporter| {
-        if reporter.panic.is_some() {
-            return sys::HMF_PROGRESS_CANCEL;
+    // SAFETY: a reporter lives as long as it is installed, thus during the calls that it
+    // is given to; while this reference lives, it is not found by others.
+    let reporter = unsafe { &mut *user.cast::<Reporter<'_>>() };
+    if reporter.panic.is_some() {
+        return sys::HMF_PROGRESS_CANCEL;
+    }
+    match catch_unwind(AssertUnwindSafe(|| (reporter.closure)(fraction))) {
+        Ok(Progress::Continue) => sys::HMF_PROGRESS_CONTINUE,
+        Ok(Progress::Cancel) => sys::HMF_PROGRESS_CANCEL,
+        Ok(Progress::Finish) => sys::HMF_PROGRESS_FINISH,
+        Err(panic) => {
+            reporter.panic = Some(panic);
+            sys::HMF_PROGRESS_CANCEL
         }
-        match catch_unwind(AssertUnwindSafe(|| (reporter.closure)(fraction))) {
-            Ok(Progress::Continue) => sys::HMF_PROGRESS_CONTINUE,
-            Ok(Progress::Cancel) => sys::HMF_PROGRESS_CANCEL,
-            Ok(Progress::Finish) => sys::HMF_PROGRESS_FINISH,
-            Err(panic) => {
-                reporter.panic = Some(panic);
-                sys::HMF_PROGRESS_CANCEL
-            }
-        }
-    })
+    }
 }
 
 /// Makes a call with the control of this thread; NULL where nobody watches.
@@ -157,7 +151,9 @@ pub(crate) fn go_on_with_panic() {
     if user.is_null() {
         return;
     }
-    if let Some(panic) = with_reporter(user, |reporter| reporter.panic.take()) {
+    // SAFETY: it is installed, and the closure does not run.
+    let panic = unsafe { (*user.cast::<Reporter<'_>>()).panic.take() };
+    if let Some(panic) = panic {
         resume_unwind(panic);
     }
 }

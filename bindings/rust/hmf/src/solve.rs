@@ -4,7 +4,7 @@ use crate::error::{Error, Result, Status};
 use crate::foliation::Foliation;
 use crate::hierarchy::Hierarchy;
 use crate::loops::Loops;
-use crate::owned::{attempt, slice};
+use crate::owned::{attempt, slice, Owned};
 use crate::progress::{Closure, Progress};
 use crate::records::{codes, options, record, Read};
 use hmf_sys as sys;
@@ -136,8 +136,11 @@ impl<'a> Solver<'a> {
         let options =
             sys::hmf_solve_options { start: self.start.map_or(ptr::null(), Foliation::as_ptr), ..self.options };
         let hierarchy = self.hierarchy.as_ptr();
-        // SAFETY: the handles are valid, and `self` borrows loops and start.
-        self.run(|out, control, error| unsafe { sys::hmf_solve(hierarchy, set, &options, control, out, error) })
+        let made = Closure::watch(&mut self.progress, || {
+            // SAFETY: the handles are valid, and `self` borrows loops and start.
+            attempt(|out, control, error| unsafe { sys::hmf_solve(hierarchy, set, &options, control, out, error) })
+        });
+        self.solution(made)
     }
 
     /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).
@@ -154,15 +157,15 @@ impl<'a> Solver<'a> {
             return Err(Error::new(Status::ERROR_OPTIONS, message.into()));
         }
         let options = sys::hmf_solve_options { stop_level: 0, ..self.options };
-        // SAFETY: the handle is valid.
-        self.run(|out, control, error| unsafe { sys::hmf_relax(foliation.as_ptr(), &options, control, out, error) })
+        let start = foliation.as_ptr();
+        let made = Closure::watch(&mut self.progress, || {
+            // SAFETY: the handle is valid.
+            attempt(|out, control, error| unsafe { sys::hmf_relax(start, &options, control, out, error) })
+        });
+        self.solution(made)
     }
 
-    fn run(
-        &mut self,
-        make: impl FnOnce(*mut *mut sys::hmf_foliation, *const sys::hmf_control, *mut sys::hmf_error) -> sys::hmf_status,
-    ) -> Result<Solution> {
-        let (result, made) = Closure::watch(&mut self.progress, || attempt(make));
+    fn solution(&self, (result, made): (Result<()>, Option<Owned<sys::hmf_foliation>>)) -> Result<Solution> {
         let stopped = match (result, &made) {
             (Ok(()), _) => None,
             (Err(error), Some(_)) if error.status().is_stopped() => Some(error),
