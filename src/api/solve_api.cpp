@@ -4,6 +4,8 @@
 #include "values.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 using namespace hmf;
 
@@ -124,7 +126,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         const Level& level = state.hierarchy->levels[state.level];
         report->method = options.method;
         report->converged = status == HMF_OK;
-        const double unit = recorder.unit();
+        const double unit = state.unit;
         Certificate certificate = recorder.certificate;
         if (!certificate.known) {
             Rings rings;
@@ -153,7 +155,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         report->bad_flips_left = state.statistics.bad_flips_left;
         report->peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     }
-    if (export_values(state, recorder.unit(), values, call)) return call.status();
+    if (export_values(state, values, call)) return call.status();
     if (report) {
         report->values_written = 1;
         report->solve_seconds = call.seconds();
@@ -283,26 +285,31 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     const size_t given = all.initial_values ? static_cast<size_t>(all.initial_level) : loop_level(loops, start);
     if (check_level(hierarchy, given, call)) return call.status();
     State state;
-    double unit = 1;
+    Loops crossings;
+    Array<int64_t> weights;
+    ClassWatch watch;
     call.range(0, 0); // the levels share the whole range
     if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory))
         return call.out_of_memory();
     state.load(given, Side::input);
     if (all.initial_values) {
-        if (import_values(state, all.initial_values, all.initial_count, unit, false, call)) return call.status();
+        if (import_values(state, all.initial_values, all.initial_count, false, call)) return call.status();
     } else {
-        Loops crossings;
-        Array<int64_t> weights;
-        if (take_loops(*hierarchy, loops, given, call, crossings, weights, unit)) return call.status();
+        if (take_loops(*hierarchy, loops, given, call, crossings, weights, state.unit)) return call.status();
         initial_foliation(state.foliation.mesh, crossings, weights.data(), state.foliation.value);
     }
     clear_report(report);
-    Recorder recorder(report, call, unit);
+    Recorder recorder(report, call);
     if (!state.go_to(start, call) || (start == 0 && !state.to_intrinsic(call)))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0,
                                             "Cancelled by the progress callback; no values are written.")
                                 : call.out_of_memory();
-    const hmf_status status = run_cascade(state, solve, call, recorder);
+    if (watch.start(state, given == start && start > 0 && !all.initial_values ? &crossings : nullptr, weights, call))
+        return call.status();
+    const hmf_status status = solve_in_class(state, solve, call, recorder, watch);
+    if (std::getenv("HMF_WATCH"))
+        std::printf("class %d loss %d loop %u wanted %g found %g crossings %llu seconds %.6f of %.6f repeated %u\n", (int) watch.result.state,
+               (int) watch.result.loss, watch.result.loop, watch.result.wanted * watch.unit, watch.result.found * watch.unit, (unsigned long long) watch.result.crossings, watch.seconds, call.seconds(), watch.repeated);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != solve.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
@@ -324,10 +331,9 @@ hmf_status hmf_relax(const hmf_hierarchy* hierarchy, size_t level, const hmf_sol
     State state;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    double unit = 1;
-    if (import_values(state, values, count, unit, false, call)) return call.status();
+    if (import_values(state, values, count, false, call)) return call.status();
     clear_report(report);
-    Recorder recorder(report, call, unit);
+    Recorder recorder(report, call);
     solve.stop_level = level;
     if (level == 0 && !state.to_intrinsic(call))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")

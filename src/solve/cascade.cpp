@@ -14,14 +14,14 @@ void Recorder::count_levels(size_t n) {
     if (report_) report_->level_count = n;
 }
 
-void Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
+void Recorder::event(const State& state, uint32_t kind, double energy_units, double residual_max) {
     if (!report_) return;
     if (report_->history && report_->history_count < report_->history_capacity) {
         hmf_history_entry& entry = report_->history[report_->history_count];
         entry.seconds = call_.seconds();
-        entry.energy = energy_units * unit_ * unit_;
+        entry.energy = energy_units * state.unit * state.unit;
         entry.residual_max = residual_max;
-        entry.level = static_cast<uint32_t>(level);
+        entry.level = static_cast<uint32_t>(state.level);
         entry.kind = kind;
     }
     ++report_->history_count;
@@ -96,29 +96,57 @@ Fineness LevelWork::refine_unit(double residual) {
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;
     state.largest_input_value *= factor;
-    recorder.set_unit(recorder.unit() / static_cast<double>(factor));
+    state.unit /= static_cast<double>(factor);
     return {bits > 0, bits == wanted};
 }
 
 namespace {
 
-hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                    hmf_level_report& statistics) {
+hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
+                    bool gated, hmf_level_report& statistics) {
     const double start = call.seconds();
-    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}};
+    if (watch) watch->zeros.known = false;
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
     const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
                                                                   : whitehead_level(work, options.tolerance);
-    statistics.iterations = work.statistics.iterations;
-    statistics.linear_solves = work.statistics.linear_solves;
-    statistics.optimize_seconds = call.seconds() - start;
+    statistics.iterations += work.statistics.iterations;
+    statistics.linear_solves += work.statistics.linear_solves;
+    statistics.optimize_seconds += call.seconds() - start;
+    return status;
+}
+
+// The level as it was entered, and again with a check of each step if it loses the class.
+hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                             ClassWatch& watch, hmf_level_report& statistics) {
+    Foliation& f = state.foliation;
+    const double unit = state.unit;
+    const int64_t largest = state.largest_input_value;
+    Array<int64_t> values;
+    if (!values.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
+    std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
+    hmf_status status = HMF_OK;
+    for (uint32_t attempt = 0; attempt < 2; ++attempt) {
+        const bool gated = attempt > 0;
+        if (gated) {
+            std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
+            state.unit = unit;
+            state.largest_input_value = largest;
+            recorder.certificate.known = false;
+            ++watch.repeated;
+        }
+        status = optimise(state, options, call, recorder, &watch, gated, statistics);
+        if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
+        if (watch.look(state, call)) return call.status();
+        if (watch.holds()) break;
+    }
     return status;
 }
 
 } // namespace
 
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder) {
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch) {
     const hmf_hierarchy& h = *state.hierarchy;
     recorder.count_levels(state.level - options.stop_level + 1);
     // Progress: each level its share of the edges.
@@ -139,7 +167,9 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
-            const hmf_status here = optimise(state, options, call, recorder, statistics);
+            const hmf_status here =
+                options.guarded ? optimise_in_class(state, options, call, recorder, *watch, statistics)
+                                : optimise(state, options, call, recorder, watch, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;
@@ -159,7 +189,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;
-        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight), -1);
+        recorder.event(state, 0, energy(state.foliation, h.levels[state.level].weight), -1);
     }
 }
 

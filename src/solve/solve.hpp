@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../foliation/whitehead.hpp"
-#include "state.hpp"
+#include "class_watch.hpp"
 
 namespace hmf {
 
@@ -12,6 +12,7 @@ struct SolveOptions {
     double tolerance = 0; // resolved, > 0
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
+    bool guarded = false; // goes no further where a step would leave the class; needs a ClassWatch
 };
 
 // What a method knows of the foliation as it leaves it.
@@ -24,19 +25,16 @@ struct Certificate {
 // Writes the caller's report; every member may be called without one.
 class Recorder {
 public:
-    Recorder(hmf_report* report, const Call& call, double unit) : report_(report), call_(call), unit_(unit) {}
+    Recorder(hmf_report* report, const Call& call) : report_(report), call_(call) {}
     hmf_level_report* level(size_t index); // entry of a level, nullptr if not wanted; index 0 = stop level
-    void event(size_t level, uint32_t kind, double energy_units, double residual_max);
+    void event(const State& state, uint32_t kind, double energy_units, double residual_max);
     void count_levels(size_t n);
     hmf_report* report() const { return report_; }
-    double unit() const { return unit_; }
-    void set_unit(double unit) { unit_ = unit; }
     Certificate certificate{}; // of the last level
 
 private:
     hmf_report* report_;
     const Call& call_;
-    double unit_;
 };
 
 // The unit of the values against a residual.
@@ -52,6 +50,8 @@ struct LevelWork {
     const SolveOptions& options;
     Call& call;
     Recorder& recorder;
+    ClassWatch* watch; // or NULL
+    bool gated;        // each step of all vertices has to stay in the class
     Rings rings;
     Star star;
     hmf_level_report statistics{};
@@ -61,7 +61,7 @@ struct LevelWork {
     // is still to come, or as fine as a double has bits for the values.
     Fineness refine_unit(double residual);
     void record(uint32_t kind, double energy_units, double residual_max) {
-        recorder.event(state.level, kind, energy_units, residual_max);
+        recorder.event(state, kind, energy_units, residual_max);
     }
 };
 
@@ -73,6 +73,7 @@ hmf_status newton_level(LevelWork& work, double tolerance);
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder);
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                       ClassWatch* watch = nullptr);
 
 } // namespace hmf
