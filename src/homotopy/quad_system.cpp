@@ -27,7 +27,7 @@ bool QuadSystem::start(const Array<uint32_t>& twin_side, Memory& memory) {
     if (n != 4) return true;
     if (!homology_.allocate_filled(memory, 8, 0)) return false;
     int32_t x[2] = {0, 0};
-    uint32_t pairs = 0, pair_of[4];
+    uint32_t pairs = 0, pair_of[4] = {0, 0, 0, 0};
     for (uint32_t c = 0; c < 4; ++c) {
         homology_[2 * c] = x[0];
         homology_[2 * c + 1] = x[1];
@@ -130,8 +130,7 @@ bool QuadSystem::canonical_directed(Walk& walk, Memory& memory) const {
         return turn(starts_at_b(from_b, (i + 1) % n), walk[i % n], walk[(i + 1) % n]);
     };
     size_t pushed = 0;
-    for (size_t quiet = 0, i = 0; quiet < n && pushed < 4 * n + 16; i = (i + 1) % n) {
-        ++quiet;
+    for (size_t quiet = 0, i = 0; quiet < n && pushed < 4 * n + 16; i = (i + 1) % n, ++quiet) {
         if (turn_after(i) != one) continue;
         size_t before = 0, after = 0;
         while (before + 1 < n && turn_after(i + n - 1 - before) == two) ++before;
@@ -142,8 +141,9 @@ bool QuadSystem::canonical_directed(Walk& walk, Memory& memory) const {
         for (size_t k = 0; k < edges; ++k) {
             const size_t at = (first + k) % n;
             walk[at] = along;
-            along = turned(!starts_at_b(from_b, at), along, k == before ? 1 : 2);
+            along = turned(!starts_at_b(from_b, at), along, k == after ? 1 : 2);
         }
+        quiet = 0;
         quiet = 0;
         ++pushed;
     }
