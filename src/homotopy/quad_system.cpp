@@ -141,9 +141,10 @@ bool QuadSystem::canonical_directed(Walk& walk, Memory& memory) const {
         for (size_t k = 0; k < edges; ++k) {
             const size_t at = (first + k) % n;
             walk[at] = along;
-            along = turned(!starts_at_b(from_b, at), along, k == after ? 1 : 2);
+            // On the right now: 1 2 .. 2 3 2 .. 2 1, or without the 3 if the -1 was at an end.
+            const bool corner = (k == 0 && (before > 0 || after == 0)) || (k + 2 == edges && (after > 0 || before == 0));
+            along = turned(!starts_at_b(from_b, at), along, corner ? 1 : k == before && after > 0 && before > 0 ? 3 : 2);
         }
-        quiet = 0;
         quiet = 0;
         ++pushed;
     }
