@@ -87,6 +87,8 @@ typedef int32_t hmf_status;
 #define HMF_LIMIT_TIME 11
 #define HMF_LIMIT_STALLED 12
 #define HMF_CANCELLED 13
+#define HMF_LIMIT_CLASS 14 /* no step that stays in the class of the loops reaches the minimum; error->index is
+                              a loop that the others lose.  The values are in the class */
 
 /* the call itself */
 #define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
@@ -398,6 +400,13 @@ typedef struct hmf_history_entry {
 
 /* Filled by hmf_solve and hmf_relax.  The caller sets struct_size and, where
    wanted, the two arrays with their capacities. */
+/* What is known of the class of a result.  Proven, exactly and from the values
+   alone: one cylinder of closed leaves for each loop, as high as the weight of the
+   loop, and freely homotopic to it. */
+#define HMF_CLASS_UNKNOWN 0 /* not looked at: hmf_relax, cancelled, or values at the start that no loops have */
+#define HMF_CLASS_PROVEN 1
+#define HMF_CLASS_LOST 2    /* never with HMF_OK */
+
 typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
@@ -422,6 +431,9 @@ typedef struct hmf_report {
     hmf_history_entry *history;  /* in order of time, or NULL */
     uint64_t history_capacity;
     uint64_t history_count;      /* number of events; min(history_count, history_capacity) are written */
+    int32_t class_state;         /* HMF_CLASS_*: do the values belong to the loops? */
+    uint32_t class_repeats;      /* levels that were solved once more, as the first result had left the class */
+    double class_seconds;        /* for the certificate, part of solve_seconds */
 } hmf_report;
 
 /* Fills in the defaults.  NULL is allowed and does nothing. */

@@ -17,6 +17,7 @@ namespace {
 // Values of a level, loaded and validated, with the caller's order of vertices and faces.
 struct Leaves {
     State state;
+    double unit = 1;
     Array<uint32_t> face_order;
     const uint32_t* vertices = nullptr;
     const uint32_t* faces = nullptr;
@@ -24,7 +25,7 @@ struct Leaves {
     hmf_status load(const hmf_hierarchy& h, size_t level, const double* values, size_t count, Call& call) {
         if (!state.allocate(h, level, call.memory)) return call.out_of_memory();
         state.load(level, Side::input);
-        if (import_values(state, values, count, false, call)) return call.status();
+        if (import_values(state, values, count, unit, false, call)) return call.status();
         if (level > 0) return HMF_OK;
         if (!face_order.allocate(call.memory, h.input.face_count)) return call.out_of_memory();
         for (uint32_t t = 0; t < h.input.face_count; ++t) face_order[t] = internal_face(h, t);
@@ -60,7 +61,7 @@ hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_coun
 hmf_status to_minimum(State& state, Call& call) {
     const double* weight = state.hierarchy->levels[state.level].weight;
     const double before = energy(state.foliation, weight);
-    Recorder recorder(nullptr, call);
+    Recorder recorder(nullptr, call, 1);
     SolveOptions options;
     options.tolerance = 1e-8;
     options.stop_level = state.level;
@@ -97,7 +98,6 @@ hmf_status trace_conjugate(Leaves& leaves, const hmf_trace_options& all, const A
         Cylinders cylinders;
         if (cylinders.build(f, leaves.vertices, leaves.faces, call) || read_levels(f, cylinders, levels, call))
             return call.status();
-        for (double& height : levels.height) height *= state.unit; // which may change
     }
     FlatSurface flat;
     Array<int64_t> du;
@@ -110,7 +110,7 @@ hmf_status trace_conjugate(Leaves& leaves, const hmf_trace_options& all, const A
         f.value[e] = flat.dv.value[e] < 0 ? -flat.dv.value[e] : flat.dv.value[e];
     }
     const double* position = state.hierarchy->levels[state.level].position;
-    if (all.spacing > 0 && add_conjugate_levels(made, f, du.data(), levels, all.spacing, state.unit, position, call))
+    if (all.spacing > 0 && add_conjugate_levels(made, f, du.data(), levels, all.spacing, leaves.unit, position, call))
         return call.status();
     if (all.critical && add_conjugate_prongs(made, f, position, call)) return call.status();
     for (uint64_t i = 0; i < all.point_count; ++i)
@@ -173,9 +173,10 @@ hmf_status loops_on_coarsest(const hmf_hierarchy& h, const hmf_loop_set& loops, 
     numbered.weights = weights.data();
     if (const hmf_status status = hmf_initialize(&h, &numbered, values.data(), values.size(), error)) return status;
     State state;
+    double numbered_unit = 1;
     if (!state.allocate(h, level < coarsest ? level : coarsest, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    if (import_values(state, values.data(), values.size(), false, call)) return call.status();
+    if (import_values(state, values.data(), values.size(), numbered_unit, false, call)) return call.status();
     if (!state.go_to(coarsest, call) || (coarsest == 0 && !state.to_intrinsic(call))) return call.out_of_memory();
     Cylinders cylinders;
     Array<uint32_t> order;
@@ -185,7 +186,7 @@ hmf_status loops_on_coarsest(const hmf_hierarchy& h, const hmf_loop_set& loops, 
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "The loops have other cylinders than expected. Please report it.");
     for (uint32_t d = 0; d < n; ++d) {
-        const double number = static_cast<double>(cylinders.list[d].height) * state.unit;
+        const double number = static_cast<double>(cylinders.list[d].height) * numbered_unit;
         if (number >= 1 && number <= static_cast<double>(n)) order[static_cast<size_t>(number) - 1] = d;
     }
     return middle_leaves(state.foliation, cylinders, &order, curves, call);
@@ -230,7 +231,7 @@ hmf_status hmf_trace(const hmf_hierarchy* hierarchy, size_t level, const double*
     const bool conjugate = all.leaves == HMF_LEAVES_CONJUGATE;
     if (conjugate && all.length_limit == 0)
         all.length_limit = 10 * std::sqrt(surface_area(f.mesh, hierarchy->levels[level].position));
-    Lines made(f, hierarchy->levels[level].position, leaves.state.unit, all.length_limit, call);
+    Lines made(f, hierarchy->levels[level].position, leaves.unit, all.length_limit, call);
     Array<uint32_t> side;
     if (!made.start() || (all.point_count > 0 && !first_sides(leaves.state, side, call.memory)))
         return call.out_of_memory();
@@ -277,7 +278,6 @@ hmf_status hmf_cylinders(const hmf_hierarchy* hierarchy, size_t level, const dou
     Cylinders cylinders;
     if (cylinders.build(state.foliation, leaves.vertices, leaves.faces, call)) return call.status();
     const size_t n = cylinders.list.size();
-    const double unit = state.unit; // of the values as given
     Curves curves;
     if (middle_leaves(state.foliation, cylinders, nullptr, curves, call)) return call.status();
     const size_t triangles = curves.crossings.size();
@@ -295,7 +295,7 @@ hmf_status hmf_cylinders(const hmf_hierarchy* hierarchy, size_t level, const dou
         for (Crossing& c : curves.crossings) c.at = triangle_of_face[state.foliation.mesh.face[twin(c.half_edge)]];
     }
     for (size_t c = 0; c < n; ++c)
-        made[c] = {HMF_NONE, 0, static_cast<double>(cylinders.list[c].height) * unit, 0, 0, 0};
+        made[c] = {HMF_NONE, 0, static_cast<double>(cylinders.list[c].height) * leaves.unit, 0, 0, 0};
     if (list) {
         Labels labels;
         State stretched;
@@ -319,16 +319,16 @@ hmf_status hmf_cylinders(const hmf_hierarchy* hierarchy, size_t level, const dou
                 const uint32_t h = middle.crossings[i].half_edge;
                 flux += weight[edge_of(h)] * static_cast<double>(state.foliation.at(h));
             }
-            made[c].circumference = flux * state.unit;
+            made[c].circumference = flux * leaves.unit;
             made[c].modulus = made[c].height / made[c].circumference;
-            made[c].area = area[measured.found[c]] * state.unit * state.unit;
+            made[c].area = area[measured.found[c]] * leaves.unit * leaves.unit;
         }
         if (loops) {
             Curves of_loops, own;
             Array<int64_t> loop_keys, keys;
             Array<uint32_t> order, loop_of;
             if (const hmf_status status =
-                    loops_on_coarsest(*hierarchy, given, unit, of_loops, loop_keys, call, error))
+                    loops_on_coarsest(*hierarchy, given, leaves.unit, of_loops, loop_keys, call, error))
                 return status;
             Cylinders on_coarsest;
             if (!stretched.go_to(coarsest, call) || (coarsest == 0 && !stretched.to_intrinsic(call))

@@ -204,9 +204,10 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         return call.status();
 
     State state;
+    double unit = 1;
     if (!state.allocate(*hierarchy, level, memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    if (import_values(state, values, count, false, call)) return call.status();
+    if (import_values(state, values, count, unit, false, call)) return call.status();
     if (level == 0 && !state.to_intrinsic(call)) return call.cancelled() ? cancelled(call) : call.out_of_memory();
     if (check_harmonic(state, all.tolerance > 0 ? all.tolerance : 1e-2, call)) return call.status();
     FlatSurface flat;
@@ -245,7 +246,7 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         return call.out_of_memory();
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.95)) return cancelled(call);
-        map[t] = map_of(state, layout, side[t], state.unit);
+        map[t] = map_of(state, layout, side[t], unit);
         measure.add(t, map[t]);
     }
     hmf_parameterization result = *out;
@@ -264,8 +265,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
         }
         for (size_t s = 0; s < 3; ++s, h = mesh.next[h]) {
             if (out->corner_uv) {
-                out->corner_uv[6 * size_t{t} + 2 * s] = static_cast<double>(layout.u[h]) * state.unit;
-                out->corner_uv[6 * size_t{t} + 2 * s + 1] = static_cast<double>(layout.v[h]) * state.unit;
+                out->corner_uv[6 * size_t{t} + 2 * s] = static_cast<double>(layout.u[h]) * unit;
+                out->corner_uv[6 * size_t{t} + 2 * s + 1] = static_cast<double>(layout.v[h]) * unit;
             }
             const uint32_t internal = edge_of(h);
             if (met[internal]) continue;
@@ -278,8 +279,8 @@ hmf_status hmf_parameterize(const hmf_hierarchy* hierarchy, size_t level, const 
             if (out->seam) out->seam[e] = seam;
             if (out->transition) {
                 out->transition[3 * e] = to.sign;
-                out->transition[3 * e + 1] = static_cast<double>(to.u) * state.unit;
-                out->transition[3 * e + 2] = static_cast<double>(to.v) * state.unit;
+                out->transition[3 * e + 1] = static_cast<double>(to.u) * unit;
+                out->transition[3 * e + 2] = static_cast<double>(to.v) * unit;
             }
         }
     }

@@ -9,11 +9,11 @@ namespace {
 // Loads the caller's values on a level, validated; poles are allowed where
 // they are the question.
 hmf_status load_values(const hmf_hierarchy* h, size_t level, const double* values, size_t count, size_t finest,
-                       State& state, Call& call, bool poles_allowed = false) {
+                       State& state, double& unit, Call& call, bool poles_allowed = false) {
     if (check_level(h, level, call) || check_level(h, finest, call)) return call.status();
     if (!state.allocate(*h, finest, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    return import_values(state, values, count, poles_allowed, call);
+    return import_values(state, values, count, unit, poles_allowed, call);
 }
 
 hmf_status to_intrinsic(State& state, Call& call) {
@@ -33,11 +33,12 @@ hmf_status hmf_interpolate(const hmf_hierarchy* hierarchy, size_t from_level, co
     if (check_capacity(out_capacity, hierarchy->levels[to_level].mesh.edge_count, "out_values", call))
         return call.status();
     State state;
-    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state,
+    double unit = 1;
+    if (load_values(hierarchy, from_level, values, count, from_level < to_level ? from_level : to_level, state, unit,
                     call))
         return call.status();
     if (!state.go_to(to_level, call)) return call.out_of_memory();
-    return export_values(state, out_values, call);
+    return export_values(state, unit, out_values, call);
 }
 
 hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double* values, size_t count, double* out,
@@ -46,9 +47,10 @@ hmf_status hmf_energy(const hmf_hierarchy* hierarchy, size_t level, const double
     Call& call = query.call;
     if (query.check(hierarchy, level, out)) return call.status();
     State state;
-    if (load_values(hierarchy, level, values, count, level, state, call) || to_intrinsic(state, call))
+    double unit = 1;
+    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
         return call.status();
-    *out = energy(state.foliation, hierarchy->levels[level].weight) * state.unit * state.unit;
+    *out = energy(state.foliation, hierarchy->levels[level].weight) * unit * unit;
     return HMF_OK;
 }
 
@@ -60,7 +62,8 @@ hmf_status hmf_residuals(const hmf_hierarchy* hierarchy, size_t level, const dou
     const uint32_t n = hierarchy->levels[level].mesh.vertex_count;
     if (check_capacity(capacity, n, "residuals", call)) return call.status();
     State state;
-    if (load_values(hierarchy, level, values, count, level, state, call) || to_intrinsic(state, call))
+    double unit = 1;
+    if (load_values(hierarchy, level, values, count, level, state, unit, call) || to_intrinsic(state, call))
         return call.status();
     Rings rings;
     Star star;
@@ -89,7 +92,8 @@ hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const
         || (vertex_cluster && check_capacity(cluster_capacity, n, "vertex_cluster", call)))
         return call.status();
     State state;
-    if (load_values(hierarchy, level, values, count, level, state, call, true)) return call.status();
+    double unit = 1;
+    if (load_values(hierarchy, level, values, count, level, state, unit, call, true)) return call.status();
     Array<int32_t> at_vertex, at_face;
     Array<uint32_t> cluster, size, lowest;
     if (!at_vertex.allocate(call.memory, n) || !at_face.allocate(call.memory, m) || !cluster.allocate(call.memory, n)

@@ -4,8 +4,6 @@
 #include "values.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 using namespace hmf;
 
@@ -120,13 +118,13 @@ hmf_status check_report(const hmf_report* report, Call& call) {
 
 // Result of the state on its level into values and report.
 hmf_status finish(State& state, hmf_status status, const SolveOptions& options, Call& call, Recorder& recorder,
-                  double* values) {
+                  double* values, const ClassWatch* watch) {
     hmf_report* report = recorder.report();
     if (report) {
         const Level& level = state.hierarchy->levels[state.level];
         report->method = options.method;
         report->converged = status == HMF_OK;
-        const double unit = state.unit;
+        const double unit = recorder.unit();
         Certificate certificate = recorder.certificate;
         if (!certificate.known) {
             Rings rings;
@@ -141,6 +139,11 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         report->energy = certificate.energy * unit * unit;
         report->residual_max = certificate.residual_max;
         report->residual_mean = certificate.residual_mean;
+        if (watch) {
+            report->class_state = static_cast<int32_t>(watch->result.state);
+            report->class_repeats = watch->repeats;
+            report->class_seconds = watch->seconds;
+        }
     }
     if (state.level == 0 && !state.to_input(call))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
@@ -155,7 +158,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         report->bad_flips_left = state.statistics.bad_flips_left;
         report->peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     }
-    if (export_values(state, values, call)) return call.status();
+    if (export_values(state, recorder.unit(), values, call)) return call.status();
     if (report) {
         report->values_written = 1;
         report->solve_seconds = call.seconds();
@@ -177,6 +180,12 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         return call.fail(
             status, HMF_ELEMENT_LEVEL, state.level,
             "No progress above the tolerance is possible; the values are closed and without poles. Loosen tolerance.");
+    case HMF_LIMIT_CLASS:
+        return call.fail(status, HMF_ELEMENT_LOOP, watch ? watch->lost.loop : 0,
+                         "Steps to the minimum leave the class of loop %u, whose cylinder would be %g high instead of "
+                         "%g; the values stay in the class. Try another ratio, or improve the triangles.",
+                         watch ? static_cast<unsigned>(watch->lost.loop) : 0, watch ? watch->lost.found * watch->unit : 0,
+                         watch ? watch->lost.wanted * watch->unit : 0);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback; the values are closed and without poles.");
@@ -287,35 +296,33 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     State state;
     Loops crossings;
     Array<int64_t> weights;
-    ClassWatch watch;
+    double unit = 1;
     call.range(0, 0); // the levels share the whole range
     if (!state.allocate(*hierarchy, given < solve.stop_level ? given : solve.stop_level, call.memory))
         return call.out_of_memory();
     state.load(given, Side::input);
     if (all.initial_values) {
-        if (import_values(state, all.initial_values, all.initial_count, false, call)) return call.status();
+        if (import_values(state, all.initial_values, all.initial_count, unit, false, call)) return call.status();
     } else {
-        if (take_loops(*hierarchy, loops, given, call, crossings, weights, state.unit)) return call.status();
+        if (take_loops(*hierarchy, loops, given, call, crossings, weights, unit)) return call.status();
         initial_foliation(state.foliation.mesh, crossings, weights.data(), state.foliation.value);
     }
     clear_report(report);
-    Recorder recorder(report, call);
+    Recorder recorder(report, call, unit);
     if (!state.go_to(start, call) || (start == 0 && !state.to_intrinsic(call)))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0,
                                             "Cancelled by the progress callback; no values are written.")
                                 : call.out_of_memory();
-    if (watch.start(state, given == start && start > 0 && !all.initial_values ? &crossings : nullptr, weights, call))
-        return call.status();
+    ClassWatch watch;
+    const bool same_mesh = given == start && start > 0 && !all.initial_values; // of the loops and the state
+    if (watch.start(state, unit, same_mesh ? &crossings : nullptr, weights, call)) return call.status();
     const hmf_status status = solve_in_class(state, solve, call, recorder, watch);
-    if (std::getenv("HMF_WATCH"))
-        std::printf("class %d loss %d loop %u wanted %g found %g crossings %llu seconds %.6f of %.6f repeated %u\n", (int) watch.result.state,
-               (int) watch.result.loss, watch.result.loop, watch.result.wanted * watch.unit, watch.result.found * watch.unit, (unsigned long long) watch.result.crossings, watch.seconds, call.seconds(), watch.repeated);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != solve.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu; no values are written.",
                          static_cast<unsigned long long>(state.level));
-    return finish(state, status, solve, call, recorder, values);
+    return finish(state, status, solve, call, recorder, values, &watch);
 }
 
 hmf_status hmf_relax(const hmf_hierarchy* hierarchy, size_t level, const hmf_solve_options* options, double* values,
@@ -331,16 +338,17 @@ hmf_status hmf_relax(const hmf_hierarchy* hierarchy, size_t level, const hmf_sol
     State state;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    if (import_values(state, values, count, false, call)) return call.status();
+    double unit = 1;
+    if (import_values(state, values, count, unit, false, call)) return call.status();
     clear_report(report);
-    Recorder recorder(report, call);
+    Recorder recorder(report, call, unit);
     solve.stop_level = level;
     if (level == 0 && !state.to_intrinsic(call))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
                                 : call.out_of_memory();
     const hmf_status status = run_cascade(state, solve, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish(state, status, solve, call, recorder, values);
+    return finish(state, status, solve, call, recorder, values, nullptr);
 }
 
 } // extern "C"

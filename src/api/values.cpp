@@ -66,8 +66,8 @@ uint32_t internal_edge(const State& state, size_t e) {
 
 } // namespace
 
-hmf_status import_values(State& state, const double* values, size_t count, bool poles_allowed, Call& call) {
-    double unit = 1;
+hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed,
+                         Call& call) {
     Foliation& f = state.foliation;
     if (!values)
         return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give one value per edge of the level.");
@@ -138,7 +138,6 @@ hmf_status import_values(State& state, const double* values, size_t count, bool 
             "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
             static_cast<unsigned long long>(edge));
     }
-    state.unit = unit;
     if (poles_allowed) return HMF_OK;
     const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
     if (f.out_of_memory) return call.out_of_memory();
@@ -150,7 +149,7 @@ hmf_status import_values(State& state, const double* values, size_t count, bool 
     return HMF_OK;
 }
 
-hmf_status export_values(const State& state, double* values, Call& call) {
+hmf_status export_values(const State& state, double unit, double* values, Call& call) {
     constexpr int64_t largest_exact = int64_t{1} << 53;
     const Foliation& f = state.foliation;
     for (size_t e = 0; e < f.mesh.edge_count; ++e)
@@ -160,7 +159,7 @@ hmf_status export_values(const State& state, double* values, Call& call) {
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
     for (size_t e = 0; e < f.mesh.edge_count; ++e)
-        values[e] = static_cast<double>(f.value[internal_edge(state, e)]) * state.unit;
+        values[e] = static_cast<double>(f.value[internal_edge(state, e)]) * unit;
     return HMF_OK;
 }
 

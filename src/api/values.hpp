@@ -28,13 +28,14 @@ constexpr int weight_bits = 48; // the largest weight is below 2^48 units, so va
 double unit_of_weights(double largest);
 
 // The caller's values of a level -> state.foliation.value; state is loaded on
-// the level (level 0: input side).  Finds state.unit.  Validates: finite,
+// the level (level 0: input side).  Finds the unit.  Validates: finite,
 // exact, triangle inequalities, parity, and no poles unless they are allowed.
-hmf_status import_values(State& state, const double* values, size_t count, bool poles_allowed, Call& call);
+hmf_status import_values(State& state, const double* values, size_t count, double& unit, bool poles_allowed,
+                         Call& call);
 
 // state.foliation.value -> the caller's values (level 0: from the input side).
 // Fails, with nothing written, if a value has more bits than a double.
-hmf_status export_values(const State& state, double* values, Call& call);
+hmf_status export_values(const State& state, double unit, double* values, Call& call);
 
 // Internal half-edge of side 0 of a triangle of the caller: the side of its
 // first edge that is followed by its second one; and its face.

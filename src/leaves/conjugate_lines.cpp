@@ -161,7 +161,7 @@ hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t*
             const uint32_t from = start.half_edge == side ? 0u : start.half_edge == mesh.next[side] ? 1u : 2u;
             there = (1 - f) * u[from] + f * u[(from + 1) % 3];
             for (int i = 0; i < 3; ++i) here += w[i] * u[i];
-            const double ahead = magnitude(there - here), half = levels.height[c] / unit / 2;
+            const double ahead = magnitude(there - here), half = levels.height[c] / 2;
             const size_t first = lines.edges.size();
             double point[3];
             if (tracer.trace(reversed(g, start), half + ahead, nullptr, line.length, line.begin)) return call.status();

@@ -141,11 +141,11 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     SolveOptions options;
     options.tolerance = 1e-8;
     options.stop_level = state.level;
-    Recorder recorder(nullptr, call);
-    state.unit = 1;
+    Recorder recorder(nullptr, call, 1);
     const hmf_status status = run_cascade(state, options, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
-    const int64_t finer = static_cast<int64_t>(1 / state.unit);
+    // The unit may be finer now, and the heights with it.
+    const int64_t finer = static_cast<int64_t>(1 / recorder.unit());
     for (int64_t& height : labels.height) height *= finer;
     if (cylinders.build(f, nullptr, nullptr, call) || labels.find(cylinders, found, call)) return call.status();
     return cylinders.find_vertices(f, call.memory) ? HMF_OK : call.out_of_memory();

@@ -14,14 +14,14 @@ void Recorder::count_levels(size_t n) {
     if (report_) report_->level_count = n;
 }
 
-void Recorder::event(const State& state, uint32_t kind, double energy_units, double residual_max) {
+void Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
     if (!report_) return;
     if (report_->history && report_->history_count < report_->history_capacity) {
         hmf_history_entry& entry = report_->history[report_->history_count];
         entry.seconds = call_.seconds();
-        entry.energy = energy_units * state.unit * state.unit;
+        entry.energy = energy_units * unit_ * unit_;
         entry.residual_max = residual_max;
-        entry.level = static_cast<uint32_t>(state.level);
+        entry.level = static_cast<uint32_t>(level);
         entry.kind = kind;
     }
     ++report_->history_count;
@@ -96,7 +96,7 @@ Fineness LevelWork::refine_unit(double residual) {
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;
     state.largest_input_value *= factor;
-    state.unit /= static_cast<double>(factor);
+    recorder.set_unit(recorder.unit() / static_cast<double>(factor));
     return {bits > 0, bits == wanted};
 }
 
@@ -121,27 +121,33 @@ hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recor
 hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
                              ClassWatch& watch, hmf_level_report& statistics) {
     Foliation& f = state.foliation;
-    const double unit = state.unit;
+    const double unit = recorder.unit();
     const int64_t largest = state.largest_input_value;
     Array<int64_t> values;
     if (!values.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
     std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
     hmf_status status = HMF_OK;
+    const auto go_back = [&] {
+        std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
+        recorder.set_unit(unit);
+        state.largest_input_value = largest;
+        recorder.certificate.known = false;
+        watch.zeros.known = false;
+    };
     for (uint32_t attempt = 0; attempt < 2; ++attempt) {
         const bool gated = attempt > 0;
         if (gated) {
-            std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
-            state.unit = unit;
-            state.largest_input_value = largest;
-            recorder.certificate.known = false;
-            ++watch.repeated;
+            go_back();
+            ++watch.repeats;
         }
         status = optimise(state, options, call, recorder, &watch, gated, statistics);
         if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
-        if (watch.look(state, call)) return call.status();
-        if (watch.holds()) break;
+        if (watch.look(state, recorder.unit(), call)) return call.status();
+        if (watch.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
     }
-    return status;
+    go_back();
+    if (watch.look(state, recorder.unit(), call)) return call.status();
+    return HMF_LIMIT_CLASS;
 }
 
 } // namespace
@@ -189,7 +195,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;
-        recorder.event(state, 0, energy(state.foliation, h.levels[state.level].weight), -1);
+        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight), -1);
     }
 }
 

@@ -3,7 +3,8 @@
 
 namespace hmf {
 
-hmf_status ClassWatch::start(State& state, const Loops* loops, const Array<int64_t>& weights, Call& call) {
+hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
+                             Call& call) {
     const double begin = call.seconds();
     const Mesh& mesh = state.foliation.mesh;
     state.words = nullptr;
@@ -11,7 +12,7 @@ hmf_status ClassWatch::start(State& state, const Loops* loops, const Array<int64
     zeros.known = false;
     zeros.vertices.start(call.memory);
     zeros.tripods.start(call.memory);
-    unit = state.unit;
+    unit = unit_of_values;
     // Room for the finest level.
     if (!words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory)) return call.out_of_memory();
     if (reference.take(state.foliation, words, call)) return call.status();
@@ -28,12 +29,13 @@ hmf_status ClassWatch::start(State& state, const Loops* loops, const Array<int64
     return HMF_OK;
 }
 
-hmf_status ClassWatch::look(State& state, Call& call) {
+hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
     result = {};
     if (!started) return HMF_OK;
     const double begin = call.seconds();
-    const int64_t finer = static_cast<int64_t>(unit / state.unit);
+    const int64_t finer = static_cast<int64_t>(unit / unit_of_values);
     const hmf_status status = reference.compare(state.foliation, words, zeros, finer, call, result);
+    if (!holds()) lost = result;
     seconds += call.seconds() - begin;
     return status;
 }
@@ -42,7 +44,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
                           ClassWatch& watch) {
     const size_t start = state.level;
     const Side side = state.side;
-    const double unit = state.unit;
+    const double unit = recorder.unit();
     const int64_t largest = state.largest_input_value;
     const TransportStatistics statistics = state.statistics;
     Foliation& f = state.foliation;
@@ -53,13 +55,13 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     }
     hmf_status status = run_cascade(state, options, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
-    if (watch.look(state, call)) return call.status();
+    if (watch.look(state, recorder.unit(), call)) return call.status();
     if (watch.holds() || values.empty() || call.finishing() || call.out_of_time()) return status;
 
     // Once more, on the safe side.
     state.load(start, side);
     std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
-    state.unit = unit;
+    recorder.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
     if (!watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
@@ -67,7 +69,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     SolveOptions careful = options;
     careful.guarded = true;
     recorder.certificate.known = false;
-    recorder.event(state, 0, energy(f, state.hierarchy->levels[start].weight), -1);
+    recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight), -1);
     return run_cascade(state, careful, call, recorder, &watch);
 }
 

@@ -22,16 +22,16 @@ struct ClassWatch {
     ZeroList zeros;     // of the state, as long as they are known
     ClassResult result; // of the last look
     double seconds = 0; // for all of them
-    uint32_t repeated = 0; // levels
+    uint32_t repeats = 0; // levels that were solved once more
+    ClassResult lost;     // the last one that was refused
     double unit = 1; // of the reference
     bool started = false;
-    bool trust_steps = false; // for tests: takes the first step without any check
 
     // At the start of a solve, on the coarsest level.  loops: on the mesh of the
     // state, or NULL; weights: theirs, in units of the state, or empty.
-    hmf_status start(State& state, const Loops* loops, const Array<int64_t>& weights, Call& call);
+    hmf_status start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights, Call& call);
     // Of the state as it is.
-    hmf_status look(State& state, Call& call);
+    hmf_status look(State& state, double unit_of_values, Call& call);
     bool holds() const { return result.state != ClassState::lost; }
 };
 

@@ -25,16 +25,19 @@ struct Certificate {
 // Writes the caller's report; every member may be called without one.
 class Recorder {
 public:
-    Recorder(hmf_report* report, const Call& call) : report_(report), call_(call) {}
+    Recorder(hmf_report* report, const Call& call, double unit) : report_(report), call_(call), unit_(unit) {}
     hmf_level_report* level(size_t index); // entry of a level, nullptr if not wanted; index 0 = stop level
-    void event(const State& state, uint32_t kind, double energy_units, double residual_max);
+    void event(size_t level, uint32_t kind, double energy_units, double residual_max);
     void count_levels(size_t n);
     hmf_report* report() const { return report_; }
+    double unit() const { return unit_; }
+    void set_unit(double unit) { unit_ = unit; }
     Certificate certificate{}; // of the last level
 
 private:
     hmf_report* report_;
     const Call& call_;
+    double unit_;
 };
 
 // The unit of the values against a residual.
@@ -61,7 +64,7 @@ struct LevelWork {
     // is still to come, or as fine as a double has bits for the values.
     Fineness refine_unit(double residual);
     void record(uint32_t kind, double energy_units, double residual_max) {
-        recorder.event(state, kind, energy_units, residual_max);
+        recorder.event(state.level, kind, energy_units, residual_max);
     }
 };
 

@@ -14,7 +14,6 @@ enum class Side : uint8_t { input, intrinsic };
 struct State {
     const hmf_hierarchy* hierarchy = nullptr;
     Foliation foliation;
-    double unit = 1; // of the values, a power of two; a solve may make it finer
     size_t level = 0;
     Side side = Side::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
