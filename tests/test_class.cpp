@@ -152,8 +152,8 @@ TEST(ClassCampaign, EnergiesAgree) {
     for (size_t i = 0; i < problems; ++i) solve_problem(seed + i, tally);
     std::printf("problems %zu, solves that converged %zu, ended at a limit %zu (%zu of them for the class), levels "
                 "repeated %zu, refused %zu; wrong energies %zu, not proven %zu\n",
-                tally.problems, tally.solved, tally.limits, tally.lost_class, tally.repeats, tally.refused,
-                tally.wrong, tally.unproven);
+                tally.problems, tally.solved, tally.limits, tally.lost_class, tally.repeats, tally.refused, tally.wrong,
+                tally.unproven);
     EXPECT_EQ(tally.wrong, 0u);
     EXPECT_EQ(tally.unproven, 0u);
     // Hard triangles may end at a limit, the most do not.

@@ -114,7 +114,32 @@ std::vector<int> homology(const Path& walk, const std::vector<uint32_t>& twin) {
     return std::max(sum, negative);
 }
 
+// A short walk, and the same one pushed about by deformations that keep it short.
+void push_about(Path& walk, const std::vector<uint32_t>& twin, Random& random) {
+    for (size_t k = 0; k < 60; ++k) deform(walk, twin, random);
+}
+
 } // namespace
+
+// Walks along rows of quads, where most special cases lie.
+TEST(Homotopy, CanonicalWalkOfShortLoops) {
+    Random random(11);
+    for (const uint32_t genus : {2u, 3u, 7u})
+        for (const bool other : {false, true}) {
+            Quads quads(other ? opposite(genus) : commutators(genus));
+            for (uint32_t a = 0; a < 4 * genus; ++a)
+                for (uint32_t b = 0; b < 4 * genus; ++b)
+                    for (size_t power = 1; power <= 3; ++power) {
+                        Path walk;
+                        for (size_t k = 0; k < power; ++k) walk.insert(walk.end(), {a, b});
+                        const Path expected = quads.canonical(walk);
+                        for (size_t problem = 0; problem < 6; ++problem) {
+                            push_about(walk, quads.twin, random);
+                            ASSERT_EQ(quads.canonical(turned(walk, random)), expected) << genus << " " << other;
+                        }
+                    }
+        }
+}
 
 TEST(Homotopy, CanonicalWalkIsTheSameInAClass) {
     Random random(7);

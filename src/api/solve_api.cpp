@@ -184,8 +184,8 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         return call.fail(status, HMF_ELEMENT_LOOP, watch ? watch->lost.loop : 0,
                          "Steps to the minimum leave the class of loop %u, whose cylinder would be %g high instead of "
                          "%g; the values stay in the class. Try another ratio, or improve the triangles.",
-                         watch ? static_cast<unsigned>(watch->lost.loop) : 0, watch ? watch->lost.found * watch->unit : 0,
-                         watch ? watch->lost.wanted * watch->unit : 0);
+                         watch ? static_cast<unsigned>(watch->lost.loop) : 0,
+                         watch ? watch->lost.found * watch->unit : 0, watch ? watch->lost.wanted * watch->unit : 0);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback; the values are closed and without poles.");

@@ -83,8 +83,7 @@ bool EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) 
             if (!twin_side.push(h)) return false;
         }
         h = mesh.next[h];
-        for (; kind[edge_of(h)] == ACROSS; h = mesh.next[twin(h)])
-            corner[h] = static_cast<uint32_t>(twin_side.size());
+        for (; kind[edge_of(h)] == ACROSS; h = mesh.next[twin(h)]) corner[h] = static_cast<uint32_t>(twin_side.size());
     } while (h != first);
     const uint32_t n = static_cast<uint32_t>(twin_side.size());
     for (uint32_t& side : twin_side) side = corner[twin(side)];

@@ -105,6 +105,28 @@ bool QuadSystem::shorten_round(Walk& walk, bool& from_b, Memory& memory) const {
         const auto turn_after = [&](size_t i) {
             return turn(starts_at_b(from_b, (i + 1) % n), walk[i % n], walk[(i + 1) % n]);
         };
+        // A row of quads all round, with one corner.
+        size_t corner = NONE, rest = 0;
+        uint32_t once = 0;
+        for (size_t i = 0; i < n && corner == NONE; ++i) {
+            once = turn_after(i);
+            if (once == 1 || once == size() - 1) corner = i;
+        }
+        const uint32_t all_else = once == 1 ? 2 : size() - 2;
+        for (size_t i = 0; corner != NONE && i < n; ++i) rest += i != corner && turn_after(i) == all_else;
+        if (corner != NONE && n > 2 && rest + 1 == n) {
+            const size_t next = (corner + 2) % n;
+            const bool at_b = starts_at_b(from_b, next);
+            const uint32_t rung = turned(at_b, walk[next], size() - once);
+            uint32_t along = turned(!at_b, rung, size() - once);
+            from_b = !at_b;
+            shrink(walk, n - 2);
+            for (size_t i = 0; i + 2 < n; ++i) {
+                walk[i] = along;
+                along = turned(starts_at_b(from_b, i + 1), along, size() - all_else);
+            }
+            continue;
+        }
         // Brackets there.
         size_t found = NONE;
         for (size_t i = 0; i < n && found == NONE; ++i) {
@@ -142,8 +164,12 @@ bool QuadSystem::canonical_directed(Walk& walk, Memory& memory) const {
             const size_t at = (first + k) % n;
             walk[at] = along;
             // On the right now: 1 2 .. 2 3 2 .. 2 1, or without the 3 if the -1 was at an end.
-            const bool corner = (k == 0 && (before > 0 || after == 0)) || (k + 2 == edges && (after > 0 || before == 0));
-            along = turned(!starts_at_b(from_b, at), along, corner ? 1 : k == before && after > 0 && before > 0 ? 3 : 2);
+            const bool corner =
+                (k == 0 && (before > 0 || after == 0)) || (k + 2 == edges && (after > 0 || before == 0));
+            along = turned(!starts_at_b(from_b, at), along,
+                           corner                                   ? 1
+                           : k == before && after > 0 && before > 0 ? 3
+                                                                    : 2);
         }
         quiet = 0;
         ++pushed;

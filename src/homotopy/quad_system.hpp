@@ -21,7 +21,8 @@
 //     turn 0         a spur: both spokes go
 //     1 2 .. 2 1     a bracket: it goes round three sides of a row of quads on
 //                    its right, and gets shorter by two on the fourth; -1 -2 .. -2 -1
-//                    is the same on the left
+//                    is the same on the left.  A closed walk that turns by 1 once and by 2
+//                    everywhere else gets shorter in the same way, past all of the row
 //
 // For g >= 2 a closed walk without spurs and brackets is a shortest one in its
 // class, and all of these become one when each -1, with the -2 on both its

@@ -51,8 +51,7 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
     height_.start(call.memory);
     spoke_.start(call.memory);
     offset_.start(call.memory);
-    if (cylinders.build(f, nullptr, nullptr, quiet))
-        return is_memory(quiet.status()) ? call.out_of_memory() : HMF_OK;
+    if (cylinders.build(f, nullptr, nullptr, quiet)) return is_memory(quiet.status()) ? call.out_of_memory() : HMF_OK;
     const size_t n = cylinders.list.size();
     if (!loop_.allocate(call.memory, n) || !offset_.push(0)) return call.out_of_memory();
     for (uint32_t c = 0; c < n; ++c) {

@@ -26,9 +26,9 @@
 namespace hmf {
 
 enum class ClassState : uint8_t { // as HMF_CLASS_*
-    unknown, // not looked at, or there is nothing to compare with
-    proven,  // heights and classes of all cylinders are those of the loops
-    lost,    // they are not
+    unknown,                      // not looked at, or there is nothing to compare with
+    proven,                       // heights and classes of all cylinders are those of the loops
+    lost,                         // they are not
 };
 
 enum class ClassLoss : uint8_t {

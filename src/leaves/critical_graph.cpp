@@ -170,7 +170,8 @@ bool CriticalGraph::add_sectors_of_tripod(const Foliation& f, uint32_t zero, uin
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     for (uint32_t s = 0; s < 3; ++s, h = f.mesh.next[h]) {
         if (!at_tripod_.set(h, before + s)
-            || !sectors.push({zero, before + (s + 1) % 3, before + (s + 2) % 3, h, NONE, NONE})) return false;
+            || !sectors.push({zero, before + (s + 1) % 3, before + (s + 2) % 3, h, NONE, NONE}))
+            return false;
     }
     return true;
 }

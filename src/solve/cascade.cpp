@@ -173,9 +173,9 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
-            const hmf_status here =
-                options.guarded ? optimise_in_class(state, options, call, recorder, *watch, statistics)
-                                : optimise(state, options, call, recorder, watch, false, statistics);
+            const hmf_status here = options.guarded
+                                      ? optimise_in_class(state, options, call, recorder, *watch, statistics)
+                                      : optimise(state, options, call, recorder, watch, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             // Only the last level decides, unless the whole call ran out of something.
             status = here;

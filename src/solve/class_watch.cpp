@@ -35,6 +35,7 @@ hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
     const double begin = call.seconds();
     const int64_t finer = static_cast<int64_t>(unit / unit_of_values);
     const hmf_status status = reference.compare(state.foliation, words, zeros, finer, call, result);
+    zeros.known = false; // the values go on changing
     if (!holds()) lost = result;
     seconds += call.seconds() - begin;
     return status;

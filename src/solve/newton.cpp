@@ -212,8 +212,7 @@ private:
         constexpr size_t most = 200;
         const auto reversed = [&](uint32_t h) {
             const uint32_t e = edge_of(h);
-            return backup_[e]
-                     - model_.sign[2 * e] * step_[f_.mesh.origin[2 * e]]
+            return backup_[e] - model_.sign[2 * e] * step_[f_.mesh.origin[2 * e]]
                      - model_.sign[2 * e + 1] * step_[f_.mesh.origin[2 * e + 1]]
                  < 0;
         };
