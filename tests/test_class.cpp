@@ -5,6 +5,9 @@
 // hierarchies; the harmonic foliation of a class is unique, so the energies
 // agree, or a status says why not.  HMF_CLASS_PROBLEMS (default 12) problems
 // from HMF_CLASS_SEED (default 1) on.
+#include "../src/loops/library_loops.hpp"
+#include "../src/solve/solve.hpp"
+#include "support/read_obj.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -13,6 +16,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 
 using namespace test;
 
@@ -122,6 +127,9 @@ void solve_problem(uint64_t seed, Tally& tally) {
             continue;
         }
         tally.repeats += report.class_repeats;
+        if (report.class_repeats > 0)
+            std::printf("seed %llu ratio %.2f: %u levels solved once more\n", static_cast<unsigned long long>(seed),
+                        ratio, report.class_repeats);
         if (solution.status == HMF_OK) {
             ++tally.solved;
             energies.push_back(report.energy);
@@ -145,6 +153,165 @@ void solve_problem(uint64_t seed, Tally& tally) {
 }
 
 } // namespace
+
+namespace {
+
+// A foliation on the coarsest level, made from some of the library's loops.
+struct Start {
+    Start(const TriMesh& mesh, int32_t kind, double ratio = 0.5) :
+        hierarchy(mesh, ratio, 300), memory(nullptr, nullptr, nullptr, 0), call(memory, &error, nullptr, nullptr) {
+        const hmf_hierarchy& h = *hierarchy.get();
+        EXPECT_TRUE(state.allocate(h, 0, memory));
+        EXPECT_EQ(hmf::library_loops(h, h.level_count - 1, kind, call, loops), HMF_OK);
+    }
+    // weight[c] of loop c, in 2^-40; 0: not there.
+    void load(const std::vector<int64_t>& weight) {
+        state.load(hierarchy.coarsest(), hmf::Side::intrinsic);
+        weights.start(memory);
+        std::vector<int64_t> all(loops.count(), 0);
+        for (size_t c = 0; c < weight.size() && c < all.size(); ++c) all[c] = weight[c] << 40;
+        for (const int64_t w : all) weights.push(w);
+        hmf::initial_foliation(state.foliation.mesh, loops, weights.data(), state.foliation.value);
+    }
+    void reload(const std::vector<int64_t>& weight) {
+        load(weight);
+        // The walks go with the mesh of the state.
+        state.words = &watch.words;
+        ASSERT_TRUE(watch.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, memory));
+    }
+    const hmf_hierarchy& h() const { return *hierarchy.get(); }
+    hmf::ClassResult look() {
+        EXPECT_EQ(watch.look(state, 1, call), HMF_OK);
+        return watch.result;
+    }
+
+    Hierarchy hierarchy;
+    hmf_error error{};
+    hmf::Memory memory;
+    hmf::Call call;
+    hmf::State state;
+    hmf::Loops loops;
+    hmf::Array<int64_t> weights;
+    hmf::ClassWatch watch;
+};
+
+} // namespace
+
+TEST(ClassCertificate, SaysYesOnEveryLevel) {
+    for (const TriMesh& mesh : {pretzel(3, 3), plate(2), torus(40, 20, 3, 1)}) {
+        Start start(mesh, HMF_LOOPS_PANTS);
+        start.load({5, 3, 3, 7, 1, 3});
+        ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+        EXPECT_TRUE(start.watch.started);
+        EXPECT_EQ(start.look().state, hmf::ClassState::proven);
+        while (start.state.level > 0) {
+            ASSERT_TRUE(start.state.refine(start.call));
+            EXPECT_EQ(start.look().state, hmf::ClassState::proven) << "level " << start.state.level;
+        }
+        ASSERT_TRUE(start.state.to_intrinsic(start.call));
+        EXPECT_EQ(start.look().state, hmf::ClassState::proven);
+    }
+}
+
+TEST(ClassCertificate, SaysWhichHeightIsWrong) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    start.load({5, 3, 3, 7, 1, 3});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({5, 3, 3, 7, 2, 3});
+    const hmf::ClassResult result = start.look();
+    EXPECT_EQ(result.state, hmf::ClassState::lost);
+    EXPECT_EQ(result.loss, hmf::ClassLoss::height);
+    EXPECT_EQ(result.loop, 4u);
+    EXPECT_EQ(result.wanted, std::ldexp(1.0, 40));
+    EXPECT_EQ(result.found, std::ldexp(2.0, 40));
+}
+
+// All heights are right, one curve is another one.
+TEST(ClassCertificate, SaysWhichCurveIsWrong) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    start.load({2, 2, 2, 0, 2});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({2, 2, 2, 0, 2});
+    EXPECT_EQ(start.look().state, hmf::ClassState::proven);
+    start.reload({2, 2, 0, 2, 2});
+    const hmf::ClassResult result = start.look();
+    EXPECT_EQ(result.state, hmf::ClassState::lost);
+    EXPECT_EQ(result.loss, hmf::ClassLoss::core);
+    EXPECT_EQ(result.loop, 2u);
+}
+
+// Steps that are taken without their check leave the class; the certificate
+// says so, and the guarded solve ends in the class all the same.
+TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
+    const size_t problems = number("HMF_CLASS_BREAKS", 3);
+    size_t broken = 0;
+    for (uint64_t seed = number("HMF_CLASS_BREAK_SEED", 1), problem = 0; problem < problems; ++seed, ++problem) {
+        Random random(seed);
+        const Matrix stretch{3, 0, 0, 0, 1, 0, 0, 0, 1};
+        Start start(transformed(random_surface(random), stretch), HMF_LOOPS_PANTS);
+        std::vector<int64_t> weight;
+        for (size_t c = 0; c < start.loops.count(); ++c) weight.push_back(static_cast<int64_t>(log_uniform(random, 4)));
+        hmf::SolveOptions options;
+        options.tolerance = 1e-8;
+        double energies[3] = {0, 0, 0};
+        for (const uint32_t way : {0u, 1u, 2u}) { // checked; unchecked; unchecked, and guarded
+            start.load(weight);
+            ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+            hmf::Recorder recorder(nullptr, start.call, 1);
+            options.unchecked = way > 0 ? 3 : 0;
+            const hmf_status status = way == 1
+                                        ? hmf::run_cascade(start.state, options, start.call, recorder, &start.watch)
+                                        : hmf::solve_in_class(start.state, options, start.call, recorder, start.watch);
+            ASSERT_LT(status, HMF_ERROR_NULL);
+            if (way == 1) {
+                EXPECT_EQ(start.watch.look(start.state, recorder.unit(), start.call), HMF_OK);
+                EXPECT_NE(start.watch.result.state, hmf::ClassState::unknown);
+                const bool lost = start.watch.result.state == hmf::ClassState::lost;
+                broken += lost;
+                if (lost) std::printf("seed %llu: broken\n", static_cast<unsigned long long>(seed));
+                continue;
+            }
+            EXPECT_EQ(status, HMF_OK) << "seed " << seed << " way " << way;
+            EXPECT_EQ(start.watch.result.state, hmf::ClassState::proven);
+            energies[way] =
+                hmf::energy(start.state.foliation, start.h().levels[0].weight) * recorder.unit() * recorder.unit();
+        }
+        EXPECT_NEAR(energies[2], energies[0], 1e-10 * energies[0]) << "seed " << seed;
+    }
+    EXPECT_GT(broken, 0u) << "no step has left the class: the test tests nothing";
+}
+
+// Meshes NAME.obj with NAME.loops.txt (lines `t: triangle triangle ..`) and
+// NAME.weights.txt in the folder HMF_CASES, on which solves once ended in another class.
+TEST(ClassCases, SameEnergyWithEachRatio) {
+    const char* folder = std::getenv("HMF_CASES");
+    if (!folder) GTEST_SKIP() << "skipped: set HMF_CASES to the folder of the cases";
+    for (const char* name :
+         {"class-five-torus-x3-a", "class-five-torus-x3-b", "class-block-x30", "class-plate-x3000"}) {
+        const std::string path = std::string(folder) + "/" + name;
+        TriMesh mesh;
+        if (!read_obj(path + ".obj", mesh)) GTEST_SKIP() << "skipped: no " << path << ".obj";
+        Loops loops;
+        std::ifstream lines(path + ".loops.txt"), numbers(path + ".weights.txt");
+        for (std::string line; std::getline(lines, line);) {
+            std::istringstream words(line.substr(line.find(':') + 1));
+            std::vector<uint32_t> loop;
+            for (uint32_t t; words >> t;) loop.push_back(t);
+            loops.add(loop);
+        }
+        for (std::string word; std::getline(numbers, word, ',');) loops.weights.push_back(std::stod(word));
+        ASSERT_EQ(loops.weights.size(), loops.count());
+        double first = 0;
+        for (const double ratio : {0.25, 0.5, 0.75}) {
+            const Hierarchy hierarchy(mesh, ratio);
+            const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+            EXPECT_EQ(solution.status, HMF_OK) << name << ": " << solution.error.message;
+            EXPECT_EQ(solution.report.class_state, HMF_CLASS_PROVEN);
+            if (first == 0) first = solution.report.energy;
+            EXPECT_NEAR(solution.report.energy, first, 1e-8 * first) << name << " ratio " << ratio;
+        }
+    }
+}
 
 TEST(ClassCampaign, EnergiesAgree) {
     const size_t problems = number("HMF_CLASS_PROBLEMS", 12), seed = number("HMF_CLASS_SEED", 1);

@@ -181,11 +181,15 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
             status, HMF_ELEMENT_LEVEL, state.level,
             "No progress above the tolerance is possible; the values are closed and without poles. Loosen tolerance.");
     case HMF_LIMIT_CLASS:
-        return call.fail(status, HMF_ELEMENT_LOOP, watch ? watch->lost.loop : 0,
-                         "Steps to the minimum leave the class of loop %u, whose cylinder would be %g high instead of "
-                         "%g; the values stay in the class. Try another ratio, or improve the triangles.",
-                         watch ? static_cast<unsigned>(watch->lost.loop) : 0,
-                         watch ? watch->lost.found * watch->unit : 0, watch ? watch->lost.wanted * watch->unit : 0);
+        if (!watch || watch->lost.loop == NONE)
+            return call.fail(status, HMF_ELEMENT_NONE, 0,
+                             "Steps to the minimum leave the class of the loops; report->class_state tells whether the "
+                             "values are in it. Try another ratio, or improve the triangles.");
+        return call.fail(status, HMF_ELEMENT_LOOP, watch->lost.loop,
+                         "Steps to the minimum leave the class: the cylinder of loop %u would be %g high instead of "
+                         "%g. The values are in the class. Try another ratio, or improve the triangles.",
+                         static_cast<unsigned>(watch->lost.loop), watch->lost.found * watch->unit,
+                         watch->lost.wanted * watch->unit);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback; the values are closed and without poles.");

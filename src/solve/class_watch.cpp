@@ -57,7 +57,9 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     hmf_status status = run_cascade(state, options, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     if (watch.look(state, recorder.unit(), call)) return call.status();
-    if (watch.holds() || values.empty() || call.finishing() || call.out_of_time()) return status;
+    if (watch.holds() || values.empty()) return status;
+    if (call.finishing()) return HMF_CANCELLED; // there is no time for another try
+    if (call.out_of_time()) return HMF_LIMIT_TIME;
 
     // Once more, on the safe side.
     state.load(start, side);
@@ -71,7 +73,13 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     careful.guarded = true;
     recorder.certificate.known = false;
     recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight), -1);
-    return run_cascade(state, careful, call, recorder, &watch);
+    status = run_cascade(state, careful, call, recorder, &watch);
+    if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
+    const ClassResult lost = watch.lost;
+    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (watch.holds()) watch.lost = lost;
+    else if (status == HMF_OK) status = HMF_LIMIT_CLASS;
+    return status;
 }
 
 } // namespace hmf

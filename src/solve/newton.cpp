@@ -161,6 +161,18 @@ private:
         // for once more.  If nothing helps, all take a shorter step.
         double factor = 1;
         uint32_t radius = 2, solves = 0;
+        const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
+        if (unchecked) {
+            for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+                model_.d[v] *= w_.options.unchecked;
+                if (model_.d[v] < static_cast<double>(model_.lower[v]))
+                    model_.d[v] = static_cast<double>(model_.lower[v]);
+                if (model_.d[v] > static_cast<double>(model_.upper[v]))
+                    model_.d[v] = static_cast<double>(model_.upper[v]);
+            }
+            set_values(1);
+            find_suspects();
+        }
         for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
@@ -168,10 +180,10 @@ private:
                 if (!go_on()) return stopped();
                 find_suspects();
             }
-            const bool sound = settle(factor) && zeros_are_in_place();
+            const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
             if (f_.out_of_memory || !go_on()) return stopped();
             if (sound) energy_change_ = energy_change();
-            if (sound && energy_change_ <= 1e-17 * model_.energy) {
+            if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
                 bool kept = true;
                 if (w_.gated) {
                     if (w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return w_.call.status();

@@ -12,6 +12,7 @@ struct SolveOptions {
     double tolerance = 0; // resolved, > 0
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
+    double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     bool guarded = false; // goes no further where a step would leave the class; needs a ClassWatch
 };
 
