@@ -223,6 +223,7 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     EXPECT_EQ(result.state, hmf::ClassState::lost);
     EXPECT_EQ(result.loss, hmf::ClassLoss::height);
     EXPECT_EQ(result.loop, 4u);
+    EXPECT_TRUE(start.watch.started);
     EXPECT_EQ(result.wanted, std::ldexp(1.0, 40));
     EXPECT_EQ(result.found, std::ldexp(2.0, 40));
 }
@@ -231,7 +232,8 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
 TEST(ClassCertificate, SaysWhichCurveIsWrong) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({2, 2, 2, 0, 2});
-    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    const hmf::Array<int64_t> not_all; // of the loops
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
     start.reload({2, 2, 2, 0, 2});
     EXPECT_EQ(start.look().state, hmf::ClassState::proven);
     start.reload({2, 2, 0, 2, 2});

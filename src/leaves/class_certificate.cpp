@@ -5,7 +5,7 @@ namespace hmf {
 
 namespace {
 
-// A call for questions whose answer may be no: it records nothing for the caller.
+// Failures but this one only say that the class is another one: the caller does not see them.
 bool is_memory(hmf_status status) { return status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT; }
 
 // The edge path on the left of a closed curve that crosses these half-edges;
@@ -67,6 +67,7 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
 
 hmf_status ClassReference::number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call) {
     Walk walk;
+    for (uint32_t& l : loop_) l = NONE;
     for (uint32_t l = 0; l < loops.count(); ++l) {
         if (!walk_on_the_left(
                 mesh, words, loops.offsets[l], loops.offsets[l + 1], [&](uint64_t i) { return loops.crossings[i]; },
@@ -87,6 +88,13 @@ void ClassReference::number_by_weight(const Array<int64_t>& weights) {
                 loop_[c] = l;
                 break;
             }
+}
+
+bool ClassReference::agrees(const Array<int64_t>& weights) const {
+    if (height_.size() != weights.size()) return false;
+    for (size_t c = 0; c < height_.size(); ++c)
+        if (loop_[c] == NONE || weights[loop_[c]] != height_[c]) return false;
+    return true;
 }
 
 hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,

@@ -59,6 +59,8 @@ public:
     // their classes; or by their weights, in the unit of the foliation.
     hmf_status number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call);
     void number_by_weight(const Array<int64_t>& weights);
+    // After one of them: one cylinder for each loop, as high as its weight.
+    bool agrees(const Array<int64_t>& weights) const;
 
     // A foliation on a mesh with the walks of its edges, in a unit that is
     // `finer` times as fine.

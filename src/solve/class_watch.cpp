@@ -22,8 +22,8 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
         } else if (!weights.empty()) {
             reference.number_by_weight(weights);
         }
-        state.words = &words;
-        started = true;
+        started = weights.empty() || reference.agrees(weights);
+        if (started) state.words = &words;
     }
     seconds += call.seconds() - begin;
     return HMF_OK;
