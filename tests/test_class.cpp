@@ -100,9 +100,11 @@ void solve_problem(uint64_t seed, Tally& tally) {
         ASSERT_TRUE(hierarchy);
         const int32_t kinds[] = {HMF_LOOPS_CUT, HMF_LOOPS_PANTS, HMF_LOOPS_PANTS};
         hmf_error error{};
-        size_t count = 0, elements = 0;
+        hmf_loop_set* made = nullptr;
         const int32_t kind = kinds[random.below(3)];
-        if (hmf_loops(hierarchy.get(), 0, kind, nullptr, 0, nullptr, 0, &count, &elements, &error) != HMF_OK) {
+        const hmf_status status = hmf_loops(hierarchy.get(), 0, kind, nullptr, &made, &error);
+        hmf_free(made);
+        if (status != HMF_OK) {
             std::printf("seed %llu: loops: %s\n", static_cast<unsigned long long>(seed), error.message);
             ++tally.refused;
             return;
@@ -260,7 +262,7 @@ TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
         for (const uint32_t way : {0u, 1u, 2u}) { // checked; unchecked; unchecked, and guarded
             start.load(weight);
             ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
-            hmf::Recorder recorder(nullptr, start.call, 1);
+            hmf::Recorder recorder(false, start.call, 1);
             options.unchecked = way > 0 ? 3 : 0;
             const hmf_status status = way == 1
                                         ? hmf::run_cascade(start.state, options, start.call, recorder, &start.watch)
