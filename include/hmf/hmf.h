@@ -111,7 +111,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
-#define HMF_ERROR_MESH_GENUS 311 /* genus 0: a sphere carries no measured foliation */
+#define HMF_ERROR_MESH_GENUS 311 /* genus 0 with fewer than four marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 
 /* loops and weights */
@@ -205,6 +205,9 @@ typedef struct hmf_build_options {
                                     edges of level 0 get longer by the least amount, the same for all, with which every
                                     triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
                                     weights of level 0 change; meshes that keep the margin anyway stay as they are */
+    const uint32_t *marked_vertices; /* vertices that may carry a pole; a sphere needs four or more.  They never move
+                                    and are no poles of the report; indices add up to 4 - 4 * genus - marked_count */
+    uint64_t marked_count;
 } hmf_build_options;
 
 /* An immutable hierarchy of triangle meshes. */

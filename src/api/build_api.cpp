@@ -76,6 +76,8 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
     if (all.ratio != 0) options.ratio = all.ratio;
     if (all.coarsest) options.coarsest = all.coarsest;
     options.mollify = all.mollify;
+    options.marked_vertices = all.marked_vertices;
+    options.marked_count = all.marked_count;
     return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
         && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release;
 }
