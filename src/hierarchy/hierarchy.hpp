@@ -23,8 +23,8 @@ namespace hmf {
 struct BuildOptions {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     double ratio = 0.5;
-    uint64_t coarsest = 1000; // vertices; build_hierarchy raises it to 40 * genus + 10 * marked_count
-    double mollify = 0;       // margin of the triangle inequalities on level 0, in mean edge lengths
+    uint64_t coarsest = 1000;                  // vertices; build_hierarchy raises it to 40 * genus + 10 * marked_count
+    double mollify = 0;                        // margin of the triangle inequalities on level 0, in mean edge lengths
     const uint32_t* marked_vertices = nullptr; // in the caller's numbers
     uint64_t marked_count = 0;
 };

@@ -12,7 +12,8 @@ hmf_status put_marked_first(const uint32_t* marked, uint64_t count, size_t verte
                          static_cast<Long>(count));
     Array<uint8_t> is_marked; // by number in space
     Array<uint32_t> number;
-    if (!is_marked.allocate_filled(call.memory, vertex_count, uint8_t{0}) || !number.allocate(call.memory, vertex_count))
+    if (!is_marked.allocate_filled(call.memory, vertex_count, uint8_t{0})
+        || !number.allocate(call.memory, vertex_count))
         return call.out_of_memory();
     for (uint64_t n = 0; n < count; ++n) {
         if (marked[n] >= vertex_count)
