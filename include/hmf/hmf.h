@@ -299,10 +299,12 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 #define HMF_LOOP_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
 
 /* Which loops to make. */
-#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece */
+#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece; genus 0: round
+                                    pairs of marked vertices */
 #define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
 #define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
-#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 (genus 1: one), together they cut the surface into pairs of pants */
+#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
+                                    surface into pairs of pants */
 
 /* A set of closed curves on a level, as flat arrays. */
 typedef struct hmf_loop_set {
@@ -414,7 +416,7 @@ typedef struct hmf_report {
     double residual_mean;
     uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
     uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
-    int64_t index_sum;           /* 4 - 4 * genus */
+    int64_t index_sum;           /* 4 - 4 * genus - marked vertices */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
     uint64_t bad_flips_left;     /* and did */
     double solve_seconds;
@@ -506,7 +508,7 @@ HMF_API hmf_status hmf_residuals(const hmf_hierarchy *hierarchy, size_t level, c
 
 typedef struct hmf_singularity {
     int32_t kind;                /* HMF_SINGULAR_* */
-    int32_t index;               /* < 0 a zero of order -index, > 0 a pole */
+    int32_t index;               /* < 0 a zero of order -index, > 0 a pole, 0 a marked vertex that is no zero */
     uint32_t element;
     uint32_t size;               /* vertices of a cluster, else 1 */
 } hmf_singularity;
@@ -520,10 +522,11 @@ typedef struct hmf_singularity {
  *                   lowest vertex and 0 at the others
  *   triangle_index  triangle_count, or NULL: 0 or -1
  *   vertex_cluster  vertex_count, or NULL: lowest vertex of the cluster
- *   list            zeros and poles, or NULL; capacity list_capacity
+ *   list            zeros and poles, and behind them the marked vertices that
+ *                   are none, or NULL; capacity list_capacity
  *   list_count      set on success
  *
- * The indices add up to 4 - 4 * genus.
+ * The indices add up to 4 - 4 * genus - marked vertices.
  */
 HMF_API hmf_status hmf_singularities(const hmf_hierarchy *hierarchy, size_t level, const double *values, size_t count,
                                      int32_t *vertex_index, size_t vertex_capacity,

@@ -108,6 +108,10 @@ hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const
     size_t found = 0;
     for (uint32_t v = 0; v < n; ++v) found += lowest[cluster[internal(v)]] == v && at_vertex[cluster[internal(v)]] != 0;
     for (uint32_t t = 0; t < m; ++t) found += at_face[t] != 0;
+    const auto is_single_mark = [&](uint32_t v) { // in no zero
+        return mesh.is_marked(internal(v)) && at_vertex[cluster[internal(v)]] == 0;
+    };
+    for (uint32_t v = 0; v < n && mesh.marked_count > 0; ++v) found += is_single_mark(v);
     if (list && check_capacity(list_capacity, found, "list", call)) return call.status();
     size_t at = 0;
     for (uint32_t v = 0; v < n; ++v) {
@@ -123,6 +127,8 @@ hmf_status hmf_singularities(const hmf_hierarchy* hierarchy, size_t level, const
         if (triangle_index) triangle_index[t] = index;
         if (list && index != 0) list[at++] = {HMF_SINGULAR_TRIANGLE, index, t, 1};
     }
+    for (uint32_t v = 0; v < n && list && mesh.marked_count > 0; ++v)
+        if (is_single_mark(v)) list[at++] = {HMF_SINGULAR_VERTEX, 0, v, 1};
     *list_count = found;
     return HMF_OK;
 }
