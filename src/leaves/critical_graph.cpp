@@ -112,11 +112,10 @@ hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order
         size_t other = first;
         while (other < end && (other == z || cluster[zeros[other].element] != cluster[v])) ++other;
         if (other < z) continue; // has been with the other one
-        if (other < end) {
-            if (!add_sectors_of_pair(f, static_cast<uint32_t>(z), static_cast<uint32_t>(other)))
-                return call.out_of_memory();
-            continue;
-        }
+        bool done = false;
+        if (other < end && !add_sectors_of_pair(f, static_cast<uint32_t>(z), static_cast<uint32_t>(other), done))
+            return call.out_of_memory();
+        if (done) continue;
         explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
         if (f.out_of_memory) return call.out_of_memory();
         for (uint32_t u : f.members)
@@ -126,8 +125,8 @@ hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order
 }
 
 // The circle round a cluster with two marked vertices: a sector at each, if both
-// lie on it, else one sector without prong.
-bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero) {
+// lie on it.  Else it is not done, and the circle is one sector without prong.
+bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done) {
     const uint32_t ends[2] = {zeros[zero].element, zeros[other_zero].element};
     uint32_t from[2] = {NONE, NONE};
     for (int k = 0; k < 2; ++k) {
@@ -140,11 +139,8 @@ bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint3
         } while (h != first);
     }
     const uint32_t before = static_cast<uint32_t>(sectors.size());
-    if (from[0] == NONE || from[1] == NONE) {
-        const uint32_t v = ends[from[0] == NONE];
-        if (from[0] != NONE || from[1] != NONE) return add_sectors_of_vertex(f, from[0] == NONE ? other_zero : zero, v);
-        return true;
-    }
+    if (from[0] == NONE || from[1] == NONE) return true;
+    done = true;
     bool closed = false;
     uint32_t g = from[0];
     do {

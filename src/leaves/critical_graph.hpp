@@ -18,7 +18,8 @@
 // anything.  The arc itself lies half a unit left of the boundary leaf.
 //
 // Two marked vertices may have the same image.  All that their cluster is then
-// is the arc between them, which a closed leaf goes round:
+// is the arc between them, which a closed leaf goes round (if both lie on its
+// boundary; else it has one sector and no prong):
 //
 //        .------------------.          its sectors are those half-edges of the
 //       (  p ------------ q  )         circle that start at p and at q
@@ -96,7 +97,7 @@ private:
     hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                            const uint32_t* cluster, Call& call);
     bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
-    bool add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero);
+    bool add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
     bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
     hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
     hmf_status pair_arcs(Call& call);
