@@ -39,7 +39,7 @@ void check_outputs(const std::string& mesh, const SolveRequest& request) {
             outputs.push_back(with_extension(request.obj, extension));
     for (size_t i = 0; i < outputs.size(); ++i) {
         std::error_code code;
-        for (const std::string& input : {mesh, request.loops, request.start})
+        for (const std::string& input : {mesh, request.loops, request.start, request.marks})
             if (outputs[i] == input || std::filesystem::equivalent(outputs[i], input, code))
                 throw Failure(EXIT_USAGE, outputs[i] + ": is an input as well; give another name to the output");
         for (size_t j = 0; j < i; ++j)
@@ -100,11 +100,19 @@ int run(int argc, char** argv) {
     CLI::App* solve_command = app.add_subcommand("solve", "the harmonic foliation in the class of some loops");
     solve_command->add_option("MESH", mesh_path, ".obj .off .ply .stl (stl: equal points are joined)")->required();
     solve_command
-        ->add_option("--loops", request.loops,
-                     "cut: as many as the genus, together they cut the surface into one planar piece;\n"
-                     "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 that leave pairs of pants;\n"
-                     "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices")
+        ->add_option(
+            "--loops", request.loops,
+            "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
+            "pairs of marked vertices;\n"
+            "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 + marks that leave pairs of pants;\n"
+            "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices")
         ->type_name("cut|handle|tunnel|pants|FILE")
+        ->capture_default_str();
+    solve_command
+        ->add_option("--marks", request.marks,
+                     "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else\n"
+                     "none; or FILE: vertex indices from 0, white space between them")
+        ->type_name("auto|none|FILE")
         ->capture_default_str();
     solve_command->add_option("--weights", request.loop_weights, "one weight > 0 per loop, default all 1")
         ->delimiter(',')
@@ -141,7 +149,8 @@ int run(int argc, char** argv) {
             "--obj", request.obj,
             "mesh with (u, v) per corner as texture coordinates;\nFILE.mtl and FILE.png (a checkerboard) come with it")
         ->type_name("FILE.obj");
-    solve_command->add_option("--image", request.image, "stripes, zeros blue, poles yellow, loops green")
+    solve_command
+        ->add_option("--image", request.image, "stripes, zeros blue, marked vertices violet, poles yellow, loops green")
         ->type_name("FILE.png");
     solve_command
         ->add_option("--leaves", request.leaves, "leaves as polylines: level sets and the leaves between zeros")

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -18,6 +19,7 @@
 #include "output.hpp"
 #include "potential.hpp"
 #include "read_loops.hpp"
+#include "read_mesh.hpp"
 #include "read_values.hpp"
 #include "render.hpp"
 #include "write_results.hpp"
@@ -120,6 +122,41 @@ Hierarchy build(const TriangleMesh& mesh, const std::string& name, const hmf_bui
     return Hierarchy(raw);
 }
 
+// The marked vertices that --marks asks for.
+std::vector<uint32_t> find_marks(const TriangleMesh& mesh, const SolveRequest& request,
+                                 const hmf_build_options& options) {
+    std::vector<uint32_t> marks;
+    if (request.marks == "none") return marks;
+    if (request.marks != "auto") {
+        const std::string text = read_file(request.marks);
+        const char *at = text.data(), *const stop = at + text.size();
+        for (;;) {
+            while (at != stop && (*at == ' ' || *at == '\t' || *at == '\r' || *at == '\n')) ++at;
+            if (at == stop) return marks;
+            uint32_t vertex = 0;
+            const std::from_chars_result parsed = std::from_chars(at, stop, vertex);
+            if (parsed.ec != std::errc() || vertex >= mesh.vertex_count())
+                throw Failure(EXIT_BAD_INPUT, request.marks + ": number " + std::to_string(marks.size() + 1)
+                                                  + " is no vertex; give indices below "
+                                                  + std::to_string(mesh.vertex_count()) + ", white space between them");
+            marks.push_back(vertex);
+            at = parsed.ptr;
+        }
+    }
+    // Edges of a sphere; what else is wrong with the mesh, the build tells.
+    if (mesh.triangle_count() + 4 != 2 * mesh.vertex_count()) return marks;
+    marks.resize(24);
+    size_t count = 0;
+    hmf_error error{};
+    const hmf_status status =
+        hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
+                          &options, marks.data(), marks.size(), &count, &error);
+    if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, request.mesh_name + ": cancelled before there was a result");
+    if (status != HMF_OK) fail_with(status, error, request.mesh_name);
+    marks.resize(count);
+    return marks;
+}
+
 // HMF_LOOPS_* of a name, 0 for the name of a file.
 int32_t loop_kind(const std::string& name) {
     if (name == "cut") return HMF_LOOPS_CUT;
@@ -136,7 +173,7 @@ LoopList library_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kin
     hmf_status status = hmf_level_counts(hierarchy, level, &counts, &error);
     if (status != HMF_OK) fail_with(status, error, name);
     // Room that nearly always suffices saves computing the loops twice.
-    size_t count = 3 * hmf_genus(hierarchy), element_count = counts.triangle_count;
+    size_t count = 3 * hmf_genus(hierarchy) + 24, element_count = counts.triangle_count;
     for (int round = 0; round < 2; ++round) {
         loops.offsets.resize(count + 1);
         loops.elements.resize(element_count);
@@ -221,8 +258,12 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     build_options.allocator_user = &meter;
     build_options.progress = Progress::callback;
     build_options.progress_user = &progress;
-    progress.part("build", 0, 0.35);
     const Clock::time_point build_start = Clock::now();
+    progress.part("marks", 0, 0.05);
+    const std::vector<uint32_t> marks = find_marks(mesh, request, build_options);
+    build_options.marked_vertices = marks.data();
+    build_options.marked_count = marks.size();
+    progress.part("build", 0.05, 0.35);
     const Hierarchy hierarchy = build(mesh, name, build_options);
     summary.build_seconds = seconds_since(build_start);
 
@@ -298,6 +339,7 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
     summary.edges = finest.edge_count;
     summary.triangles = finest.triangle_count;
     summary.genus = hmf_genus(hierarchy.get());
+    summary.marked = marks.size();
     summary.loops = loops.count();
     summary.method = method_name(report.method);
     summary.peak_memory_bytes = meter.peak;
@@ -347,6 +389,11 @@ int solve(const TriangleMesh& mesh, double read_seconds, const SolveRequest& req
                 name.c_str(), summary.genus, summary.edges, summary.loops, report.energy, report.residual_max,
                 static_cast<unsigned long long>(report.zeros), static_cast<unsigned long long>(report.poles),
                 summary.total_seconds);
+    if (request.marks == "auto" && !marks.empty()) {
+        std::printf("marked %zu vertices, two at each of %zu tips:", marks.size(), marks.size() / 2);
+        for (const uint32_t v : marks) std::printf(" %u", v);
+        std::printf(" (--marks FILE for others)\n");
+    }
     if (status != HMF_OK) {
         std::fflush(stdout);
         std::fprintf(stderr, "hmf: %s: %s; the best foliation so far was written\n", name.c_str(),

@@ -15,7 +15,8 @@ struct SolveRequest {
     std::vector<double> loop_weights; // empty: all 1
     int32_t method = HMF_METHOD_DEFAULT;
     int32_t collapse = HMF_COLLAPSE_DEFAULT;
-    std::string start; // values to start from instead of loops; empty: none
+    std::string marks = "auto"; // auto, none, or a file
+    std::string start;          // values to start from instead of loops; empty: none
     double ratio = 0, mollify = 0, tolerance = 0, time_limit = 0;
     uint64_t coarsest = 0;
     // Outputs; empty: not wanted.

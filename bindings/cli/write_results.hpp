@@ -14,7 +14,7 @@ namespace cli {
 
 // What --report holds.
 struct Summary {
-    size_t vertices = 0, edges = 0, triangles = 0, genus = 0, loops = 0;
+    size_t vertices = 0, edges = 0, triangles = 0, genus = 0, marked = 0, loops = 0;
     std::string method;
     double build_seconds = 0, loops_seconds = 0, total_seconds = 0;
     uint64_t peak_memory_bytes = 0;

@@ -235,6 +235,22 @@ HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, size_
                              const uint32_t *triangles, size_t triangle_count,
                              const hmf_build_options *options, hmf_hierarchy **out, hmf_error *error);
 
+/*
+ * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
+ * each limb, so that loops go round the limbs, at least four and at most 24.
+ * None for genus 1 and more.  The same input gives the same marks.
+ *
+ *   marks, capacity  room for the vertices (24 are always enough), or NULL
+ *   count            set on success
+ *
+ * Of the options, mollify, the memory and the progress function count.
+ * Errors: as hmf_build.
+ */
+HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_count, size_t position_stride,
+                                     const uint32_t *triangles, size_t triangle_count,
+                                     const hmf_build_options *options, uint32_t *marks, size_t capacity,
+                                     size_t *count, hmf_error *error);
+
 /* Frees a hierarchy; NULL is allowed. */
 HMF_API void hmf_destroy(hmf_hierarchy *hierarchy);
 

@@ -1,5 +1,6 @@
 // hmf.h: version, status texts, build, levels.
 #include "../hierarchy/hierarchy.hpp"
+#include "../hierarchy/suggest_marks.hpp"
 #include "../mesh/weights.hpp"
 #include "values.hpp"
 
@@ -119,6 +120,28 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, size_t positi
         call.tick(1);
     }
     return status;
+}
+
+hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, size_t position_stride,
+                             const uint32_t* triangles, size_t triangle_count, const hmf_build_options* options,
+                             uint32_t* marks, size_t capacity, size_t* count, hmf_error* error) {
+    hmf_build_options all;
+    BuildOptions build;
+    const bool readable = read_build_options(options, all, build);
+    if (!readable) all.allocate = nullptr, all.release = nullptr, all.progress = nullptr;
+    hmf_hierarchy h(all.allocate, all.release, all.allocator_user, all.memory_limit);
+    Call call(h.memory, error, all.progress, all.progress_user);
+    if (!readable)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "A build option is out of range. Start from hmf_build_options_init.");
+    if (!count) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "count must not be NULL.");
+    Array<uint32_t> found;
+    if (suggest_marks(h, positions, vertex_count, position_stride, triangles, triangle_count, build, call, found))
+        return call.status();
+    if (marks && check_capacity(capacity, found.size(), "marks", call)) return call.status();
+    for (size_t n = 0; marks && n < found.size(); ++n) marks[n] = found[n];
+    *count = found.size();
+    return HMF_OK;
 }
 
 void hmf_destroy(hmf_hierarchy* hierarchy) {

@@ -136,7 +136,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
-    if (h_.genus == 0 && options_.marked_count < 4)
+    if (h_.genus == 0 && options_.marked_count < 4 && !options_.sphere_allowed)
         return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
                           "The surface is a sphere (genus 0) with %u marked vertices, which carries no measured "
                           "foliation. Mark four vertices or more, or use a surface of genus 1 or more.",

@@ -27,6 +27,7 @@ struct BuildOptions {
     double mollify = 0;                        // margin of the triangle inequalities on level 0, in mean edge lengths
     const uint32_t* marked_vertices = nullptr; // in the caller's numbers
     uint64_t marked_count = 0;
+    bool sphere_allowed = false; // although nothing can be solved on it
 };
 
 struct Level {
