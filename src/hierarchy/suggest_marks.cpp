@@ -9,7 +9,7 @@
 //
 // Leaves go round a limb if a loop does, and that must have two marked vertices
 // on its far side.  So each tip gets a pair: the ends of a diameter of a small
-// disk round it, the tip between them.
+// disk round it, which does not reach far down a thin limb.
 //
 // All of this on a coarse level, made by collapses to end points: its vertices
 // are vertices of the caller.
@@ -30,7 +30,8 @@ constexpr uint32_t BASES = 32;         // points that distances are taken to
 constexpr double PERSISTENCE = 0.04;   // least, in mean distances
 constexpr size_t MOST_TIPS = 12;       // those of largest persistence
 constexpr double DISK_AREA = 4e-3;     // of the whole surface
-constexpr uint32_t DISK_VERTICES = 16; // at least
+constexpr double DISK_SHAPE = 1.2;     // area of the disk / square of its radius, least
+constexpr uint32_t DISK_VERTICES = 10; // at least
 
 struct Tip {
     uint32_t vertex;
@@ -207,7 +208,8 @@ private:
         uint32_t ends[2] = {tip, tip}, reached = 0;
         if (!search(tip, nullptr, ends[0], [&](uint32_t v) {
                 area += area_[v];
-                return ++reached >= DISK_VERTICES && area > DISK_AREA * whole_;
+                const double r = distance_[v];
+                return ++reached >= DISK_VERTICES && (area > DISK_AREA * whole_ || area < DISK_SHAPE * r * r);
             }))
             return false;
         Array<uint8_t> disk;
