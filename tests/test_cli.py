@@ -227,6 +227,50 @@ class Meshes(Case):
         # In KiB, of all that this program has run; a thousand million of anything takes more.
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 700000)
 
+    def test_marks(self):
+        # The surface of a long box, a sphere; and marks on a torus.
+        points, triangles, number = [], [], {}
+        def vertex(p):
+            if p not in number:
+                number[p] = len(points)
+                points.append(p)
+            return number[p]
+        size = (12, 3, 3)
+        for axis in range(3):
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            for at in (0, size[axis]):
+                for i in range(size[u]):
+                    for j in range(size[v]):
+                        square = []
+                        for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                            p = [0, 0, 0]
+                            p[axis], p[u], p[v] = at, x, y
+                            square.append(vertex(tuple(p)))
+                        if at == 0:
+                            square.reverse()
+                        triangles += [(square[0], square[1], square[2]), (square[0], square[2], square[3])]
+        box = self.write("box.obj", obj_text(points, triangles))
+        done = self.run_tool("solve", box, "--report", self.path("box.json"))
+        report = json.loads(self.read("box.json").decode())
+        marked = report["mesh"]["marked"]
+        self.assertGreaterEqual(marked, 4)
+        self.assertIn("marked %d vertices, two at each of %d tips" % (marked, marked // 2), done.stdout)
+        self.assertEqual((report["poles"], report["index_sum"]), (0, 4 - marked))
+        corners = [number[p] for p in ((0, 0, 0), (0, 3, 3), (12, 0, 0), (12, 3, 3), (12, 3, 0))]
+        marks = self.write("marks.txt", "\n".join(map(str, corners[:4])) + "\n\t%d" % corners[4])
+        done = self.run_tool("solve", box, "--marks", marks, "--loops", "pants", "--report", self.path("box.json"),
+                             "--image", self.path("box.png"), "--quads", self.path("quads.obj"))
+        self.assertNotIn("tips", done.stdout)
+        report = json.loads(self.read("box.json").decode())
+        self.assertEqual((report["mesh"]["marked"], report["loops"], report["poles"], report["index_sum"]), (5, 2, 0, -1))
+        self.refused(3, "solve", box, "--marks", "none", says=["genus 0", "Mark four"])
+        self.refused(3, "solve", box, "--marks", self.write("bad.txt", "1 2 x"), says=["bad.txt", "number 3"])
+        self.refused(3, "solve", box, "--marks", self.write("bad.txt", "1 2 3 %d" % len(points)), says=["number 4"])
+        self.run_tool("solve", self.mesh, "--marks", self.write("one.txt", "7"), "--report", self.path("t.json"))
+        report = json.loads(self.read("t.json").decode())
+        self.assertEqual((report["mesh"]["marked"], report["poles"], report["index_sum"]), (1, 0, -1))
+        self.refused(3, "solve", self.mesh, "--marks", self.write("twice.txt", "7 8 7"), says=["Vertex 7 is marked twice"])
+
     def test_refused_meshes(self):
         points, triangles = tetrahedron()
         self.refused(3, "info", self.write("sphere.obj", obj_text(points, triangles)), says=["sphere.obj", "genus 0"])
@@ -282,7 +326,8 @@ class Solve(Case):
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
             "dilatation_mean", "dilatation_median", "dilatation_p99", "flipped_triangles", "degenerate_triangles", "seam_edges", "seam_length",
             "parameterize_seconds"})
-        self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1})
+        self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1,
+                                          "marked": 0})
         self.assertEqual((report["loops"], report["poles"], report["index_sum"]), (1, 0, 0))
         self.assertIs(report["converged"], True)
         self.assertGreater(report["energy"], 0)

@@ -623,6 +623,55 @@ TEST(Marked, LeavesAndParameterisation) {
     }
 }
 
+// Spikes on a sphere are the tips; each gets two marks, and the loops of the library go round the spikes.
+TEST(Marked, SuggestedMarksAreAtTips) {
+    TriMesh mesh = sphere(5, 0, 3);
+    const double spike[5][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, -0.64, -0.48}};
+    const auto spike_at = [&](const double* x) {
+        int best = -1;
+        const double r = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        for (int k = 0; k < 5; ++k)
+            if ((x[0] * spike[k][0] + x[1] * spike[k][1] + x[2] * spike[k][2]) / r > 0.97) best = k;
+        return best;
+    };
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+        double* x = &mesh.positions[3 * v];
+        const int k = spike_at(x);
+        if (k < 0) continue;
+        const double c = x[0] * spike[k][0] + x[1] * spike[k][1] + x[2] * spike[k][2];
+        const double grown = 1 + 60 * (c - 0.97) / std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        for (int a = 0; a < 3; ++a) x[a] *= std::max(1.0, grown);
+    }
+    const auto suggest = [](const TriMesh& m) {
+        Marks marks(24);
+        size_t count = 0;
+        hmf_error error{};
+        EXPECT_EQ(hmf_suggest_marks(m.positions.data(), m.vertex_count(), 0, m.triangles.data(), m.triangle_count(),
+                                    nullptr, marks.data(), marks.size(), &count, &error),
+                  HMF_OK)
+            << error.message;
+        marks.resize(count);
+        return marks;
+    };
+    const Marks marks = suggest(mesh);
+    EXPECT_EQ(marks, suggest(mesh));
+    ASSERT_EQ(marks.size(), 10u);
+    std::vector<int> at(5, 0);
+    for (const uint32_t m : marks) {
+        const int k = spike_at(&mesh.positions[3 * m]);
+        ASSERT_GE(k, 0);
+        ++at[static_cast<size_t>(k)];
+    }
+    EXPECT_EQ(at, std::vector<int>(5, 2));
+    const Hierarchy hierarchy(mesh, with_marks(marks));
+    const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    expect_report(solution, 0, 10);
+    // Four at least, on any sphere; none where there are handles.
+    EXPECT_EQ(suggest(sphere(3, 0, 1)).size(), 4u);
+    EXPECT_EQ(suggest(tetrahedron(1)).size(), 4u);
+    EXPECT_TRUE(suggest(torus(20, 10, 3, 1)).empty());
+}
+
 // Real meshes of genus 0, where there are any: HMF_SURFACES names the folder.
 TEST(Marked, RealSurfaces) {
     const char* folder = std::getenv("HMF_SURFACES");

@@ -27,7 +27,7 @@ namespace {
 
 constexpr uint64_t VERTICES = 4000;    // of the level that is looked at
 constexpr uint32_t BASES = 32;         // points that distances are taken to
-constexpr double PERSISTENCE = 0.04;   // least, in mean distances
+constexpr double PERSISTENCE = 0.08;   // least, in mean distances
 constexpr size_t MOST_TIPS = 12;       // those of largest persistence
 constexpr double DISK_AREA = 4e-3;     // of the whole surface
 constexpr double DISK_SHAPE = 1.2;     // area of the disk / square of its radius, least
