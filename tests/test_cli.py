@@ -269,7 +269,7 @@ class Meshes(Case):
         self.run_tool("solve", self.mesh, "--marks", self.write("one.txt", "7"), "--report", self.path("t.json"))
         report = json.loads(self.read("t.json").decode())
         self.assertEqual((report["mesh"]["marked"], report["poles"], report["index_sum"]), (1, 0, -1))
-        self.refused(3, "solve", self.mesh, "--marks", self.write("twice.txt", "7 8 7"), says=["Vertex 7 is marked twice"])
+        self.refused(3, "solve", self.mesh, "--marks", self.write("twice.txt", "7 8 7"), says=["twice.txt", "vertex 7 is marked twice"])
 
     def test_refused_meshes(self):
         points, triangles = tetrahedron()

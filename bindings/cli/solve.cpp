@@ -139,6 +139,9 @@ std::vector<uint32_t> find_marks(const TriangleMesh& mesh, const SolveRequest& r
                 throw Failure(EXIT_BAD_INPUT, request.marks + ": number " + std::to_string(marks.size() + 1)
                                                   + " is no vertex; give indices below "
                                                   + std::to_string(mesh.vertex_count()) + ", white space between them");
+            if (std::find(marks.begin(), marks.end(), vertex) != marks.end())
+                throw Failure(EXIT_BAD_INPUT, request.marks + ": vertex " + std::to_string(vertex)
+                                                  + " is marked twice; name each marked vertex once");
             marks.push_back(vertex);
             at = parsed.ptr;
         }
