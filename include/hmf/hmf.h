@@ -194,7 +194,8 @@ typedef struct hmf_build_options {
     uint32_t struct_size;
     int32_t collapse;            /* HMF_COLLAPSE_* */
     double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
-    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default 1000, at least 40 * genus */
+    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default 1000, at least 40 * genus +
+                                    10 * marked_count */
     uint64_t memory_limit;       /* bytes in use at any time, 0 = none; also bounds each later call on the hierarchy */
     hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
     hmf_release_fn release;
@@ -217,7 +218,8 @@ typedef struct hmf_hierarchy hmf_hierarchy;
 HMF_API void hmf_build_options_init(hmf_build_options *options);
 
 /*
- * Validates a closed, connected, oriented manifold mesh of genus 1 or more,
+ * Validates a closed, connected, oriented manifold mesh of genus 1 or more, or
+ * of genus 0 with four or more marked vertices,
  * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).
  *
  *   positions        vertex_count x 3, any unit; vertex i starts
@@ -276,7 +278,7 @@ typedef struct hmf_level_info {
 /* Number of levels, at least 1; 0 for NULL. */
 HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
 
-/* Genus of the surface, at least 1; 0 for NULL. */
+/* Genus of the surface; 0 for NULL. */
 HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
 
 /* Counts of one level.  Errors: NULL, LEVEL. */
@@ -618,7 +620,9 @@ HMF_API void hmf_parameterize_options_init(hmf_parameterize_options *options);
  * along its side 0, y to the left of it.
  *
  * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
- * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  Near the zeros u differs
+ * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  At a marked vertex the
+ * cone angle is pi; where a zero lies in its star, a neighbour may have the pole
+ * instead.  Near the zeros u differs
  * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
  * goes round) triangles are degenerate.
  *
@@ -772,7 +776,8 @@ HMF_API void hmf_quad_options_init(hmf_quad_options *options);
  *   vertex_count, quad_count   set on success
  *
  * The first vertices are the zeros, in the order of hmf_singularities; a zero of
- * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
+ * order m has 2 m + 4 edges, every other vertex has 4; at each marked vertex with
+ * one prong lies a quad over the tip, with two corners of 3 edges instead.  Zeros that only
  * discretisation keeps apart can become one, with the sum of their orders.  Closed, oriented and
  * manifold by construction, genus as before; no two edges have the same ends.
  * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
