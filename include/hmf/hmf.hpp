@@ -147,6 +147,7 @@ struct BuildOptions {
     hmf_release_fn release = nullptr;
     void* allocator_user = nullptr;
     double mollify = 0;
+    Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
 
 class Foliation;
@@ -301,6 +302,8 @@ inline hmf_build_options raw(const BuildOptions& options) {
     all.release = options.release;
     all.allocator_user = options.allocator_user;
     all.mollify = options.mollify;
+    all.marked_vertices = options.marked_vertices.data();
+    all.marked_count = options.marked_vertices.size();
     return all;
 }
 
@@ -501,6 +504,27 @@ public:
 
     Hierarchy(Hierarchy&&) = default;
     Hierarchy& operator=(Hierarchy&&) = default;
+
+    /* hmf_suggest_marks */
+    static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
+                                               const BuildOptions& options = {}) {
+        check_triples(positions.size(), "positions", "vertex");
+        check_triples(triangles.size(), "triangles", "triangle");
+        detail::Reporter reporter(options.progress);
+        hmf_build_options all = detail::raw(options);
+        all.progress = reporter.callback();
+        all.progress_user = &reporter;
+        std::vector<uint32_t> marks(24);
+        std::size_t count = 0;
+        hmf_error error = {};
+        const hmf_status status =
+            hmf_suggest_marks(positions.data(), positions.size() / 3, 0, triangles.data(), triangles.size() / 3, &all,
+                              marks.data(), marks.size(), &count, &error);
+        reporter.rethrow();
+        if (status != HMF_OK) throw Error(error);
+        marks.resize(count);
+        return marks;
+    }
 
     /* hmf_memory_estimate */
     static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,
