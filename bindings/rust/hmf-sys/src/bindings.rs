@@ -8,6 +8,7 @@ pub const HMF_LIMIT_ITERATIONS: i32 = 10;
 pub const HMF_LIMIT_TIME: i32 = 11;
 pub const HMF_LIMIT_STALLED: i32 = 12;
 pub const HMF_CANCELLED: i32 = 13;
+pub const HMF_LIMIT_CLASS: i32 = 14;
 pub const HMF_ERROR_NULL: i32 = 100;
 pub const HMF_ERROR_OPTIONS: i32 = 101;
 pub const HMF_ERROR_CAPACITY: i32 = 102;
@@ -67,6 +68,10 @@ pub const HMF_METHOD_DEFAULT: i32 = 0;
 pub const HMF_METHOD_NEWTON: i32 = 1;
 pub const HMF_METHOD_WHITEHEAD: i32 = 2;
 pub const HMF_METHOD_SINGLE_LEVEL: i32 = 3;
+pub const HMF_CLASS_UNKNOWN: i32 = 0;
+pub const HMF_CLASS_PROVEN: i32 = 1;
+pub const HMF_CLASS_LOST: i32 = 2;
+pub const HMF_CLASS_CHECKED: i32 = 3;
 pub const HMF_SINGULAR_VERTEX: i32 = 1;
 pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
 pub const HMF_SINGULAR_CLUSTER: i32 = 3;
@@ -145,6 +150,8 @@ pub struct hmf_build_options {
     pub allocator_user: *mut ::core::ffi::c_void,
     pub position_stride: u64,
     pub mollify: f64,
+    pub marked_vertices: *const u32,
+    pub marked_count: u64,
 }
 impl Default for hmf_build_options {
     fn default() -> Self {
@@ -164,6 +171,23 @@ pub struct hmf_hierarchy {
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_foliation {
     _unused: [u8; 0],
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_mark_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub count: u64,
+    pub vertices: *const u32,
+}
+impl Default for hmf_mark_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
 }
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone)]
@@ -254,6 +278,9 @@ pub struct hmf_report {
     pub level_count: u64,
     pub history: *const hmf_history_entry,
     pub history_count: u64,
+    pub class_state: i32,
+    pub class_repeats: u32,
+    pub class_seconds: f64,
 }
 impl Default for hmf_report {
     fn default() -> Self {
@@ -470,6 +497,16 @@ extern "C" {
         options: *const hmf_build_options,
         control: *const hmf_control,
         out: *mut *mut hmf_hierarchy,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_suggest_marks(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_mark_set,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_destroy(hierarchy: *mut hmf_hierarchy);

@@ -145,7 +145,7 @@ impl Foliation {
     }
 
     /// Zeros and poles, and the index of each vertex and triangle. The indices add
-    /// up to 4 - 4 genus. A foliation that the library made has no poles.
+    /// up to 4 - 4 genus - marked vertices. A foliation that the library made has no poles.
     ///
     /// # Errors
     ///
@@ -184,7 +184,8 @@ record! {
     Singularity from hmf_singularity {
         /// Where it is.
         kind: SingularityKind,
-        /// Negative: a zero of order `-index`; positive: a pole.
+        /// Negative: a zero of order `-index`; positive: a pole; 0: a marked vertex that is
+        /// no zero.
         index: i32,
         /// The vertex, the triangle, or the lowest vertex of the cluster.
         element: u32,
@@ -196,7 +197,7 @@ record! {
 }
 
 /// Zeros and poles, and the indices of all vertices and triangles of a level, which
-/// add up to 4 - 4 genus.
+/// add up to 4 - 4 genus - marked vertices.
 #[derive(Debug)]
 pub struct Singularities {
     block: Owned<sys::hmf_singularity_set>,
@@ -204,7 +205,8 @@ pub struct Singularities {
 }
 
 impl Singularities {
-    /// All zeros and poles: vertices and clusters, then triangles, each by number.
+    /// All zeros and poles: vertices and clusters, then triangles, each by number; then the
+    /// marked vertices that are no zeros, with index 0.
     pub fn list(&self) -> &[Singularity] {
         &self.list
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result, Status};
 use crate::memory;
-use crate::owned::{call, make, Owned};
+use crate::owned::{call, make, slice, Made, Owned};
 use crate::progress::{Closure, Progress};
 use crate::records::{codes, options, record, Read};
 use hmf_sys as sys;
@@ -30,13 +30,14 @@ codes! {
 #[must_use = "a builder does nothing until `build` is called"]
 pub struct Builder<'a> {
     options: sys::hmf_build_options,
+    marked_vertices: &'a [u32],
     progress: Option<Closure<'a>>,
 }
 
 impl Default for Builder<'_> {
     fn default() -> Self {
         let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
-        Builder { options, progress: None }
+        Builder { options, marked_vertices: &[], progress: None }
     }
 }
 
@@ -55,7 +56,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Vertices of the coarsest level to aim for. Default: 1000, and at least
-    /// 40 for each unit of the genus.
+    /// 40 for each unit of the genus and 10 for each marked vertex.
     pub fn coarsest(mut self, vertices: usize) -> Self {
         self.options.coarsest = vertices as u64;
         self
@@ -79,6 +80,15 @@ impl<'a> Builder<'a> {
         self
     }
 
+    /// Vertices that may carry a pole; a sphere needs four or more. Default: none.
+    ///
+    /// They never move and are no poles of the report; indices add up to
+    /// 4 - 4 genus - marked vertices.
+    pub fn marked_vertices(mut self, vertices: &'a [u32]) -> Self {
+        self.marked_vertices = vertices;
+        self
+    }
+
     /// A closure that is called on this thread with a fraction rising from 0 to
     /// 1, and that may end the call. If it panics, the call is cancelled and the
     /// panic goes on.
@@ -93,21 +103,15 @@ impl<'a> Builder<'a> {
     /// * `triangles`: three vertices each, all counter-clockwise or all clockwise
     ///
     /// The mesh must be closed, connected, oriented and manifold, of genus 1 or
-    /// more. Both arrays are copied. Time is linear, about 0.3 s per million edges.
+    /// more, or of genus 0 with four or more [marked vertices](Builder::marked_vertices).
+    /// Both arrays are copied. Time is linear, about 0.3 s per million edges.
     ///
     /// # Errors
     ///
     /// [`Status::CANCELLED`], or a status of the classes 100, 200, 300: each
     /// defect of a mesh has its own, and the error names the element.
     pub fn build(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
-        let options = &self.options;
-        let handle = Closure::watch(&mut self.progress, || {
-            let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
-            // SAFETY: the slices hold three numbers for each vertex and each triangle.
-            make(|out, control, error| unsafe {
-                sys::hmf_build(points, positions.len(), corners, triangles.len(), options, control, out, error)
-            })
-        })?;
+        let handle = self.call(positions, triangles, sys::hmf_build)?;
         Ok(Hierarchy { handle: Arc::new(handle) })
     }
 
@@ -121,14 +125,73 @@ impl<'a> Builder<'a> {
         self.build(triples(positions, "positions")?, triples(triangles, "triangles")?)
     }
 
+    /// Marked vertices for a mesh of genus 0, where you name none: two at the tip of
+    /// each limb, so that loops go round the limbs, at least four and at most 24.
+    /// None for genus 1 and more.
+    ///
+    /// Of the options, `mollify` and `memory_limit` count.
+    ///
+    /// ```
+    /// let positions = [[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 3.], [0., 0., -3.]];
+    /// let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    /// let marks = hmf::Hierarchy::builder().suggest_marks(&positions, &triangles)?;
+    /// let hierarchy = hmf::Hierarchy::builder().marked_vertices(&marks).build(&positions, &triangles)?;
+    /// assert_eq!(hierarchy.genus(), 0);
+    /// # Ok::<(), hmf::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`build`](Builder::build).
+    pub fn suggest_marks(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Vec<u32>> {
+        let set = self.call(positions, triangles, sys::hmf_suggest_marks)?;
+        // SAFETY: the library made so many.
+        Ok(unsafe { slice(set.vertices, set.count) }.to_vec())
+    }
+
     /// Upper bound of the bytes that [`build`](Builder::build) uses at its peak.
     /// `None` if the counts or the options are unusable.
     pub fn memory_estimate(&self, vertex_count: usize, triangle_count: usize) -> Option<u64> {
         // SAFETY: the options live through the call.
-        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.options) };
+        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.raw()) };
         (bytes > 0).then_some(bytes)
     }
+
+    /// For calls during which `self` is borrowed.
+    fn raw(&self) -> sys::hmf_build_options {
+        let marks = self.marked_vertices;
+        sys::hmf_build_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
+    }
+
+    /// What `hmf_build` or `hmf_suggest_marks` makes of a mesh.
+    fn call<T: Made>(
+        &mut self,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        make_it: OfMesh<T>,
+    ) -> Result<Owned<T>> {
+        let options = self.raw();
+        Closure::watch(&mut self.progress, || {
+            let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
+            // SAFETY: the slices hold three numbers for each vertex and each triangle.
+            make(|out, control, error| unsafe {
+                make_it(points, positions.len(), corners, triangles.len(), &options, control, out, error)
+            })
+        })
+    }
 }
+
+/// `hmf_build` and `hmf_suggest_marks`.
+type OfMesh<T> = unsafe extern "C" fn(
+    *const f64,
+    usize,
+    *const u32,
+    usize,
+    *const sys::hmf_build_options,
+    *const sys::hmf_control,
+    *mut *mut T,
+    *mut sys::hmf_error,
+) -> sys::hmf_status;
 
 /// A flat slice as triples.
 fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
@@ -218,7 +281,7 @@ impl Hierarchy {
         self.level_count() - 1
     }
 
-    /// Genus of the surface, at least 1.
+    /// Genus of the surface; 0 only with marked vertices.
     pub fn genus(&self) -> usize {
         // SAFETY: the handle is valid.
         unsafe { sys::hmf_genus(self.as_ptr()) }

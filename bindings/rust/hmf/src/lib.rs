@@ -20,7 +20,7 @@ pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
 pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
 pub use loops::{LoopElements, Loops, LoopsKind};
 pub use progress::{with_progress, Progress};
-pub use solve::{HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
+pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
 pub use uses::cylinders::{Cylinder, Cylinders};
 pub use uses::parameterize::{MapQuality, Parameterization, Parameterizer};
 pub use uses::quads::QuadMesh;

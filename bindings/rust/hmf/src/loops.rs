@@ -21,13 +21,15 @@ codes! {
     #[derive(Default)]
     LoopsKind: i32 {
         /// As many as the genus; together they cut the surface into one planar piece.
+        /// On a sphere round pairs of marked vertices.
         #[default]
         Cut = sys::HMF_LOOPS_CUT,
         /// The same, and they bound inside the surface: they go round the handles.
         Handle = sys::HMF_LOOPS_HANDLE,
         /// The same, and they bound outside: they go round the holes.
         Tunnel = sys::HMF_LOOPS_TUNNEL,
-        /// 3 genus - 3 (genus 1: one); together they cut the surface into pairs of pants.
+        /// 3 genus - 3 + marked vertices (genus 1 without those: one); together they cut the
+        /// surface into pairs of pants.
         Pants = sys::HMF_LOOPS_PANTS,
     }
 }

@@ -217,7 +217,7 @@ record! {
         poles: u64,
         /// Zeros of the result, each as often as its order.
         zeros: u64,
-        /// Sum of all indices, 4 - 4 genus.
+        /// Sum of all indices, 4 - 4 genus - marked vertices.
         index_sum: i64,
         /// Flips that would have made a pole.
         bad_flips: u64,
@@ -237,6 +237,29 @@ record! {
             // SAFETY: as above.
             unsafe { slice(raw.history, raw.history_count) }.iter().map(Read::read).collect()
         },
+        /// Whether the values belong to the loops.
+        class_state: ClassState,
+        /// Levels that were solved once more, as the first result had left the class.
+        class_repeats: u32,
+        /// Time for the certificate of the class, part of `solve_seconds`.
+        class_seconds: f64,
+    }
+}
+
+codes! {
+    /// What is known of the class of a result.
+    ///
+    /// Proven, exactly and from the integers of the result alone: one cylinder of closed
+    /// leaves for each loop, as high as the weight of the loop, and freely homotopic to it.
+    ClassState: i32 {
+        /// Not looked at: `relax`, cancelled, or a start with values that no loops have.
+        Unknown = sys::HMF_CLASS_UNKNOWN,
+        /// The values belong to the loops.
+        Proven = sys::HMF_CLASS_PROVEN,
+        /// They do not; never with [`Status::OK`].
+        Lost = sys::HMF_CLASS_LOST,
+        /// The heights are the weights; with marked vertices classes are not compared.
+        Checked = sys::HMF_CLASS_CHECKED,
     }
 }
 

@@ -192,8 +192,9 @@ fn every_call_is_watched() {
     let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
     let start = hierarchy.initialize(&loops).unwrap();
     type Call<'c> = (&'static str, Box<dyn Fn() -> hmf::Result<()> + 'c>);
-    let calls: [Call<'_>; 14] = [
+    let calls: [Call<'_>; 15] = [
         ("build", Box::new(|| Hierarchy::build(&positions, &triangles).map(drop))),
+        ("suggest_marks", Box::new(|| Hierarchy::builder().suggest_marks(&positions, &triangles).map(drop))),
         ("loops", Box::new(|| hierarchy.loops(0, LoopsKind::Tunnel).map(drop))),
         ("initialize", Box::new(|| hierarchy.initialize(&loops).map(drop))),
         ("foliation", Box::new(|| hierarchy.foliation(0, foliation.values()).map(drop))),
@@ -304,4 +305,8 @@ fn nothing_of_the_headers_is_missing() {
     assert!(count > 90, "{count}");
     assert_eq!(format!("{:?} {}", Status::ERROR_MESH_GENUS, Status::ERROR_MESH_GENUS.code()), "ERROR_MESH_GENUS 311");
     assert_eq!(Status::ERROR_MESH_GENUS.to_string(), "the mesh has genus 0");
+    for limit in [Status::LIMIT_TIME, Status::CANCELLED, Status::LIMIT_CLASS] {
+        assert!(limit.is_stopped());
+    }
+    assert!(!Status::OK.is_stopped() && !Status::ERROR_NULL.is_stopped());
 }

@@ -1,6 +1,6 @@
 //! The whole way from a mesh to a foliation, and what can be asked of it.
 
-use hmf::{Collapse, Foliation, Hierarchy, HistoryKind, LineEnd, LineKind, Loops, LoopsKind, Method};
+use hmf::{ClassState, Collapse, Foliation, Hierarchy, HistoryKind, LineEnd, LineKind, Loops, LoopsKind, Method};
 use hmf::{SingularityKind, Solution, Status};
 use std::collections::HashMap;
 
@@ -98,6 +98,9 @@ fn newton_finds_the_minimum() {
     assert_eq!(report.method, Method::Newton);
     assert!(report.converged && report.residual_max < 1e-8 && report.residual_mean <= report.residual_max);
     assert_eq!((report.poles, report.index_sum), (0, -4));
+    assert_eq!(report.class_state, ClassState::Proven);
+    assert!(report.class_seconds > 0.0 && report.class_seconds < report.solve_seconds);
+    assert!((report.class_repeats as usize) < hierarchy.level_count());
     assert_eq!(report.levels.len(), hierarchy.level_count());
     for (level, of) in report.levels.iter().enumerate() {
         assert_eq!(of.vertices as usize, hierarchy.level(level).unwrap().vertex_count);
@@ -186,6 +189,7 @@ fn loops_start_a_foliation() {
         let relaxed = hierarchy.solver().relax(&start).unwrap();
         let solved = hierarchy.solver().loops(&loops).stop_level(level).solve().unwrap();
         assert_eq!(relaxed.foliation.level(), level);
+        assert_eq!(relaxed.report.class_state, ClassState::Unknown);
         assert!(relaxed.report.energy < start.energy().unwrap());
         assert!(close(relaxed.report.energy, solved.report.energy));
     }
@@ -400,6 +404,42 @@ fn solving_starts_from_values() {
     let solved = after.solver().loops(&loops).solve().unwrap();
     assert!(started.report.converged && close(started.report.energy, solved.report.energy));
     assert!(after.solver().start(&last).loops(&loops).solve().is_err());
+}
+
+/// A plate without holes is a sphere.
+#[test]
+fn spheres_have_marked_vertices() {
+    let (positions, triangles) = plate(0, 0, 10, 4);
+    let mut builder = Hierarchy::builder().coarsest(100);
+    assert_eq!(builder.build(&positions, &triangles).unwrap_err().status(), Status::ERROR_MESH_GENUS);
+    let marks = builder.suggest_marks(&positions, &triangles).unwrap();
+    assert!((4..=24).contains(&marks.len()));
+    let hierarchy = builder.marked_vertices(&marks).build(&positions, &triangles).unwrap();
+    assert_eq!(hierarchy.genus(), 0);
+    assert_eq!(hierarchy.loops(0, LoopsKind::Pants).unwrap().len(), marks.len() - 3);
+
+    let solution = hierarchy.solver().solve().unwrap();
+    assert_eq!((solution.status(), solution.report.class_state), (Status::OK, ClassState::Checked));
+    assert_eq!((solution.report.poles, solution.report.index_sum), (0, 4 - marks.len() as i64));
+    let all = solution.foliation.singularities().unwrap();
+    assert_eq!(all.list().iter().map(|at| i64::from(at.index)).sum::<i64>(), solution.report.index_sum);
+    // Behind the zeros, the marked vertices that are none.
+    let zeros = all.list().iter().take_while(|at| at.index < 0).count();
+    assert!(all.list().len() > zeros);
+    for mark in &all.list()[zeros..] {
+        assert_eq!((mark.kind, mark.index), (SingularityKind::Vertex, 0));
+        assert!(marks.contains(&mark.element) && mark.position == positions[mark.element as usize]);
+    }
+
+    let (positions, triangles) = plate(2, 1, 2, 1);
+    assert!(Hierarchy::builder().suggest_marks(&positions, &triangles).unwrap().is_empty());
+    let twice = Hierarchy::builder().marked_vertices(&[5, 5]).build(&positions, &triangles).unwrap_err();
+    assert_eq!(
+        (twice.status(), twice.element(), twice.index()),
+        (Status::ERROR_OPTIONS, Some(hmf::Element::Vertex), 5)
+    );
+    let none = Hierarchy::builder().marked_vertices(&[u32::MAX]).build(&positions, &triangles).unwrap_err();
+    assert_eq!((none.status(), none.index()), (Status::ERROR_MESH_INDEX, 0));
 }
 
 #[test]
