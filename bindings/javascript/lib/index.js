@@ -1,4 +1,4 @@
-// hmf in JavaScript: load() gives the library, an object with the class
+// The C library hmf in JavaScript: load() gives the library, an object with the class
 // Hierarchy; everything else hangs on that.
 import { Module } from './module.js';
 import { Hierarchy, memoryEstimate, suggestMarks } from './hierarchy.js';

@@ -1,8 +1,8 @@
 // Compiled by `tsc --strict`, run never: the types say what the library is.
 // Each @ts-expect-error is a mistake that the types must catch.
-import { HmfError, load } from "hmf";
-import address from "hmf/hmf.wasm";
-import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "hmf";
+import { HmfError, load } from "foliations";
+import address from "foliations/hmf.wasm";
+import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "foliations";
 
 export async function stripes(positions: Float64Array, triangles: Uint32Array): Promise<Float64Array> {
     const hmf: Hmf = await load();
