@@ -7,18 +7,18 @@ a hierarchy is immutable, so that they can share it.  Control-C stops them all.
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
-import hmf
+import foliations
 import numpy as np
-from hmf import sample
+from foliations import sample
 
-hierarchy = hmf.Hierarchy(*sample.pretzel(genus=3, side=12))
+hierarchy = foliations.Hierarchy(*sample.pretzel(genus=3, side=12))
 loops = hierarchy.loops("cut")
 stop = threading.Event()
 
 
-def watch(fraction: float) -> hmf.Progress:
+def watch(fraction: float) -> foliations.Progress:
     # Signals reach the main thread only; this brings them to the others.
-    return hmf.Progress.CANCEL if stop.is_set() else hmf.Progress.CONTINUE
+    return foliations.Progress.CANCEL if stop.is_set() else foliations.Progress.CONTINUE
 
 
 def energy(weights: np.ndarray) -> float:

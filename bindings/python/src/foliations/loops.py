@@ -50,7 +50,7 @@ class Loops(Sequence[Indices]):
         Positive; None means 1 each.  They set the unit of the values.
 
     Whether the loops are closed, simple, disjoint, essential and not parallel
-    is checked by the call that uses them (:class:`hmf.LoopError`).
+    is checked by the call that uses them (:class:`foliations.LoopError`).
     """
 
     def __init__(

@@ -186,7 +186,7 @@ def plot(
         import matplotlib.pyplot as plt
         from matplotlib.collections import LineCollection
     except ImportError as error:
-        raise ImportError("hmf.plot needs matplotlib: pip install 'hmf[plot]'") from error
+        raise ImportError("foliations.plot needs matplotlib: pip install 'foliations[plot]'") from error
 
     level = foliation.hierarchy.levels[foliation.level]
     frame = _frame(level.positions, view)

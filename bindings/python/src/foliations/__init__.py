@@ -1,9 +1,9 @@
 """Harmonic measured foliations on closed triangle meshes.
 
-    >>> foliation = hmf.solve(positions, triangles)
+    >>> foliation = foliations.solve(positions, triangles)
     >>> foliation.values             # one number for each edge
     >>> foliation.singularities()    # its zeros
-    >>> hmf.plot(foliation)          # stripes along the leaves
+    >>> foliations.plot(foliation)          # stripes along the leaves
 
 :class:`Hierarchy` is the mesh with its coarser levels, to solve on as often as
 wanted; :class:`Loops` are the closed curves that give the class;

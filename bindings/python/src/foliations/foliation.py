@@ -125,7 +125,7 @@ class Foliation:
     _energy: float | None
 
     def __init__(self) -> None:
-        raise TypeError("foliations are made by hmf.solve, or by solve, initialize and foliation of a Hierarchy")
+        raise TypeError("foliations are made by foliations.solve, or by solve, initialize and foliation of a Hierarchy")
 
     @classmethod
     def _of(cls, hierarchy: Hierarchy, pointer: Any, status: Status = Status.OK) -> Foliation:

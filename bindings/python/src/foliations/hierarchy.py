@@ -32,7 +32,7 @@ from .loops import Loops, loop_structure
 Collapse = Literal["midpoint", "endpoint", "qslim"]
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 
-# Share of the build in the progress of hmf.solve, about its share of the time.
+# Share of the build in the progress of foliations.solve, about its share of the time.
 _BUILD_SHARE = 0.25
 
 
@@ -134,7 +134,7 @@ class Hierarchy:
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
-        return a member of :class:`hmf.Progress`.
+        return a member of :class:`foliations.Progress`.
 
     Nothing refers to the given arrays afterwards; they must not change during the call.
 
@@ -321,7 +321,7 @@ class Hierarchy:
         -------
         Foliation
             On ``stop_level``.  Where a limit stopped the improvement, its
-            ``status`` says which, and :class:`hmf.LimitWarning` is issued; the
+            ``status`` says which, and :class:`foliations.LimitWarning` is issued; the
             values are closed and without poles all the same.
 
         Raises
@@ -389,7 +389,7 @@ def solve(
     For the parameters, the result and the errors see these two; ``time_limit``
     is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
     """
-    with progress_callback(progress, "hmf") as callback:
+    with progress_callback(progress, "foliations") as callback:
         hierarchy = Hierarchy(
             positions,
             triangles,
