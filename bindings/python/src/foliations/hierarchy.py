@@ -28,6 +28,7 @@ from ._boundary import (
 from ._native import ffi, lib
 from .foliation import STOPPED, Foliation, Method, solve_options, solved
 from .loops import Loops, loop_structure
+from .meshes import MeshLike, as_mesh
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
@@ -38,6 +39,12 @@ _BUILD_SHARE = 0.25
 
 def _build_options(collapse: Collapse | None = None, **others: Any) -> Any:
     return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
+
+
+def _mesh(positions: Any, triangles: ArrayLike | None) -> tuple[Floats, Indices]:
+    if triangles is None:
+        return as_mesh(positions)
+    return as_positions(positions), as_indices(triangles, "triangles", 3)
 
 
 class Level:
@@ -110,11 +117,12 @@ class Hierarchy:
 
     Parameters
     ----------
-    positions : (n, 3) floats
-        Coordinates in any unit.  float64 with rows of three contiguous
+    positions : (n, 3) floats, or a mesh
+        A file name or a mesh object (:func:`foliations.as_mesh`) needs no ``triangles``.
+        Otherwise coordinates in any unit.  float64 with rows of three contiguous
         numbers is read in place, also with a stride between rows (the first
         three columns of a wider array); anything else is copied first.
-    triangles : (m, 3) ints
+    triangles : (m, 3) ints, optional
         Vertex indices from 0, all counter-clockwise or all clockwise.  uint32
         or int32 in C order is read in place; anything else is copied first.
     ratio : float, optional
@@ -152,8 +160,8 @@ class Hierarchy:
 
     def __init__(
         self,
-        positions: ArrayLike,
-        triangles: ArrayLike,
+        positions: ArrayLike | MeshLike,
+        triangles: ArrayLike | None = None,
         *,
         ratio: float | None = None,
         coarsest: int | None = None,
@@ -169,8 +177,7 @@ class Hierarchy:
             "memory_limit": memory_limit,
             "mollify": mollify,
         }
-        points = as_positions(positions)
-        corners = as_indices(triangles, "triangles", 3)
+        points, corners = _mesh(positions, triangles)
         stride = points.strides[0] if len(points) > 1 else None
         self._pointer = call(
             lib.hmf_build,
@@ -366,8 +373,8 @@ def memory_estimate(
 
 
 def solve(
-    positions: ArrayLike,
-    triangles: ArrayLike,
+    positions: ArrayLike | MeshLike,
+    triangles: ArrayLike | None = None,
     loops: Loops | Sequence[ArrayLike] | None = None,
     weights: ArrayLike | None = None,
     *,
@@ -386,6 +393,7 @@ def solve(
 ) -> Foliation:
     """The harmonic foliation of a mesh in one call: a :class:`Hierarchy`, and :meth:`Hierarchy.solve` on it.
 
+    ``solve(positions, triangles)``, ``solve("mesh.obj")``, or of a mesh of trimesh, meshio, pyvista or Open3D.
     For the parameters, the result and the errors see these two; ``time_limit``
     is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
     """
