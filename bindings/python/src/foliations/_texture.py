@@ -67,16 +67,15 @@ def default_period(foliation: Foliation, parameterization: Parameterization) -> 
     """About that of ``STRIPES``, and one that fits the jumps of u at the seams if any near it does."""
     level = foliation.hierarchy.levels[foliation.level]
     wanted = default_spacing(foliation, level.positions, level.triangles, STRIPES)
-    jumps = np.unique(np.abs(parameterization.transition[parameterization.seam, 1]))
-    jumps = jumps[jumps > 1e-9 * wanted]
-    if len(jumps) == 0:
-        return wanted
-    # A whole number of periods in the smallest jump, and the best of these for the others.
-    low, high = jumps[0] / (1.4 * wanted), jumps[0] / (0.7 * wanted)
-    numbers = np.arange(max(1, np.ceil(low)), max(1, np.floor(high)) + 1)
-    periods = np.append(jumps[0] / numbers, wanted * np.linspace(0.7, 1.4, 200))
-    turns = jumps[:1000, None] / periods
-    misfit = np.abs(turns - np.rint(turns)).max(axis=0)
-    # The first of those that fit as well as any, nearest to the wish.
-    best = np.flatnonzero(misfit <= misfit.min() + 1e-6)
-    return float(periods[best[np.abs(np.log(periods[best] / wanted)).argmin()]])
+    jumps, counts = np.unique(np.abs(parameterization.transition[parameterization.seam, 1]), return_counts=True)
+    counts, jumps = counts[jumps > 1e-9 * wanted], jumps[jumps > 1e-9 * wanted]
+    periods = [wanted]
+    for jump in jumps[np.argsort(-counts)[:8]]:
+        numbers = np.arange(np.ceil(jump / (1.4 * wanted)), np.floor(jump / (0.7 * wanted)) + 1)
+        periods += (jump / numbers[numbers > 0]).tolist()
+    # Where most of the seams are not seen, and of those the nearest to the wish.  The
+    # jumps between zeros that only discretisation keeps apart fit nothing.
+    turns = jumps[:, None] / np.array(periods)
+    fits = counts @ (np.abs(turns - np.rint(turns)) < 1e-6 * np.maximum(turns, 1))
+    best = np.array(periods)[fits == fits.max()]
+    return float(best[np.abs(np.log(best / wanted)).argmin()])

@@ -471,7 +471,7 @@ def _read_stl(name: str, data: bytes) -> _Builder:
     if len(data) >= 84 and len(data) == 84 + 50 * count:
         dtype = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
         corners = np.frombuffer(data, dtype, count, 84)["corners"].astype(np.float64).reshape(-1, 3)
-    elif data.lstrip()[:5].lower() == b"solid":
+    elif data.lstrip()[:5].lower() == b"solid" and b"vertex" in data.lower():
         for line, text in enumerate(_lines(data), 1):
             words = text.split()
             if words and words[0].lower() == "vertex":
@@ -498,11 +498,15 @@ _READERS: dict[str, Callable[[str, bytes], _Builder]] = {
 }
 
 
+# Formats for drawing, which trimesh knows better; meshio has those of simulations.
+_SCENES = (".glb", ".gltf", ".3mf", ".dae", ".zae", ".ctm")
+
+
 def _read_elsewhere(name: str, suffix: str) -> tuple[Floats, Indices]:
     with open(name, "rb"):
         pass  # an OSError of ours, not of them
     reasons = []
-    for package in ("trimesh", "meshio"):
+    for package in ("trimesh", "meshio") if suffix in _SCENES else ("meshio", "trimesh"):
         try:
             module = sys.modules.get(package) or import_module(package)
         except ImportError:
