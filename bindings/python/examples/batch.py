@@ -8,6 +8,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import foliations
+import matplotlib.pyplot as plt
 import numpy as np
 from foliations import sample
 
@@ -29,11 +30,16 @@ def main() -> None:
     weights = np.random.default_rng(0).uniform(1, 4, size=(24, len(loops)))
     with ThreadPoolExecutor() as pool:
         try:
-            for row, result in zip(weights, pool.map(energy, weights)):
-                print(row.round(3), "->", round(result, 6))
+            energies = list(pool.map(energy, weights))
         except KeyboardInterrupt:
             stop.set()
             raise
+    for row, result in zip(weights, energies):
+        print(row.round(3), "->", round(result, 6))
+    figure, ax = plt.subplots(figsize=(6, 4), layout="constrained")
+    ax.plot(np.square(weights).sum(axis=1), energies, "o")
+    ax.set(xlabel="sum of the squared weights", ylabel="energy")
+    figure.savefig("batch.png")
 
 
 if __name__ == "__main__":

@@ -37,6 +37,18 @@ def test_through_picked_vertices(hierarchy: foliations.Hierarchy, ring: list[int
     assert foliation.converged and foliation.cylinders(loops)[0].height == 2.0
 
 
+def test_through_picked_points(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
+    """Near the vertices is enough."""
+    points = hierarchy.levels[0].positions[ring] + [0.01, 0.01, -0.01]
+    by_points, by_vertices = (foliations.Loops.through(hierarchy, picked) for picked in (points, ring))
+    assert by_points[0].tolist() == by_vertices[0].tolist()
+    assert foliations.Loops.through(hierarchy, points.tolist())[0].tolist() == by_vertices[0].tolist()
+    with pytest.raises(ValueError, match="finite"):
+        foliations.Loops.through(hierarchy, points * np.nan)
+    with pytest.raises(ValueError, match="three"):
+        foliations.Loops.through(hierarchy, points[:2])
+
+
 def test_paths_are_shortest(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
     """Against distances by relaxing all edges until nothing changes."""
     mesh = hierarchy.levels[0]

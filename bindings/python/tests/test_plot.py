@@ -95,3 +95,50 @@ def test_without_matplotlib(foliation: foliations.Foliation, monkeypatch: pytest
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(ImportError, match="pip install"):
         foliations.plot(foliation)
+
+
+def lines(ax: object) -> int:
+    """Segments that are drawn."""
+    return sum(len(collection.get_segments()) for collection in ax.collections if hasattr(collection, "get_segments"))  # type: ignore[attr-defined]
+
+
+def test_loops(foliation: foliations.Foliation) -> None:
+    loops = foliation.hierarchy.loops(level=0)
+    ax = foliations.plot(foliation, pattern="none", zeros=False, loops=loops)
+    assert len(ax.collections) == len(loops) and share(pixels(ax), 1) > 0.001, "green"
+    path = loops.positions(foliation.hierarchy)[0]
+    seen = [foliations.plot(foliation, pattern="none", zeros=False, loops=loops[:1], view=[0, 0, z]) for z in (1, -1)]
+    assert 0.5 < sum(map(lines, seen)) / len(path) < 1.6, "from both sides each piece is seen once"
+
+
+def test_checkerboard(foliation: foliations.Foliation) -> None:
+    image = pixels(foliations.plot(foliation, pattern="checkerboard", zeros=False))
+    red = image[:, :, 0] - image[:, :, 1] > 60
+    surface = image.min(axis=2) < 250
+    assert 0.4 < red.sum() / surface.sum() < 0.6, "half of the squares"
+    coarse = pixels(foliations.plot(foliation, pattern="checkerboard", zeros=False, spacing=1.0))
+    changes = [np.count_nonzero(np.diff(one[:, :, 1] < 120, axis=1)) for one in (coarse, image)]
+    assert changes[0] < changes[1]
+
+
+def test_dilatation_and_quads(foliation: foliations.Foliation) -> None:
+    light = pixels(foliations.plot(foliation, pattern="dilatation", zeros=False))
+    assert light.mean() > 120, "near to conformal"
+    mesh = foliation.quads()
+    ax = foliations.plot(foliation, quads=mesh)
+    assert 0.25 * 8 * len(mesh.quads) < lines(ax) < 0.9 * 8 * len(mesh.quads), "about those in front, in four pieces"
+
+
+def test_leaves(foliation: foliations.Foliation) -> None:
+    leaves = foliation.trace(spacing=0.1, critical=True)
+    ax = foliations.plot(foliation, leaves=leaves, zeros=False)
+    colours = {tuple(collection.get_colors()[0]) for collection in ax.collections}
+    assert len(colours) == 3, "two cylinders, and black"
+    conjugate = foliation.trace(leaves="conjugate", spacing=0.1, length_limit=2.0)
+    ax = foliations.plot(foliation, leaves=[leaves, conjugate], zeros=False)
+    assert len(ax.collections) == 2
+
+
+def test_unknown_pattern(foliation: foliations.Foliation) -> None:
+    with pytest.raises(ValueError, match="pattern"):
+        foliations.plot(foliation, pattern="dots")  # type: ignore[arg-type]

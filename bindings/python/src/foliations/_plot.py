@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._boundary import Floats, Indices
 from ._texture import default_period, default_spacing, share
 from .foliation import Foliation
+from .leaves import Leaves
 from .loops import Loops, as_loops
 from .quads import QuadMesh
 
@@ -188,6 +189,7 @@ def plot(
     zeros: bool = True,
     loops: Loops | Sequence[ArrayLike] | None = None,
     quads: QuadMesh | None = None,
+    leaves: Leaves | Sequence[Leaves] | None = None,
     colour: Any = "#f4efe6",
     stripe_colour: Any = "#b3202a",
     zero_colour: Any = "#1f4fd8",
@@ -218,6 +220,9 @@ def plot(
         Loops to draw.
     quads : QuadMesh, optional
         Drawn instead of the surface, with its edges.
+    leaves : Leaves, or sequence of Leaves, optional
+        Those to draw instead of stripes: of one set each cylinder has a colour
+        and critical leaves are black, of several each set has one.
     colour, stripe_colour, zero_colour, loop_colour
         Colours of matplotlib.
 
@@ -256,16 +261,32 @@ def plot(
             LineCollection(list(segments), colors=[colour], linewidths=width, capstyle="round", zorder=order)
         )
 
-    if pattern == "stripes":
+    def draw_leaves(given: Leaves, which: NDArray[np.bool_], colour: Any, width: float) -> None:
+        path = given.points @ frame.T
+        # Each point with the next one of its leaf.
+        begin, following = np.arange(len(path)), np.arange(1, len(path) + 1)
+        last = given.offsets[1:].astype(np.int64) - 1
+        following[last] = given.offsets[:-1]
+        kept = np.repeat(which, np.diff(given.offsets.astype(np.int64)))
+        kept[last[given._rows["closed"] == 0]] = False
+        draw(path[begin[kept]], path[following[kept]], colour, width, 2)
+
+    if leaves is not None:
+        sets = [leaves] if isinstance(leaves, Leaves) else list(leaves)
+        for number, given in enumerate(sets):
+            cylinder = given._rows["cylinder"].astype(np.int32)
+            if len(sets) > 1:
+                draw_leaves(given, cylinder >= -1, f"C{(3 * number) % 10}", 1.1)
+                continue
+            for one in np.unique(cylinder):
+                black = one < 0
+                draw_leaves(given, cylinder == one, "black" if black else f"C{one % 10}", 2.2 if black else 1.1)
+    elif pattern == "stripes":
         if spacing is None:
             spacing = default_spacing(foliation, level.positions, level.triangles, stripes)
-        leaves = foliation.trace(spacing=spacing)
-        if len(leaves):
-            path = leaves.points @ frame.T
-            # Each point with the next one of its leaf; all leaves of level sets are closed.
-            following = np.arange(1, len(path) + 1)
-            following[leaves.offsets[1:].astype(np.int64) - 1] = leaves.offsets[:-1]
-            draw(path, path[following], stripe_colour, 1.1, 2)
+        lines = foliation.trace(spacing=spacing)
+        if len(lines):
+            draw_leaves(lines, np.ones(len(lines), dtype=bool), stripe_colour, 1.1)
     if quads is not None:
         sides = np.stack([quads.quads, np.roll(quads.quads, -1, axis=1)], axis=2).reshape(-1, 2)
         points = quads.positions @ frame.T
