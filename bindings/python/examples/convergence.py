@@ -4,7 +4,7 @@ import foliations
 import matplotlib.pyplot as plt
 from foliations import sample
 
-hierarchy = foliations.Hierarchy(*sample.pretzel(genus=2, side=16))
+hierarchy = foliations.Hierarchy(*sample.pretzel(genus=2, side=10))
 loops = hierarchy.loops(level=0)
 minimum = hierarchy.solve(loops, tolerance=1e-11).energy
 figure, ax = plt.subplots(figsize=(7, 4.5), layout="constrained")

@@ -267,7 +267,8 @@ def plot(
         begin, following = np.arange(len(path)), np.arange(1, len(path) + 1)
         last = given.offsets[1:].astype(np.int64) - 1
         following[last] = given.offsets[:-1]
-        kept = np.repeat(which, np.diff(given.offsets.astype(np.int64)))
+        counts: Any = np.diff(given.offsets.astype(np.int64))
+        kept = np.repeat(which, counts)
         kept[last[given._rows["closed"] == 0]] = False
         draw(path[begin[kept]], path[following[kept]], colour, width, 2)
 
