@@ -229,7 +229,7 @@ class Progress(IntEnum):
     """Answers of a progress callback; None means CONTINUE."""
 
     CONTINUE = 0
-    #: Return at once; :class:`hmf.Cancelled` is raised.
+    #: Return at once; :class:`foliations.Cancelled` is raised.
     CANCEL = 1
     #: solve and relax: stop improving and return the foliation so far; elsewhere as CANCEL.
     FINISH = 2
@@ -275,7 +275,7 @@ class Watch:
             if answer != Progress.CONTINUE:
                 self.finished = answer == Progress.FINISH
             return int(answer)
-        raise TypeError(f"a progress callback returns None or a member of hmf.Progress, got {answer!r}")
+        raise TypeError(f"a progress callback returns None or a member of foliations.Progress, got {answer!r}")
 
     def fail(self, exception: BaseException) -> None:
         if self._exception is None:
@@ -399,7 +399,7 @@ def run(
     made = types[-2].item if types[-2].kind == "pointer" else types[-2]
     out = ffi.new(types[-2]) if made.kind == "pointer" else None
     passed = [*arguments, error] if out is None else [*arguments, out, error]
-    with progress_callback(progress, function.__name__.replace("_", " ")) as callback:
+    with progress_callback(progress, function.__name__.replace("hmf_", "foliations ").replace("_", " ")) as callback:
         watch = Watch(callback)
         if _CONTROL in types:
             passed.insert(types.index(_CONTROL), watch.control())

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, NamedTuple
 
 from ._boundary import Floats, Indices, ProgressOption, call, structure, view
 from ._native import lib
+from .export import export_quads
 
 if TYPE_CHECKING:
     from .foliation import Foliation
@@ -20,6 +22,10 @@ class QuadMesh(NamedTuple):
     #: (m, 4) uint32, oriented as the triangles; in quad (a, b, c, d) the sides
     #: a-d and b-c lie on leaves.
     quads: Indices
+
+    def export(self, path: str | os.PathLike[str]) -> None:
+        """Writes ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb``, where each quad becomes two triangles."""
+        export_quads(self, path)
 
 
 def quads(foliation: Foliation, *, edge_length: float | None = None, progress: ProgressOption = None) -> QuadMesh:

@@ -18,6 +18,7 @@ from ._boundary import (
     as_count,
     as_floats,
     as_indices,
+    as_positions,
     constant,
     frozen,
     names,
@@ -50,7 +51,7 @@ class Loops(Sequence[Indices]):
         Positive; None means 1 each.  They set the unit of the values.
 
     Whether the loops are closed, simple, disjoint, essential and not parallel
-    is checked by the call that uses them (:class:`hmf.LoopError`).
+    is checked by the call that uses them (:class:`foliations.LoopError`).
     """
 
     def __init__(
@@ -95,12 +96,12 @@ class Loops(Sequence[Indices]):
 
     @classmethod
     def through(cls, hierarchy: Hierarchy, *picked: ArrayLike, weights: ArrayLike | None = None) -> Loops:
-        """Loops through picked vertices of your mesh: the shortest path along edges from each to the next, and back.
+        """Loops through picked vertices or points of your mesh: the shortest path along edges from each to the next, and back.
 
         Parameters
         ----------
-        picked : sequences of int
-            For each loop at least three vertices, in their order along it and
+        picked : sequences of int, or (n, 3) floats
+            For each loop at least three vertices, or points near them, in their order along it and
             on all sides: where the shortest path from the last to the first
             is the way back, the loop goes round nothing.
         weights : (number of loops,) floats, optional
@@ -110,7 +111,7 @@ class Loops(Sequence[Indices]):
         graph = _Graph(mesh)
         paths = []
         for given in picked:
-            stops = _open(as_indices(given, "picked vertices")).tolist()
+            stops = _open(_nearest(mesh.positions, given)).tolist()
             if len(stops) < 3:
                 raise ValueError(f"pick at least three vertices for a loop, got {len(stops)}.")
             if max(stops) >= mesh.vertex_count:
@@ -239,6 +240,18 @@ class Loops(Sequence[Indices]):
 def _open(path: Indices) -> Indices:
     """Without the first element at the end."""
     return path[:-1] if len(path) > 1 and path[0] == path[-1] else path
+
+
+def _nearest(positions: Floats, picked: ArrayLike) -> Indices:
+    """Vertices as they are; of points (n, 3) the nearest vertices."""
+    given = np.asarray(picked)
+    if given.ndim != 2:
+        return as_indices(picked, "picked vertices")
+    points = as_positions(picked, "picked points")
+    if not np.isfinite(points).all():
+        raise ValueError("picked points must be finite.")
+    nearest = [np.square(positions - point).sum(axis=1).argmin() for point in points]
+    return np.array(nearest, dtype=np.uint32)
 
 
 class _Graph:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ._boundary import Floats, Indices
+from .export import Drawing, save
 
 # Outward directions of the faces of a cube, and the corners of each face
 # counter-clockwise from outside; the order is that of bindings/same_bits.
@@ -83,3 +86,15 @@ def pretzel(genus: int = 2, *, side: int = 6) -> tuple[Floats, Indices]:
             column = positions[:, axis]
             positions[:, axis] = np.bincount(triangles.ravel(), column[following].ravel()) / degree
     return np.ascontiguousarray(positions / side), triangles
+
+
+def main() -> None:
+    """python -m foliations.sample FILE.obj [GENUS]"""
+    if not 2 <= len(sys.argv) <= 3:
+        raise SystemExit(main.__doc__)
+    positions, triangles = pretzel(int(sys.argv[2]) if len(sys.argv) == 3 else 2, side=12)
+    save(sys.argv[1], Drawing(positions, triangles))
+
+
+if __name__ == "__main__":
+    main()

@@ -6,6 +6,7 @@ import os
 import sys
 import warnings
 import zlib
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -30,8 +31,10 @@ from ._boundary import (
     view,
 )
 from ._native import ffi, lib
+from ._show import repr_png, show
 from .cylinders import cylinders
 from .errors import Cancelled, LimitWarning, Status
+from .export import export_foliation, export_singularities
 from .leaves import trace
 from .parameterization import parameterize
 from .quads import quads
@@ -42,6 +45,9 @@ if TYPE_CHECKING:
 
 Method = Literal["newton", "whitehead", "single_level"]
 SingularityKind = Literal["vertex", "triangle", "cluster"]
+
+#: Whether no LimitWarning is wanted: the caller says it in another way.
+quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 #: Statuses with which hmf_solve and hmf_relax may give a foliation.
 STOPPED = frozenset({Status.LIMIT_ITERATIONS, Status.LIMIT_TIME, Status.LIMIT_STALLED, Status.CANCELLED})
@@ -107,6 +113,8 @@ class Singularities(Rows[Singularity]):
         """4 - 4 genus."""
         return int(self._rows["index"].sum())
 
+    export = export_singularities
+
     def __repr__(self) -> str:
         return f"<{len(self.zeros)} zeros, {len(self.poles)} poles>"
 
@@ -125,7 +133,7 @@ class Foliation:
     _energy: float | None
 
     def __init__(self) -> None:
-        raise TypeError("foliations are made by hmf.solve, or by solve, initialize and foliation of a Hierarchy")
+        raise TypeError("foliations are made by foliations.solve, or by solve, initialize and foliation of a Hierarchy")
 
     @classmethod
     def _of(cls, hierarchy: Hierarchy, pointer: Any, status: Status = Status.OK) -> Foliation:
@@ -290,6 +298,9 @@ class Foliation:
     trace = trace
     cylinders = cylinders
     quads = quads
+    export = export_foliation
+    show = show
+    _repr_png_ = repr_png
 
     def __repr__(self) -> str:
         return f"<Foliation on level {self.level}: {len(self._values)} edges, {self._status.name}>"
@@ -319,7 +330,7 @@ def solved(hierarchy: Hierarchy, outcome: Outcome) -> Foliation:
     foliation = None if outcome.result is None else Foliation._of(hierarchy, outcome.result, status)
     if foliation is None or (status == Status.CANCELLED and not outcome.finished):
         raise Cancelled(outcome.message, status, foliation=foliation)
-    if status not in (Status.OK, Status.CANCELLED):
+    if status not in (Status.OK, Status.CANCELLED) and not quiet.get():
         # Of the line that called the package.
         depth = 1
         while Path(sys._getframe(depth).f_code.co_filename).parent == _HERE:

@@ -28,16 +28,23 @@ from ._boundary import (
 from ._native import ffi, lib
 from .foliation import STOPPED, Foliation, Method, solve_options, solved
 from .loops import Loops, loop_structure
+from .meshes import MeshLike, as_mesh
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 
-# Share of the build in the progress of hmf.solve, about its share of the time.
+# Share of the build in the progress of foliations.solve, about its share of the time.
 _BUILD_SHARE = 0.25
 
 
 def _build_options(collapse: Collapse | None = None, **others: Any) -> Any:
     return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
+
+
+def _mesh(positions: Any, triangles: ArrayLike | None) -> tuple[Floats, Indices]:
+    if triangles is None:
+        return as_mesh(positions)
+    return as_positions(positions), as_indices(triangles, "triangles", 3)
 
 
 class Level:
@@ -110,11 +117,12 @@ class Hierarchy:
 
     Parameters
     ----------
-    positions : (n, 3) floats
-        Coordinates in any unit.  float64 with rows of three contiguous
+    positions : (n, 3) floats, or a mesh
+        A file name or a mesh object (:func:`foliations.as_mesh`) needs no ``triangles``.
+        Otherwise coordinates in any unit.  float64 with rows of three contiguous
         numbers is read in place, also with a stride between rows (the first
         three columns of a wider array); anything else is copied first.
-    triangles : (m, 3) ints
+    triangles : (m, 3) ints, optional
         Vertex indices from 0, all counter-clockwise or all clockwise.  uint32
         or int32 in C order is read in place; anything else is copied first.
     ratio : float, optional
@@ -134,7 +142,7 @@ class Hierarchy:
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
-        return a member of :class:`hmf.Progress`.
+        return a member of :class:`foliations.Progress`.
 
     Nothing refers to the given arrays afterwards; they must not change during the call.
 
@@ -152,8 +160,8 @@ class Hierarchy:
 
     def __init__(
         self,
-        positions: ArrayLike,
-        triangles: ArrayLike,
+        positions: ArrayLike | MeshLike,
+        triangles: ArrayLike | None = None,
         *,
         ratio: float | None = None,
         coarsest: int | None = None,
@@ -169,8 +177,7 @@ class Hierarchy:
             "memory_limit": memory_limit,
             "mollify": mollify,
         }
-        points = as_positions(positions)
-        corners = as_indices(triangles, "triangles", 3)
+        points, corners = _mesh(positions, triangles)
         stride = points.strides[0] if len(points) > 1 else None
         self._pointer = call(
             lib.hmf_build,
@@ -321,7 +328,7 @@ class Hierarchy:
         -------
         Foliation
             On ``stop_level``.  Where a limit stopped the improvement, its
-            ``status`` says which, and :class:`hmf.LimitWarning` is issued; the
+            ``status`` says which, and :class:`foliations.LimitWarning` is issued; the
             values are closed and without poles all the same.
 
         Raises
@@ -366,8 +373,8 @@ def memory_estimate(
 
 
 def solve(
-    positions: ArrayLike,
-    triangles: ArrayLike,
+    positions: ArrayLike | MeshLike,
+    triangles: ArrayLike | None = None,
     loops: Loops | Sequence[ArrayLike] | None = None,
     weights: ArrayLike | None = None,
     *,
@@ -386,10 +393,11 @@ def solve(
 ) -> Foliation:
     """The harmonic foliation of a mesh in one call: a :class:`Hierarchy`, and :meth:`Hierarchy.solve` on it.
 
+    ``solve(positions, triangles)``, ``solve("mesh.obj")``, or of a mesh of trimesh, meshio, pyvista or Open3D.
     For the parameters, the result and the errors see these two; ``time_limit``
     is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
     """
-    with progress_callback(progress, "hmf") as callback:
+    with progress_callback(progress, "foliations") as callback:
         hierarchy = Hierarchy(
             positions,
             triangles,

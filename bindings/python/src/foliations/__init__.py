@@ -1,9 +1,9 @@
 """Harmonic measured foliations on closed triangle meshes.
 
-    >>> foliation = hmf.solve(positions, triangles)
+    >>> foliation = foliations.solve("mesh.obj")    # or positions and triangles, or a mesh object
     >>> foliation.values             # one number for each edge
     >>> foliation.singularities()    # its zeros
-    >>> hmf.plot(foliation)          # stripes along the leaves
+    >>> foliations.plot(foliation)          # stripes along the leaves
 
 :class:`Hierarchy` is the mesh with its coarser levels, to solve on as often as
 wanted; :class:`Loops` are the closed curves that give the class;
@@ -33,9 +33,11 @@ from .foliation import Foliation, Singularities, Singularity
 from .hierarchy import Hierarchy, Level, memory_estimate, solve
 from .leaves import Leaf, Leaves
 from .loops import Loops
+from .meshes import MeshLike, as_mesh, read_mesh
 from .parameterization import Parameterization
 from .quads import QuadMesh
 from .report import HistoryEntry, LevelReport, Report
+from .rows import solve_row
 
 
 def _version() -> str:
@@ -65,6 +67,7 @@ __all__ = [
     "LoopError",
     "Loops",
     "MeshError",
+    "MeshLike",
     "OptionsError",
     "OutOfMemoryError",
     "Parameterization",
@@ -78,7 +81,10 @@ __all__ = [
     "Status",
     "UnsupportedError",
     "__version__",
+    "as_mesh",
     "memory_estimate",
     "plot",
+    "read_mesh",
     "solve",
+    "solve_row",
 ]

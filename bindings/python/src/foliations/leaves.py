@@ -24,6 +24,7 @@ from ._boundary import (
     view,
 )
 from ._native import lib
+from .export import export_leaves
 
 if TYPE_CHECKING:
     from .foliation import Foliation
@@ -79,6 +80,8 @@ class Leaves(Rows[Leaf]):
         row.update(closed=bool(row["closed"]))
         row.update({name: optional_index(row[name]) for name in ("begin_zero", "end_zero", "cylinder")})
         return Leaf(**row, points=self.points[own], edges=self.edges[own])
+
+    export = export_leaves
 
     def __repr__(self) -> str:
         return f"<{len(self)} leaves, {len(self.points)} points>"
