@@ -25,4 +25,7 @@ struct Failure : std::runtime_error {
 // subject: the file that the element of the error belongs to.
 [[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject);
 
+// Why a solve with a foliation ended early.
+std::string limit_sentence(hmf_status status, const hmf_error& error);
+
 } // namespace cli

@@ -7,6 +7,7 @@
 
 #include "../readers/json.hpp"
 #include "library.hpp"
+#include "marks.hpp"
 #include "progress.hpp"
 #include "read_mesh.hpp"
 
@@ -20,11 +21,20 @@ void info(const std::string& path, bool json) {
     options.struct_size = sizeof options;
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
-    const hmf_control* const control = progress.part("check", 0, 1);
-    hmf_hierarchy* raw = nullptr;
+    hmf_status status = HMF_OK;
     hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, control, &raw, &error);
+    hmf_mark_set* raw_marks = nullptr;
+    if (may_be_sphere(mesh))
+        status = hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, progress.part("check", 0, 0.5), &raw_marks, &error);
+    const Owned<hmf_mark_set> set(raw_marks);
+    const std::vector<uint32_t> marks(set ? set->vertices : nullptr, set ? set->vertices + set->count : nullptr);
+    options.marked_vertices = marks.data();
+    options.marked_count = marks.size();
+    hmf_hierarchy* raw = nullptr;
+    if (status == HMF_OK)
+        status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                           &options, progress.part("check", 0.5, 1), &raw, &error);
     const Owned<hmf_hierarchy> hierarchy(raw);
     progress.clear();
     if (status != HMF_OK) {
@@ -80,6 +90,7 @@ void info(const std::string& path, bool json) {
                                       {"edges", counts.edge_count},
                                       {"triangles", counts.triangle_count},
                                       {"genus", genus},
+                                      {"suggested_marks", marks},
                                       {"non_delaunay_edges", negative},
                                       {"min_angle", least_angle},
                                       {"max_angle", largest_angle},
@@ -92,6 +103,10 @@ void info(const std::string& path, bool json) {
         return;
     }
     std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), genus);
+    if (genus == 0)
+        std::printf("  to mark        %zu vertices, two at each of %zu tips; hmf solve marks them unless it is told "
+                    "others\n",
+                    marks.size(), marks.size() / 2);
     std::printf("  vertices       %llu\n", static_cast<unsigned long long>(counts.vertex_count));
     std::printf("  edges          %llu\n", static_cast<unsigned long long>(counts.edge_count));
     std::printf("  triangles      %llu\n", static_cast<unsigned long long>(counts.triangle_count));

@@ -10,6 +10,7 @@
 #include "leaves.hpp"
 #include "library.hpp"
 #include "loop_lines.hpp"
+#include "marks.hpp"
 #include "output.hpp"
 #include "potential.hpp"
 #include "progress.hpp"
@@ -61,6 +62,21 @@ const char* method_name(int32_t method) {
     }
 }
 
+const char* class_name(int32_t state) {
+    switch (state) {
+    case HMF_CLASS_PROVEN: return "proven";
+    case HMF_CLASS_CHECKED: return "checked";
+    case HMF_CLASS_LOST: return "lost";
+    default: return "unknown";
+    }
+}
+
+// Whether the result is as close to the minimum as it says, whatever the method measures on the way.
+bool is_converged(const hmf_report& report, double tolerance) {
+    const double residual = report.method == HMF_METHOD_NEWTON ? tolerance : 1e-8;
+    return report.converged != 0 && report.residual_max >= 0 && report.residual_max <= residual;
+}
+
 // One run, from the files it reads to the files it writes.
 class Run {
 public:
@@ -80,6 +96,7 @@ public:
 private:
     void read() {
         mesh_ = read_mesh(r_.mesh);
+        if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
         if (kind_ != 0 || has_start_) return;
         try {
             read_ = read_loops(r_.loops, mesh_.vertex_count(), mesh_.triangle_count());
@@ -104,8 +121,11 @@ private:
         options.allocate = Meter::allocate;
         options.release = Meter::release;
         options.allocator_user = &meter_;
-        const hmf_control* const control = progress_.part("build", 0, 0.35);
         const Clock::time_point start = Clock::now();
+        if (r_.marks == "auto") marks_ = suggested_marks(mesh_, options, progress_.part("marks", 0, 0.05), name_);
+        options.marked_vertices = marks_.data();
+        options.marked_count = marks_.size();
+        const hmf_control* const control = progress_.part("build", 0.05, 0.35);
         hierarchy_ = make<hmf_hierarchy>(name_, [&](hmf_hierarchy** out, hmf_error* error) {
             return hmf_build(mesh_.positions.data(), mesh_.vertex_count(), mesh_.triangles.data(),
                              mesh_.triangle_count(), &options, control, out, error);
@@ -113,7 +133,7 @@ private:
         build_seconds_ = seconds_since(start);
         hmf_error error{};
         check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, name_);
-        r_.coarsest = std::max<uint64_t>(r_.coarsest, 40 * hmf_genus(hierarchy_.get()));
+        r_.coarsest = std::max<uint64_t>(r_.coarsest, 40 * hmf_genus(hierarchy_.get()) + 10 * marks_.size());
     }
 
     void choose_loops() {
@@ -174,9 +194,10 @@ private:
         status_ = hmf_solve(hierarchy_.get(), has_start_ ? nullptr : &loops_, &options, control, &raw, &error);
         foliation_.reset(raw);
         progress_.clear();
+        const bool of_loop =
+            error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size();
         if (status_ >= HMF_ERROR_NULL) {
-            if (error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size())
-                fail_with(status_, error, shown(r_.loops) + ":" + std::to_string(read_.lines[error.index]));
+            if (of_loop) fail_with(status_, error, loop_name(error.index));
             fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(r_.start) : name_);
         }
         report_ = hmf_foliation_report(foliation_.get());
@@ -187,10 +208,14 @@ private:
         progress_.finish_quietly();
         outcome_.exit_status = EXIT_LIMIT;
         const bool written = !outputs_of(options_).empty();
-        outcome_.errors.push_back(name_ + ": " + (status_ == HMF_CANCELLED ? "interrupted" : hmf_status_string(status_))
-                                  + (written ? "; the best foliation so far was written"
-                                             : "; the numbers are those of the best foliation so far"));
+        outcome_.errors.push_back(
+            (of_loop ? loop_name(error.index) : name_) + ": " + limit_sentence(status_, error)
+            + (report_->class_state == HMF_CLASS_LOST ? "; it is not in the class of the loops" : "")
+            + (written ? "; the best foliation so far was written"
+                       : "; the numbers are those of the best foliation so far"));
     }
+
+    std::string loop_name(uint64_t loop) const { return shown(r_.loops) + ":" + std::to_string(read_.lines[loop]); }
 
     // Everything that the files need, in the numbering of level 0.
     void describe() {
@@ -242,6 +267,7 @@ private:
                 else write_values_csv(path, f_);
             });
         attempt("--history", !r_.history.empty(), [&] { write_history(r_.history, *report_); });
+        attempt("--save-marks", !r_.save_marks.empty(), [&] { write_marks(r_.save_marks, marks_); });
         attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
         control_ = progress_.part("leaves", 0, 1);
         const bool pictured = !r_.image.empty() || !r_.obj.empty();
@@ -289,14 +315,16 @@ private:
             const Json json = report_json(seconds);
             attempt("--report", true, [&] { write_report(r_.report, json); });
         }
-        char line[240];
-        std::snprintf(
-            line, sizeof line,
-            ": genus %zu, %llu edges, %llu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s",
-            hmf_genus(hierarchy_.get()), static_cast<unsigned long long>(finest_.edge_count),
-            static_cast<unsigned long long>(loops_.count), r.energy, r.residual_max,
-            static_cast<unsigned long long>(r.zeros), static_cast<unsigned long long>(r.poles), seconds);
+        char line[300];
+        std::snprintf(line, sizeof line,
+                      ": genus %zu, %llu edges, %llu loops, energy %.10g, residual %.2g, class %s, %llu zeros, "
+                      "%llu poles, %.2f s",
+                      hmf_genus(hierarchy_.get()), static_cast<unsigned long long>(finest_.edge_count),
+                      static_cast<unsigned long long>(loops_.count), r.energy, r.residual_max,
+                      class_name(r.class_state), static_cast<unsigned long long>(r.zeros),
+                      static_cast<unsigned long long>(r.poles), seconds);
         outcome_.summary = name_ + line;
+        if (r_.marks == "auto" && !marks_.empty()) outcome_.summary += "\n" + sentence_of(marks_);
     }
 
     Json report_json(double seconds) const {
@@ -328,7 +356,8 @@ private:
                        {"mesh", Json{{"vertices", finest_.vertex_count},
                                      {"edges", finest_.edge_count},
                                      {"triangles", finest_.triangle_count},
-                                     {"genus", hmf_genus(hierarchy_.get())}}},
+                                     {"genus", hmf_genus(hierarchy_.get())},
+                                     {"marked", marks_.size()}}},
                        {"method", method_name(r.method)},
                        {"levels", levels},
                        {"loops", loops_.count},
@@ -346,7 +375,10 @@ private:
                        {"singularities", singular},
                        {"bad_flips", r.bad_flips},
                        {"bad_flips_left", r.bad_flips_left},
-                       {"converged", r.converged != 0},
+                       {"converged", is_converged(r, r_.tolerance)},
+                       {"class", class_name(r.class_state)},
+                       {"class_repeats", r.class_repeats},
+                       {"class_seconds", r.class_seconds},
                        {"peak_memory_bytes", meter_.peak}};
         if (parameterization_) {
             const hmf_parameterization& p = *parameterization_;
@@ -389,6 +421,7 @@ private:
     Meter meter_; // lives longer than all that the library made
     TriangleMesh mesh_;
     LoopList read_; // loops of the caller
+    std::vector<uint32_t> marks_;
     Owned<hmf_hierarchy> hierarchy_;
     hmf_level_info finest_{};
     Owned<hmf_loop_set> made_, fine_loops_;
