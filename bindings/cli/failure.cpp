@@ -28,6 +28,7 @@ static ExitStatus exit_status_of(hmf_status status) {
 static std::string in_words_of_tool(std::string message) {
     static const std::pair<std::string, std::string> words[] = {
         {"set mollify in the build options", "give --mollify 1e-5"},
+        {"Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "Give --loops cut or --loops pants"},
         {"use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "give --loops cut or --loops pants"},
         {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
         {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
