@@ -294,7 +294,7 @@ TEST(ClassGuard, SaysWhichLoopIsLost) {
     start.reload({5, 4, 1});
     hmf::SolveOptions options;
     options.tolerance = 1e-8;
-    hmf::Recorder recorder(nullptr, start.call, 1);
+    hmf::Recorder recorder(false, start.call, 1);
     EXPECT_EQ(hmf::solve_in_class(start.state, options, start.call, recorder, start.watch), HMF_LIMIT_CLASS);
     EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
     EXPECT_EQ(start.watch.lost.loss, hmf::ClassLoss::height);

@@ -20,10 +20,10 @@ namespace {
 using Marks = std::vector<uint32_t>;
 
 hmf_build_options with_marks(const Marks& marks, double ratio = 0.5, uint64_t coarsest = 0) {
-    hmf_build_options options;
-    hmf_build_options_init(&options);
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
     options.ratio = ratio;
-    if (coarsest) options.coarsest = coarsest;
+    options.coarsest = coarsest;
     options.marked_vertices = marks.data();
     options.marked_count = marks.size();
     return options;
@@ -119,9 +119,10 @@ Marks random_marks(size_t vertices, size_t count, Random& random) {
 }
 
 // A pole outside of the marked vertices, a wrong sum of indices, values that are not closed.
-void expect_marked_foliation(const Hierarchy& hierarchy, const Marks& marks, size_t level,
-                             const std::vector<double>& values) {
+void expect_marked_foliation(const Hierarchy& hierarchy, const Marks& marks, const Foliation& foliation) {
+    const size_t level = hmf_foliation_level(foliation.get());
     const LevelMesh mesh = read_level(hierarchy, level);
+    const std::vector<double> values = values_of(foliation);
     ASSERT_EQ(closedness_defect(mesh, values), "");
     // Counted from the definition: a marked vertex counts as a closed corner.
     Indices own = count_indices(mesh, values);
@@ -129,26 +130,17 @@ void expect_marked_foliation(const Hierarchy& hierarchy, const Marks& marks, siz
     const long wanted = 4 - 4 * static_cast<long>(hmf_genus(hierarchy.get())) - static_cast<long>(marks.size());
     EXPECT_EQ(own.sum, wanted);
     EXPECT_LE(own.poles, marks.size());
-    size_t count = 0;
-    hmf_error error{};
-    std::vector<int32_t> at_vertex(mesh.vertex_count), at_triangle(mesh.triangle_count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), at_vertex.data(),
-                                at_vertex.size(), at_triangle.data(), at_triangle.size(), nullptr, 0, nullptr, 0,
-                                &count, &error),
-              HMF_OK)
-        << error.message;
+    const auto set = singularities(foliation);
+    ASSERT_TRUE(set);
     long sum = 0;
-    for (const int32_t index : at_vertex) {
-        EXPECT_LE(index, 0);
-        sum += index;
+    for (size_t v = 0; v < mesh.vertex_count; ++v) {
+        EXPECT_LE(set->vertex_index[v], 0);
+        sum += set->vertex_index[v];
     }
-    for (const int32_t index : at_triangle) sum += index;
+    for (size_t t = 0; t < mesh.triangle_count; ++t) sum += set->triangle_index[t];
     EXPECT_EQ(sum, wanted);
-    std::vector<hmf_singularity> list(count);
-    ASSERT_EQ(hmf_singularities(hierarchy.get(), level, values.data(), values.size(), nullptr, 0, nullptr, 0, nullptr,
-                                0, list.data(), list.size(), &count, &error),
-              HMF_OK);
-    for (const hmf_singularity& s : list) {
+    for (size_t i = 0; i < set->count; ++i) {
+        const hmf_singularity& s = set->list[i];
         EXPECT_LE(s.index, 0);
         if (s.index == 0 && level == 0) { EXPECT_NE(std::find(marks.begin(), marks.end(), s.element), marks.end()); }
     }
@@ -161,6 +153,9 @@ void expect_report(const Solution& solution, size_t genus, size_t marks) {
     const int64_t wanted = 4 - 4 * static_cast<int64_t>(genus) - static_cast<int64_t>(marks);
     EXPECT_EQ(solution.report.index_sum, wanted);
     EXPECT_EQ(static_cast<int64_t>(solution.report.zeros), -wanted);
+    if (solution.report.method == HMF_METHOD_NEWTON) {
+        EXPECT_EQ(solution.report.class_state, marks > 0 ? HMF_CLASS_CHECKED : HMF_CLASS_PROVEN);
+    }
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -254,8 +249,8 @@ TEST(Marked, UnusableMarksAreRefused) {
         options.marked_count = count;
         hmf_hierarchy* hierarchy = nullptr;
         hmf_error error{};
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
-                                            mesh.triangle_count(), &options, &hierarchy, &error);
+        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                            mesh.triangle_count(), &options, nullptr, &hierarchy, &error);
         hmf_destroy(hierarchy);
         return std::make_pair(status, std::string(error.message));
     };
@@ -315,7 +310,7 @@ TEST(Marked, PillowIsSolvedExactly) {
             EXPECT_NEAR(solution.report.energy, 4 / std::sqrt(3.0), tolerance) << variant;
             if (method != HMF_METHOD_NEWTON) continue;
             EXPECT_LE(solution.report.residual_max, 1e-8);
-            expect_marked_foliation(hierarchy, marks, 0, solution.values);
+            expect_marked_foliation(hierarchy, marks, solution.foliation);
             double largest = 0;
             for (size_t e = 0; e < level.edge_count; ++e) {
                 const double d = level.positions[3 * level.edge_vertices[2 * e]]
@@ -362,14 +357,12 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
         const LevelMesh level_above = read_level(above, 0);
         cover.find_edges(level, level_above);
         // The same initial foliation, lifted.
-        const hmf_loop_set view = loops.view();
-        std::vector<double> start(level.edge_count), lifted(level_above.edge_count);
-        hmf_error error{};
-        ASSERT_EQ(hmf_initialize(hierarchy.get(), &view, start.data(), start.size(), &error), HMF_OK) << error.message;
+        const std::vector<double> start = values_of(initialize(hierarchy, loops));
+        std::vector<double> lifted(level_above.edge_count);
         for (size_t e = 0; e < lifted.size(); ++e) lifted[e] = start[cover.below[e]];
         hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 0);
-        options.initial_values = lifted.data();
-        options.initial_count = lifted.size();
+        const Foliation lifted_start = create(above, 0, lifted);
+        options.start = lifted_start.get();
         const Solution double_solution = solve(above, nullptr, options);
         ASSERT_EQ(double_solution.status, HMF_OK) << double_solution.error.message;
         EXPECT_NEAR(solution.report.energy, 0.5 * double_solution.report.energy, 1e-10 * solution.report.energy);
@@ -409,10 +402,11 @@ TEST(Marked, LoopsAreChecked) {
             level, [size](const double* p) { return p[0] + p[1] + p[2] - size; }, everywhere);
     };
     const auto status = [&](const Loops& loops) {
-        std::vector<double> values(level.edge_count);
         const hmf_loop_set view = loops.view();
-        hmf_error error{};
-        return hmf_initialize(hierarchy.get(), &view, values.data(), values.size(), &error);
+        hmf_foliation* made = nullptr;
+        const hmf_status found = hmf_initialize(hierarchy.get(), &view, nullptr, &made, nullptr);
+        hmf_foliation_destroy(made);
+        return found;
     };
     Loops good, parallel, single, opposite;
     good.add(at(0.21));
@@ -439,7 +433,7 @@ TEST(Marked, LoopsAreChecked) {
     ASSERT_TRUE(more);
     const Solution solution = solve(more, &parallel, solve_options(HMF_METHOD_NEWTON, 0));
     expect_report(solution, 0, 5);
-    expect_marked_foliation(more, five, 0, solution.values);
+    expect_marked_foliation(more, five, solution.foliation);
     // A path of vertices passes a mark on one side.
     Loops path;
     path.kind = HMF_LOOP_VERTICES;
@@ -458,10 +452,8 @@ TEST(Marked, LibraryLoops) {
             EXPECT_EQ(library_loops(hierarchy, level, HMF_LOOPS_CUT).count(), count == 4 ? 1 : count / 2);
             EXPECT_EQ(library_loops(hierarchy, level, HMF_LOOPS_PANTS).count(), count - 3);
         }
-        size_t loops = 0, elements = 0;
-        hmf_error error{};
-        EXPECT_EQ(hmf_loops(hierarchy.get(), 0, HMF_LOOPS_HANDLE, nullptr, 0, nullptr, 0, &loops, &elements, &error),
-                  HMF_ERROR_MESH_GENUS);
+        hmf_loop_set* none = nullptr;
+        EXPECT_EQ(hmf_loops(hierarchy.get(), 0, HMF_LOOPS_HANDLE, nullptr, &none, nullptr), HMF_ERROR_MESH_GENUS);
         // By default, and from the same loops given on the finest level.
         const Solution by_default = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         expect_report(by_default, 0, count);
@@ -505,28 +497,18 @@ TEST(Marked, RandomMarks) {
             ASSERT_TRUE(hierarchy);
             if (loops.count() == 0)
                 loops = library_loops(hierarchy, 0, random.below(2) ? HMF_LOOPS_PANTS : HMF_LOOPS_CUT);
-            const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+            Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
             expect_report(solution, mesh.genus, count);
             EXPECT_LE(solution.report.residual_max, 1e-8);
             if (first.values.empty()) {
-                first = solution;
-                expect_marked_foliation(hierarchy, marks, 0, solution.values);
+                expect_marked_foliation(hierarchy, marks, solution.foliation);
                 // Down and up again.
-                const size_t coarsest = hierarchy.coarsest();
-                std::vector<double> coarse(hierarchy.edges(coarsest)), fine(solution.values.size());
-                hmf_error error{};
-                ASSERT_EQ(hmf_interpolate(hierarchy.get(), 0, solution.values.data(), solution.values.size(), coarsest,
-                                          coarse.data(), coarse.size(), &error),
-                          HMF_OK)
-                    << error.message;
-                expect_marked_foliation(hierarchy, marks, coarsest, coarse);
-                ASSERT_EQ(hmf_interpolate(hierarchy.get(), coarsest, coarse.data(), coarse.size(), 0, fine.data(),
-                                          fine.size(), &error),
-                          HMF_OK)
-                    << error.message;
-                expect_marked_foliation(hierarchy, marks, 0, fine);
+                const Foliation coarse = interpolate(solution.foliation, hierarchy.coarsest());
+                expect_marked_foliation(hierarchy, marks, coarse);
+                const Foliation fine = interpolate(coarse, 0);
+                expect_marked_foliation(hierarchy, marks, fine);
                 if (n % 6 == 0) {
-                    const Solution moved = relax(hierarchy, 0, fine, solve_options(HMF_METHOD_NEWTON, 0));
+                    const Solution moved = relax(fine, solve_options(HMF_METHOD_NEWTON, 0));
                     EXPECT_NEAR(moved.report.energy, solution.report.energy, 1e-10 * solution.report.energy);
                 }
                 for (const int32_t method : {HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
@@ -536,6 +518,7 @@ TEST(Marked, RandomMarks) {
                     EXPECT_GE(swept.report.energy, solution.report.energy * (1 - 1e-9));
                     EXPECT_LE(swept.report.energy, solution.report.energy * 1.05);
                 }
+                first = std::move(solution);
             } else {
                 EXPECT_NEAR(solution.report.energy, first.report.energy, 1e-10 * first.report.energy);
                 EXPECT_LE(largest_difference(solution.values, first.values), 1e-7);
@@ -556,69 +539,52 @@ TEST(Marked, LeavesAndParameterisation) {
         for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(1 + 0.0625 * static_cast<double>(c));
         const Solution solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
         expect_report(solution, 0, count);
-        hmf_error error{};
+        const hmf_foliation* f = solution.foliation.get();
         // Cylinders as high as the loops weigh.
         const hmf_loop_set view = loops.view();
-        std::vector<hmf_cylinder> cylinders(loops.count());
-        size_t found = 0, triangles = 0;
-        ASSERT_EQ(hmf_cylinders(hierarchy.get(), 0, solution.values.data(), solution.values.size(), &view,
-                                cylinders.data(), cylinders.size(), nullptr, 0, nullptr, 0, &found, &triangles, &error),
-                  HMF_OK)
-            << error.message;
-        ASSERT_EQ(found, loops.count());
+        const auto cylinders = make<hmf_cylinder_set>(
+            [&](hmf_cylinder_set** out, hmf_error* error) { return hmf_cylinders(f, &view, nullptr, out, error); });
+        ASSERT_TRUE(cylinders);
+        ASSERT_EQ(cylinders->count, loops.count());
         double area = 0;
-        for (const hmf_cylinder& c : cylinders) {
-            EXPECT_DOUBLE_EQ(c.height, loops.weights[c.loop]);
-            area += c.height * c.circumference;
+        for (size_t c = 0; c < cylinders->count; ++c) {
+            EXPECT_DOUBLE_EQ(cylinders->list[c].height, loops.weights[cylinders->list[c].loop]);
+            area += cylinders->list[c].height * cylinders->list[c].circumference;
         }
         EXPECT_NEAR(area, solution.report.energy, 1e-9 * area);
         // Critical leaves: half of the prongs, each marked vertex one and each zero three.
-        hmf_trace_options trace;
-        hmf_trace_options_init(&trace);
+        hmf_trace_options trace{};
+        trace.struct_size = sizeof trace;
         trace.critical = 1;
-        size_t lines = 0, points = 0;
-        ASSERT_EQ(hmf_trace(hierarchy.get(), 0, solution.values.data(), solution.values.size(), &trace, nullptr, 0,
-                            nullptr, 0, nullptr, nullptr, 0, &lines, &points, &error),
-                  HMF_OK)
-            << error.message;
-        EXPECT_LE(lines, (count + 3 * (count - 4)) / 2);
-        EXPECT_GE(lines, loops.count());
+        const auto lines = make<hmf_lines>(
+            [&](hmf_lines** out, hmf_error* error) { return hmf_trace(f, &trace, nullptr, out, error); });
+        ASSERT_TRUE(lines);
+        EXPECT_LE(lines->line_count, (count + 3 * (count - 4)) / 2);
+        EXPECT_GE(lines->line_count, loops.count());
         // A flat metric of that area whose cone angles add up.
-        hmf_parameterization flat{};
-        flat.struct_size = sizeof flat;
-        flat.vertex_capacity = mesh.vertex_count();
-        std::vector<int32_t> cone(mesh.vertex_count());
-        flat.cone = cone.data();
-        ASSERT_EQ(hmf_parameterize(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, &flat,
-                                   &error),
-                  HMF_OK)
-            << error.message;
-        EXPECT_NEAR(flat.area, solution.report.energy, 5e-3 * flat.area);
-        EXPECT_LT(flat.dilatation_median, 1.3);
+        const auto flat = make<hmf_parameterization>([&](hmf_parameterization** out, hmf_error* error) {
+            return hmf_parameterize(f, nullptr, nullptr, out, error);
+        });
+        ASSERT_TRUE(flat);
+        EXPECT_NEAR(flat->area, solution.report.energy, 5e-3 * flat->area);
+        EXPECT_LT(flat->dilatation_median, 1.3);
         long sum = 0, of_marks = 0;
-        for (const int32_t c : cone) sum += 2 - c;
-        for (const uint32_t m : marks) of_marks += cone[m] == 1;
+        for (size_t v = 0; v < flat->vertex_count; ++v) sum += 2 - flat->cone[v];
+        for (const uint32_t m : marks) of_marks += flat->cone[m] == 1;
         EXPECT_EQ(sum, 4);
         EXPECT_GE(of_marks, static_cast<long>(count) - 1);
         // Quads: closed, and no vertex has two of them.
-        size_t vertices = 0, quad_count = 0;
-        ASSERT_EQ(hmf_quads(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr, nullptr, 0,
-                            nullptr, 0, &vertices, &quad_count, &error),
-                  HMF_OK)
-            << error.message;
-        std::vector<double> positions(3 * vertices);
-        std::vector<uint32_t> quads(4 * quad_count);
-        ASSERT_EQ(hmf_quads(hierarchy.get(), 0, solution.values.data(), solution.values.size(), nullptr,
-                            positions.data(), vertices, quads.data(), quad_count, &vertices, &quad_count, &error),
-                  HMF_OK);
+        const auto quads = make<hmf_quad_mesh>(
+            [&](hmf_quad_mesh** out, hmf_error* error) { return hmf_quads(f, nullptr, nullptr, out, error); });
+        ASSERT_TRUE(quads);
         std::set<std::pair<uint32_t, uint32_t>> sides;
-        std::vector<int> valence(vertices, 0);
-        for (size_t c = 0; c < quads.size(); ++c) {
-            ++valence[quads[c]];
-            EXPECT_TRUE(sides.insert({quads[c], quads[c - c % 4 + (c + 1) % 4]}).second);
+        std::vector<int> valence(quads->vertex_count, 0);
+        for (size_t c = 0; c < 4 * quads->quad_count; ++c) {
+            ++valence[quads->quads[c]];
+            EXPECT_TRUE(sides.insert({quads->quads[c], quads->quads[c - c % 4 + (c + 1) % 4]}).second);
         }
         for (const auto& side : sides) EXPECT_TRUE(sides.count({side.second, side.first}));
-        EXPECT_EQ(vertices + quad_count - sides.size() / 2, 2u);
+        EXPECT_EQ(quads->vertex_count + quads->quad_count - sides.size() / 2, 2u);
         for (const int v : valence) EXPECT_GE(v, 3);
     }
 }
@@ -643,15 +609,11 @@ TEST(Marked, SuggestedMarksAreAtTips) {
         for (int a = 0; a < 3; ++a) x[a] *= std::max(1.0, grown);
     }
     const auto suggest = [](const TriMesh& m) {
-        Marks marks(24);
-        size_t count = 0;
-        hmf_error error{};
-        EXPECT_EQ(hmf_suggest_marks(m.positions.data(), m.vertex_count(), 0, m.triangles.data(), m.triangle_count(),
-                                    nullptr, marks.data(), marks.size(), &count, &error),
-                  HMF_OK)
-            << error.message;
-        marks.resize(count);
-        return marks;
+        const auto set = make<hmf_mark_set>([&](hmf_mark_set** out, hmf_error* error) {
+            return hmf_suggest_marks(m.positions.data(), m.vertex_count(), m.triangles.data(), m.triangle_count(),
+                                     nullptr, nullptr, out, error);
+        });
+        return set ? Marks(set->vertices, set->vertices + set->count) : Marks();
     };
     const Marks marks = suggest(mesh);
     EXPECT_EQ(marks, suggest(mesh));
@@ -690,8 +652,8 @@ TEST(Marked, RealSurfaces) {
             const Marks marks = random_marks(mesh.vertex_count(), count, random);
             const hmf_build_options options = with_marks(marks);
             hmf_hierarchy* probe = nullptr;
-            if (hmf_build(mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(), mesh.triangle_count(),
-                          &options, &probe, nullptr))
+            if (hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                          &options, nullptr, &probe, nullptr))
                 break; // no closed sphere
             hmf_destroy(probe);
             const Hierarchy hierarchy(mesh, options);

@@ -507,23 +507,17 @@ public:
 
     /* hmf_suggest_marks */
     static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
-                                               const BuildOptions& options = {}) {
+                                               const BuildOptions& options = {},
+                                               const ProgressFunction& progress = nullptr) {
         check_triples(positions.size(), "positions", "vertex");
         check_triples(triangles.size(), "triangles", "triangle");
-        detail::Reporter reporter(options.progress);
-        hmf_build_options all = detail::raw(options);
-        all.progress = reporter.callback();
-        all.progress_user = &reporter;
-        std::vector<uint32_t> marks(24);
-        std::size_t count = 0;
-        hmf_error error = {};
-        const hmf_status status =
-            hmf_suggest_marks(positions.data(), positions.size() / 3, 0, triangles.data(), triangles.size() / 3, &all,
-                              marks.data(), marks.size(), &count, &error);
-        reporter.rethrow();
-        if (status != HMF_OK) throw Error(error);
-        marks.resize(count);
-        return marks;
+        const hmf_build_options all = detail::raw(options);
+        const auto set =
+            detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+                return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(),
+                                         triangles.size() / 3, &all, control, out, error);
+            });
+        return {set->vertices, set->vertices + set->count};
     }
 
     /* hmf_memory_estimate */
