@@ -219,10 +219,11 @@ TEST(Repair, WhatIsLeft) {
     EXPECT_EQ(mesh.triangle_count(), count + 1);
     // Three triangles at an edge and nothing else.
     mesh = {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1}, {0, 1, 2, 0, 1, 3, 0, 1, 4}};
-    const TriangleMesh book = mesh;
     done = repair(mesh);
-    EXPECT_EQ(done.crowded_edges, 1u);
-    EXPECT_EQ(mesh.triangles, book.triangles);
+    EXPECT_EQ(done.cut_edges, 1u);
+    EXPECT_EQ(done.split_vertices, 2u);
+    EXPECT_EQ(mesh.vertex_count(), 9u);
+    EXPECT_EQ(components_of(mesh).size(), 3u);
     // A Moebius strip.
     mesh.positions.assign(18, 0);
     for (size_t k = 0; k < 18; ++k) mesh.positions[k] = static_cast<double>(k * k % 7);
@@ -292,6 +293,7 @@ TEST(Repair, UndoesRandomDamage) {
 TEST(Repair, AnyTriangles) {
     // Whatever comes: it ends, the result says so of itself, and a second time only what is left is found.
     test::Random random(16);
+    size_t crowded = 0;
     for (int round = 0; round < 3000; ++round) {
         TriangleMesh mesh;
         const size_t vertices = 3 + random.below(8), count = 1 + random.below(25);
@@ -312,7 +314,41 @@ TEST(Repair, AnyTriangles) {
                 if (!join) { EXPECT_EQ(before, after); }
                 EXPECT_EQ(after.size(), 3u);
             }
+            const Edges edges = edges_of(repaired);
+            std::vector<int> around(edges.count());
+            for (const uint32_t e : edges.triangles) ++around[e];
+            crowded += done.crowded_edges;
+            ASSERT_EQ(std::count_if(around.begin(), around.end(), [](int k) { return k > 2; }), done.crowded_edges);
+            if (done.crowded_edges > 0) continue;
+            // A second time nothing changes.
+            TriangleMesh again = repaired;
+            const Repairs second = repair(again);
+            EXPECT_EQ(second.count(), 0u);
+            EXPECT_EQ(again.triangles, repaired.triangles);
         }
+    }
+    EXPECT_LT(crowded, 300u); // of 6000
+}
+
+TEST(Repair, SurfaceThatTouchesItself) {
+    // One torus; the edges of two short paths of it, far from each other, become one path.
+    const size_t n = 24, m = 9;
+    const TriangleMesh good = torus(n, m);
+    for (const uint32_t length : {1u, 2u, 5u}) {
+        TriangleMesh mesh = good;
+        for (uint32_t k = 0; k < length; ++k) {
+            const uint32_t from = static_cast<uint32_t>(12 * m) + k, to = k;
+            for (uint32_t& v : mesh.triangles)
+                if (v == from) v = to;
+            for (size_t a = 0; a < 3; ++a) mesh.positions[3 * size_t{from} + a] = mesh.positions[3 * size_t{to} + a];
+        }
+        const auto before = places(mesh);
+        const Repairs done = repair(mesh);
+        EXPECT_EQ(done.split_vertices, length);
+        EXPECT_EQ(done.cut_edges + done.crowded_edges, 0u);
+        EXPECT_EQ(done.unused_vertices, length);
+        expect_surfaces(mesh, 1, 1);
+        EXPECT_EQ(places(mesh), before);
     }
 }
 

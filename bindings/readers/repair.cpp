@@ -25,6 +25,7 @@ public:
         find_fans();
         turn();
         renumber();
+        count_crowded_edges();
         return std::move(done_);
     }
 
@@ -160,6 +161,7 @@ private:
             const uint32_t* const side = sides.begin_of(g);
             if (sides.size_of(g) == 2) make_neighbours(side[0], side[1], patches);
             if (sides.size_of(g) <= 2) continue;
+            was_crowded_ = true;
             std::vector<uint32_t> waiting(side, sides.end_of(g));
             if (joins_) pair_by(waiting, vertices_of);
             make_pairs();
@@ -169,11 +171,60 @@ private:
         for (std::vector<uint32_t>& waiting : crowded)
             if (waiting.size() > 2) pair_by(waiting, [&](uint32_t side) { return patches.of(side / 3); });
         make_pairs();
+        pair_by_fans(crowded, patches);
         for (const std::vector<uint32_t>& waiting : crowded) {
             if (waiting.size() == 2) make_neighbours(waiting[0], waiting[1], patches);
-            if (waiting.size() > 2) crowded_.push_back(waiting);
+            done_.cut_edges += waiting.size() > 2;
         }
-        done_.crowded_edges = crowded_.size();
+    }
+
+    // Goes round the vertex, away from the side and through neighbours, to a side that has none.
+    uint32_t end_of_fan(uint32_t side, uint32_t vertex) const {
+        for (;;) {
+            uint32_t corner = side - side % 3;
+            while (corner_[corner] != vertex) ++corner;
+            const uint32_t before = corner % 3 == 0 ? corner + 2 : corner - 1; // the other side at the vertex
+            side = side == corner ? before : corner;
+            if (neighbour_[side] == NONE) return side;
+            side = neighbour_[side];
+        }
+    }
+
+    // Two sides that one fan begins and ends with are neighbours: what touches itself in an edge comes apart there.
+    // Each pair makes two fans one, which may then begin and end at another edge.
+    void pair_by_fans(std::vector<std::vector<uint32_t>>& crowded, Classes& patches) {
+        std::vector<uint32_t> edge_of(neighbour_.size(), NONE), next;
+        for (uint32_t edge = 0; edge < crowded.size(); ++edge) {
+            next.push_back(edge);
+            for (const uint32_t side : crowded[edge]) edge_of[side] = edge;
+        }
+        while (!next.empty()) {
+            const uint32_t edge = next.back();
+            next.pop_back();
+            std::vector<uint32_t>& waiting = crowded[edge];
+            bool found = true;
+            while (found) {
+                found = false;
+                for (size_t i = 0; i < waiting.size() && !found; ++i) {
+                    const uint32_t a = waiting[i], ends[] = {corner_[a], corner_[next_corner(a)]};
+                    for (const uint32_t vertex : ends) {
+                        const uint32_t b = end_of_fan(a, vertex);
+                        if (b == a || edge_of[b] != edge) continue;
+                        for (const uint32_t side : {a, b})
+                            for (const uint32_t end : ends) {
+                                const uint32_t other = edge_of[end_of_fan(side, end)];
+                                if (other != NONE && other != edge) next.push_back(other);
+                            }
+                        make_neighbours(a, b, patches);
+                        edge_of[a] = edge_of[b] = NONE;
+                        waiting.erase(std::find(waiting.begin(), waiting.end(), b));
+                        waiting.erase(std::find(waiting.begin(), waiting.end(), a));
+                        found = true;
+                        break;
+                    }
+                }
+            }
+        }
     }
 
     // Corners at the same end of two sides.
@@ -188,8 +239,6 @@ private:
         Classes fans(corner_.size());
         for (uint32_t side = 0; side < neighbour_.size(); ++side)
             if (neighbour_[side] != NONE && side < neighbour_[side]) unite_ends(fans, side, neighbour_[side]);
-        for (const std::vector<uint32_t>& edge : crowded_)
-            for (const uint32_t side : edge) unite_ends(fans, edge[0], side);
         fan_.resize(corner_.size());
         for (uint32_t c = 0; c < fan_.size(); ++c) fan_[c] = fans.of(c);
     }
@@ -271,14 +320,21 @@ private:
         for (size_t c = 0; c < fan_.size(); ++c) mesh_.triangles[c] = number[fan_[c]];
     }
 
+    // None, but where sheets that were told apart at one edge meet again at both its ends.
+    void count_crowded_edges() {
+        if (!was_crowded_) return;
+        const Groups sides = group_sides(mesh_.triangles, mesh_.vertex_count());
+        for (size_t g = 0; g < sides.count(); ++g) done_.crowded_edges += sides.size_of(g) > 2;
+    }
+
     TriangleMesh& mesh_;
     const bool joins_;
     Repairs done_;
     std::vector<uint32_t> corner_;
     std::vector<uint32_t> neighbour_; // of each side; NONE: it has none
     std::vector<std::pair<uint32_t, uint32_t>> pairs_;
-    std::vector<std::vector<uint32_t>> crowded_; // sides at edges where three and more are left
-    std::vector<uint32_t> fan_;                  // of each corner
+    bool was_crowded_ = false;  // an edge had three or more triangles
+    std::vector<uint32_t> fan_; // of each corner
 };
 
 std::string many(size_t count, const std::string& one, const std::string& several) {
@@ -298,9 +354,10 @@ std::vector<std::string> Repairs::sentences() const {
     say(duplicates, "dropped ", "duplicate triangle", "duplicate triangles", "");
     say(back_sides, "dropped ", "triangle", "triangles", " that listed a sheet from its other side");
     say(split_vertices, "split ", "vertex", "vertices", " where several sheets touched");
+    say(cut_edges, "cut ", "edge", "edges", " where three or more sheets met that nothing pairs");
     say(turned_triangles, "turned ", "triangle", "triangles", " to the sense of the patch around");
     say(unused_vertices, "dropped ", "unused vertex", "unused vertices", "");
-    say(crowded_edges, "left ", "edge", "edges", " with three or more triangles that nothing pairs");
+    say(crowded_edges, "left ", "edge", "edges", " with three or more triangles");
     say(one_sided_patches, "left ", "patch", "patches", " that cannot be oriented, as on a Moebius strip");
     return said;
 }
