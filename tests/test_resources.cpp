@@ -329,8 +329,8 @@ TEST(Resources, AllocationsMayFailInNewton) {
     }
 }
 
-// The limit of the build options bounds everything: hierarchy, foliations,
-// results and what a call needs on its way.
+// The limit bounds the hierarchy with what each call takes, its result as well.
+// Solving takes most here, more than the results together.
 TEST(Resources, MemoryLimitIsKept) {
     const TriMesh mesh = torus(30, 16, 2, 1);
     uint64_t refused = 0;

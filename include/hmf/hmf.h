@@ -98,6 +98,8 @@ typedef int32_t hmf_status;
 #define HMF_LIMIT_TIME 11
 #define HMF_LIMIT_STALLED 12
 #define HMF_CANCELLED 13
+#define HMF_LIMIT_CLASS 14 /* no step that stays in the class of the loops reaches the minimum; error->index is
+                              a loop that the others lose.  report->class_state tells of the values */
 
 /* the call itself */
 #define HMF_ERROR_NULL 100       /* a pointer that must not be NULL is */
@@ -440,6 +442,13 @@ typedef struct hmf_history_entry {
     uint32_t kind;               /* 0 interpolation, 1 sweep, 2 linear solve */
 } hmf_history_entry;
 
+/* What is known of the class of a result.  Proven, exactly and from the integers of
+   the result alone: one cylinder of closed leaves for each loop, as high as the weight
+   of the loop, and freely homotopic to it. */
+#define HMF_CLASS_UNKNOWN 0 /* not looked at: hmf_relax, cancelled, or values at the start that no loops have */
+#define HMF_CLASS_PROVEN 1
+#define HMF_CLASS_LOST 2    /* never with HMF_OK */
+
 /* What hmf_solve and hmf_relax tell of a foliation. */
 typedef struct hmf_report {
     uint32_t struct_size;
@@ -462,6 +471,9 @@ typedef struct hmf_report {
     uint64_t level_count;        /* number of levels used */
     const hmf_history_entry *history; /* history_count, in order of time */
     uint64_t history_count;
+    int32_t class_state;         /* HMF_CLASS_*: do the values belong to the loops? */
+    uint32_t class_repeats;      /* levels that were solved once more, as the first result had left the class */
+    double class_seconds;        /* for the certificate, part of solve_seconds */
 } hmf_report;
 
 /* The report of a foliation that hmf_solve or hmf_relax made, else NULL.

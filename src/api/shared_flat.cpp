@@ -29,7 +29,7 @@ hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatS
         const hmf_hierarchy& h = *foliation.hierarchy;
         void* block = entry.memory.take(sizeof(SharedFlat));
         if (!block) return entry.call.out_of_memory();
-        SharedFlat* made = new (block) SharedFlat(h);
+        SharedFlat* made = new (block) SharedFlat(h, entry.memory.used());
         Call call = entry.part(made->memory, 0.8);
         if (build(foliation, made->flat, call)) {
             free_part(h, made);

@@ -10,8 +10,9 @@ namespace hmf {
 struct SharedFlat {
     Memory memory;
     FlatSurface flat; // on the caller's side of the level
-    explicit SharedFlat(const hmf_hierarchy& h) :
-        memory(h.allocate, h.release, h.allocator_user, h.memory_limit, h.memory.used()) {}
+    // used: what counts towards the limit beside it.
+    SharedFlat(const hmf_hierarchy& h, uint64_t used) :
+        memory(h.allocate, h.release, h.allocator_user, h.memory_limit, used) {}
 };
 
 // What is kept with a foliation that is a minimum to 1e-8; out is NULL for

@@ -33,7 +33,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 }
 
 // The sentence of a solve that ended with a foliation.
-hmf_status describe(hmf_status status, size_t level, Call& call) {
+hmf_status describe(hmf_status status, size_t level, const ClassWatch* watch, Call& call) {
     switch (status) {
     case HMF_OK:
         call.range(1, 1);
@@ -51,6 +51,16 @@ hmf_status describe(hmf_status status, size_t level, Call& call) {
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
             "No progress above the tolerance is possible; the values are closed and without poles. Loosen tolerance.");
+    case HMF_LIMIT_CLASS:
+        if (!watch || watch->lost.loop == NONE)
+            return call.fail(status, HMF_ELEMENT_NONE, 0,
+                             "Steps to the minimum leave the class of the loops; report->class_state tells whether the "
+                             "values are in it. Try another ratio, or improve the triangles.");
+        return call.fail(status, HMF_ELEMENT_LOOP, watch->lost.loop,
+                         "Steps to the minimum leave the class: the cylinder of loop %u would be %g high instead of "
+                         "%g. The values are in the class. Try another ratio, or improve the triangles.",
+                         static_cast<unsigned>(watch->lost.loop), watch->lost.found * watch->unit,
+                         watch->lost.wanted * watch->unit);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
                          "Cancelled by the progress callback; the values are closed and without poles.");
@@ -82,12 +92,17 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
 
 // From a state that a cascade has left to the foliation of the caller.
 hmf_status finish(State& state, hmf_status status, const SolveOptions& options, Recorder& recorder, Call& call,
-                  hmf_foliation** out) {
+                  const ClassWatch* watch, hmf_foliation** out) {
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
     report.converged = status == HMF_OK;
     if (measure(state, recorder, call)) return call.status();
+    if (watch) {
+        report.class_state = static_cast<int32_t>(watch->result.state);
+        report.class_repeats = watch->repeats;
+        report.class_seconds = watch->seconds;
+    }
     Making making;
     Array<int64_t> solved;
     if (state.level == 0) {
@@ -111,25 +126,31 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     making.unit = recorder.unit();
     making.recorder = &recorder;
     if (make_foliation(state, making, call, out)) return call.status();
-    return describe(status, state.level, call);
+    return describe(status, state.level, watch, call);
 }
 
 // Runs the cascade and hands the result over; the state lies on level `given`,
 // on the caller's side of level 0.
-hmf_status solve_from(State& state, size_t start, double unit, const SolveOptions& options, Call& call,
-                      hmf_foliation** out) {
+// loops: those of the foliation, NULL if it was given.
+hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, double unit, const SolveOptions& options,
+                      Call& call, hmf_foliation** out) {
     Recorder recorder(true, call, unit);
     if (!state.go_to(start, call) || (start == 0 && !state.to_intrinsic(call)))
         return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0,
                                             "Cancelled by the progress callback before there was a foliation.")
                                 : call.out_of_memory();
-    const hmf_status status = run_cascade(state, options, call, recorder);
+    ClassWatch watch;
+    const Array<int64_t> unknown;
+    const bool same_mesh = loops && loops->level == start && start > 0; // of the loops and the state
+    if (watch.start(state, unit, same_mesh ? &loops->loops : nullptr, loops ? loops->weights : unknown, call))
+        return call.status();
+    const hmf_status status = solve_in_class(state, options, call, recorder, watch);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != options.stop_level)
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu, before the asked one was reached.",
                          static_cast<unsigned long long>(state.level));
-    return finish(state, status, options, recorder, call, out);
+    return finish(state, status, options, recorder, call, &watch, out);
 }
 
 // The start of the caller: of this hierarchy, or of another one of the same triangles.
@@ -211,7 +232,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     if (all.start) {
         double unit = 1;
         if (load_start(*hierarchy, *all.start, solve.stop_level, state, unit, call)) return call.status();
-        return solve_from(state, start, unit, solve, call, out);
+        return solve_from(state, start, nullptr, unit, solve, call, out);
     }
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
@@ -219,7 +240,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
         return call.out_of_memory();
     state.load(given.level, Side::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
-    return solve_from(state, start, given.unit, solve, call, out);
+    return solve_from(state, start, &given, given.unit, solve, call, out);
 }
 
 hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* options, const hmf_control* control,
@@ -238,7 +259,7 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     solve.stop_level = foliation->level;
     const hmf_status status = run_cascade(state, solve, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish(state, status, solve, recorder, call, out);
+    return finish(state, status, solve, recorder, call, nullptr, out);
 }
 
 } // extern "C"

@@ -10,6 +10,7 @@ const char* hmf_status_string(hmf_status status) {
     case HMF_OK: return "success";
     case HMF_LIMIT_ITERATIONS: return "the iteration limit was reached before convergence";
     case HMF_LIMIT_TIME: return "the time limit was reached before convergence";
+    case HMF_LIMIT_CLASS: return "the minimum was not reached by steps that stay in the class of the loops";
     case HMF_LIMIT_STALLED: return "no further progress is possible above the tolerance";
     case HMF_CANCELLED: return "cancelled by the progress callback";
     case HMF_ERROR_NULL: return "a required pointer is NULL";

@@ -21,34 +21,72 @@ uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
 
 } // namespace
 
-hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
-                                        Call& call) {
-    Memory& memory = call.memory;
+bool CriticalGraph::start(const Foliation& f, Memory& memory) {
     zeros.start(memory);
     sectors.start(memory);
     arcs.start(memory);
     boundaries.start(memory);
     crossings.start(memory);
     circle_.start(memory);
-    const size_t half_edges = size_t{2} * f.mesh.edge_count;
     // A boundary leaf of a harmonic foliation crosses about as many edges as a
     // shortest loop.  Integers that belong to no such class can make it longer
     // than any memory.
     crossing_limit_ = 64 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 20);
-    if (!at_vertex_.allocate_filled(memory, half_edges, NONE) || !at_tripod_.allocate_filled(memory, half_edges, NONE))
-        return call.out_of_memory();
+    return at_vertex_.start(memory) && at_tripod_.start(memory);
+}
+
+hmf_status CriticalGraph::build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
+                                        Call& call) {
+    if (!start(f, call.memory)) return call.out_of_memory();
     if (!call.tick(0)) return call.was_cancelled();
     return find_zeros(f, vertex_order, face_order, call);
 }
 
 hmf_status CriticalGraph::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
     if (build_sectors(f, vertex_order, face_order, call)) return call.status();
+    return trace(f, call);
+}
+
+hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call) {
+    if (!start(f, call.memory)) return call.out_of_memory();
+    crossing_limit_ = 4 * uint64_t{f.mesh.edge_count} + (uint64_t{1} << 18);
+    const uint32_t before = f.epoch;
+    for (const uint32_t v : known.vertices) {
+        if (f.stamp[v] > before) continue; // its cluster has been looked at
+        const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+        const int64_t index = 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners);
+        if (f.out_of_memory || (index != 0 && !add_zero_at(f, v, static_cast<int32_t>(index), cluster.euler)))
+            return call.out_of_memory();
+    }
+    for (const uint32_t h : known.tripods) {
+        const uint32_t n = f.mesh.next[h], p = f.mesh.next[n];
+        if (f.corner2(h) > 0 && f.corner2(n) > 0 && f.corner2(p) > 0 && !add_tripod(f, h, -1))
+            return call.out_of_memory();
+    }
+    return trace(f, call);
+}
+
+// The cluster of the vertex is f.members.
+bool CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
+    const uint32_t zero = static_cast<uint32_t>(zeros.size());
+    if (!zeros.push({false, vertex, index, euler})) return false;
+    for (const uint32_t u : f.members)
+        if (!add_sectors_of_vertex(f, zero, u)) return false;
+    return true;
+}
+
+bool CriticalGraph::add_tripod(const Foliation& f, uint32_t half_edge, int32_t index) {
+    const uint32_t zero = static_cast<uint32_t>(zeros.size());
+    return zeros.push({true, half_edge, index, 1}) && add_sectors_of_tripod(f, zero, half_edge);
+}
+
+hmf_status CriticalGraph::trace(const Foliation& f, Call& call) {
     for (uint32_t s = 0; s < sectors.size(); ++s) {
         if (sectors[s].boundary != NONE) continue;
         const uint32_t h = sectors[s].last;
-        const Crossing start =
+        const Crossing first =
             zeros[sectors[s].zero].tripod ? Crossing{h, branch(f, h) - 1} : Crossing{twin(h), width(f, h) - 1};
-        if (trace_boundary(f, start, call)) return call.status();
+        if (trace_boundary(f, first, call)) return call.status();
     }
     if (zeros.empty()) {
         uint32_t widest = 0;
@@ -80,20 +118,15 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
         const int32_t index = at_vertex[lowest];
         if (index == 0) continue;
         at_vertex[lowest] = 0; // once
-        const uint32_t zero = static_cast<uint32_t>(zeros.size());
         const int64_t euler = explore_cluster(f, v, NONE, NONE, NONE, 0, 0).euler;
-        if (f.out_of_memory || !zeros.push({false, v, index, euler})) return call.out_of_memory();
-        for (uint32_t u : f.members)
-            if (!add_sectors_of_vertex(f, zero, u)) return call.out_of_memory();
+        if (f.out_of_memory || !add_zero_at(f, v, index, euler)) return call.out_of_memory();
     }
     if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side_of_face[mesh.face[h]] = h;
     for (uint32_t i = 0; i < mesh.face_count; ++i) {
         const uint32_t t = face_order ? face_order[i] : i;
         if (at_face[t] == 0) continue;
-        const uint32_t zero = static_cast<uint32_t>(zeros.size());
-        if (!zeros.push({true, side_of_face[t], at_face[t], 1}) || !add_sectors_of_tripod(f, zero, side_of_face[t]))
-            return call.out_of_memory();
+        if (!add_tripod(f, side_of_face[t], at_face[t])) return call.out_of_memory();
     }
     return HMF_OK;
 }
@@ -103,7 +136,7 @@ bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uin
     const uint32_t first = f.mesh.out[vertex];
     uint32_t h = first;
     do {
-        if (f.at(h) > 0 && at_vertex_[h] == NONE) {
+        if (f.at(h) > 0 && at_vertex_.find(h) == NONE) {
             circle_.clear();
             uint32_t g = h, count = 0;
             size_t start = 0; // behind a closed corner
@@ -123,7 +156,7 @@ bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uin
             uint32_t s = before;
             for (size_t i = 0; i < circle_.size(); ++i) {
                 g = circle_[(start + i) % circle_.size()];
-                at_vertex_[g] = s;
+                if (!at_vertex_.set(g, s)) return false;
                 sectors[s].last = g;
                 bool closed = false;
                 next_round(f, g, closed);
@@ -140,16 +173,20 @@ bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uin
 bool CriticalGraph::add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h) {
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     for (uint32_t s = 0; s < 3; ++s, h = f.mesh.next[h]) {
-        at_tripod_[h] = before + s;
-        if (!sectors.push({zero, before + (s + 1) % 3, before + (s + 2) % 3, h, NONE, NONE})) return false;
+        if (!at_tripod_.set(h, before + s)
+            || !sectors.push({zero, before + (s + 1) % 3, before + (s + 2) % 3, h, NONE, NONE}))
+            return false;
     }
     return true;
 }
 
 uint32_t CriticalGraph::sector_at(const Foliation& f, const Crossing& c) const {
     const uint32_t h = c.half_edge;
-    if (at_tripod_[h] != NONE && c.at == branch(f, h) - 1) return at_tripod_[h];
-    if (at_vertex_[twin(h)] != NONE && c.at == width(f, h) - 1) return at_vertex_[twin(h)];
+    if (c.at == branch(f, h) - 1) {
+        const uint32_t s = at_tripod_.find(h);
+        if (s != NONE) return s;
+    }
+    if (c.at == width(f, h) - 1) return at_vertex_.find(twin(h));
     return NONE;
 }
 
@@ -204,36 +241,45 @@ hmf_status CriticalGraph::pair_arcs(Call& call) {
 }
 
 bool CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
-    const uint32_t n = f.mesh.edge_count;
-    if (!mark_offset.allocate_filled(memory, n + size_t{1}, 0u)
-        || !marks.allocate(memory, crossings.size() - boundaries.size()))
-        return false;
+    mark_offset_.start(memory);
+    if (!marked_.start(memory) || !marks.allocate(memory, crossings.size() - boundaries.size())) return false;
+    // How many on each edge, from the second entry on.
+    if (!mark_offset_.push(0)) return false;
     for (const Boundary& b : boundaries)
-        for (uint64_t i = b.begin; i + 1 < b.end; ++i) ++mark_offset[edge_of(crossings[i].half_edge)];
-    uint32_t total = 0;
-    for (uint32_t e = 0; e <= n; ++e) {
-        total += mark_offset[e];
-        mark_offset[e] = total;
-    }
+        for (uint64_t i = b.begin; i + 1 < b.end; ++i) {
+            const uint32_t e = edge_of(crossings[i].half_edge);
+            uint32_t k = marked_.find(e);
+            if (k == SparseMap::absent) {
+                k = static_cast<uint32_t>(mark_offset_.size() - 1);
+                if (!marked_.set(e, k) || !mark_offset_.push(0)) return false;
+            }
+            ++mark_offset_[k + 1];
+        }
+    const size_t n = mark_offset_.size() - 1;
+    for (size_t k = 0; k < n; ++k) mark_offset_[k + 1] += mark_offset_[k];
+    Array<uint32_t> free;
+    if (!free.allocate(memory, n)) return false;
+    for (size_t k = 0; k < n; ++k) free[k] = mark_offset_[k];
     for (uint32_t k = 0; k < boundaries.size(); ++k)
         for (uint64_t i = boundaries[k].begin; i + 1 < boundaries[k].end; ++i) {
             const Crossing& c = crossings[i];
             const bool backwards = c.half_edge & 1u; // then the right side is ahead
-            marks[--mark_offset[edge_of(c.half_edge)]] = {backwards ? width(f, c.half_edge) - c.at : c.at, k,
-                                                          backwards};
+            marks[free[marked_.find(edge_of(c.half_edge))]++] = {backwards ? width(f, c.half_edge) - c.at : c.at, k,
+                                                                 backwards};
         }
     // In a cylinder one unit high both boundary leaves are the same: first the lower one.
     const auto before = [](const Mark& a, const Mark& b) {
         return a.at != b.at ? a.at < b.at : a.forward && !b.forward;
     };
-    for (uint32_t e = 0; e < n; ++e)
-        if (mark_offset[e + 1] - mark_offset[e] > 1)
-            heap_sort(&marks[mark_offset[e]], mark_offset[e + 1] - mark_offset[e], before);
+    for (size_t k = 0; k < n; ++k)
+        if (mark_offset_[k + 1] - mark_offset_[k] > 1)
+            heap_sort(&marks[mark_offset_[k]], mark_offset_[k + 1] - mark_offset_[k], before);
     return true;
 }
 
 bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const {
-    const uint32_t begin = mark_offset[edge_of(h)], end = mark_offset[edge_of(h) + 1];
+    uint32_t begin = 0, end = 0;
+    marks_on(edge_of(h), begin, end);
     const bool backwards = h & 1u;
     const int64_t place = backwards ? width(f, h) - at : at; // along 2e
     // The first mark beyond the place.

@@ -16,6 +16,7 @@
 // anything.  The arc itself lies half a unit left of the boundary leaf.
 #pragma once
 
+#include "../base/sparse_map.hpp"
 #include "leaf.hpp"
 
 namespace hmf {
@@ -54,6 +55,16 @@ struct Mark {
     bool forward; // its cylinder lies ahead (larger places)
 };
 
+// Where the zeros are: vertices of their clusters, in any order, and a
+// half-edge of each tripod.
+struct ZeroList {
+    bool known = false;
+    Array<uint32_t> vertices, tripods;
+};
+
+// Only edges that a boundary leaf crosses have an entry anywhere, so that the
+// graph costs the length of these leaves (and a pass over the mesh to find
+// the zeros, unless they are known).
 class CriticalGraph {
 public:
     Array<Zero> zeros;
@@ -61,13 +72,22 @@ public:
     Array<ArcSide> arcs;
     Array<Boundary> boundaries;
     Array<Crossing> crossings;
-    Array<uint32_t> mark_offset; // edge_count + 1
-    Array<Mark> marks;           // ascending on each edge
+    Array<Mark> marks; // ascending on each edge
 
     // vertex_order, face_order: internal numbers in the order in which zeros
     // are listed; NULL: as they are.  Without a zero (genus 1) one closed leaf
     // of the torus counts as critical, with a boundary leaf on either side.
     hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    // The same, where the zeros are known.
+    hmf_status build(Foliation& f, const ZeroList& known, Call& call);
+    // The marks of an edge.
+    void marks_on(uint32_t edge, uint32_t& begin, uint32_t& end) const {
+        begin = end = 0;
+        const uint32_t k = marked_.find(edge);
+        if (k == SparseMap::absent) return;
+        begin = mark_offset_[k];
+        end = mark_offset_[k + 1];
+    }
 
     // Zeros and sectors alone, for foliations whose leaves do not close.
     hmf_status build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
@@ -82,6 +102,10 @@ public:
     bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
 
 private:
+    bool start(const Foliation& f, Memory& memory);
+    hmf_status trace(const Foliation& f, Call& call);
+    bool add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
+    bool add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
     hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
     bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
@@ -89,7 +113,9 @@ private:
     hmf_status pair_arcs(Call& call);
     bool sort_marks(const Foliation& f, Memory& memory);
 
-    Array<uint32_t> at_vertex_, at_tripod_; // per half-edge: sector
+    SparseMap at_vertex_, at_tripod_; // half-edge to sector
+    SparseMap marked_;                // edge to its number among those with marks
+    Array<uint32_t> mark_offset_;     // of these, and the end
     Array<uint32_t> circle_;
     uint64_t crossing_limit_ = 0;
 };

@@ -146,6 +146,9 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     Recorder recorder(false, call, 1);
     const hmf_status status = run_cascade(state, options, call, recorder);
     if (status >= HMF_ERROR_NULL) return status;
+    // The unit may be finer now, and the heights with it.
+    const int64_t finer = static_cast<int64_t>(1 / recorder.unit());
+    for (int64_t& height : labels.height) height *= finer;
     if (cylinders.build(f, nullptr, nullptr, call) || labels.find(cylinders, found, call)) return call.status();
     return cylinders.find_vertices(f, call.memory) ? HMF_OK : call.out_of_memory();
 }

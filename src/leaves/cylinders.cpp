@@ -11,6 +11,15 @@ namespace hmf {
 
 hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
     if (graph.build(f, vertex_order, face_order, call)) return call.status();
+    return find_cylinders(f, call);
+}
+
+hmf_status Cylinders::build(Foliation& f, const ZeroList& known, Call& call) {
+    if (graph.build(f, known, call)) return call.status();
+    return find_cylinders(f, call);
+}
+
+hmf_status Cylinders::find_cylinders(Foliation& f, Call& call) {
     list.start(call.memory);
     pieces.start(call.memory);
     circle_.start(call.memory);

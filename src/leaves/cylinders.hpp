@@ -27,6 +27,8 @@ public:
     Array<Piece> pieces;
 
     hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    // The same, where the zeros are known.
+    hmf_status build(Foliation& f, const ZeroList& known, Call& call);
 
     // The leaf at a height (half units above the lower critical leaves, odd),
     // where it crosses the path; it has the direction of the lower boundary leaf.
@@ -42,7 +44,8 @@ public:
     // leaves, along half-edge 2e in half units.
     template <class Visit>
     void visit_parts(const Mesh& mesh, const int64_t* value, uint32_t e, Visit visit) const {
-        const uint32_t begin = graph.mark_offset[e], end = graph.mark_offset[e + 1];
+        uint32_t begin = 0, end = 0;
+        graph.marks_on(e, begin, end);
         uint32_t inside = of_vertex_[mesh.origin[2 * e]];
         if (inside == NONE && begin == end) inside = of_vertex_[mesh.target(2 * e)];
         int64_t from = 0;
@@ -60,6 +63,7 @@ public:
     }
 
 private:
+    hmf_status find_cylinders(Foliation& f, Call& call);
     // Across the leaves from place `at` ahead on half-edge h to the first
     // boundary leaf; appends the way to `path` unless that is NULL.
     hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance,

@@ -97,23 +97,57 @@ Fineness LevelWork::refine_unit(double residual) {
 
 namespace {
 
-hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                    hmf_level_report& statistics) {
+hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
+                    bool gated, hmf_level_report& statistics) {
     const double start = call.seconds();
-    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, {}, {}, {}};
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}};
+    if (watch) watch->zeros.known = false;
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.
     const hmf_status status = options.method == HMF_METHOD_NEWTON ? newton_level(work, options.tolerance)
                                                                   : whitehead_level(work, options.tolerance);
-    statistics.iterations = work.statistics.iterations;
-    statistics.linear_solves = work.statistics.linear_solves;
-    statistics.optimize_seconds = call.seconds() - start;
+    statistics.iterations += work.statistics.iterations;
+    statistics.linear_solves += work.statistics.linear_solves;
+    statistics.optimize_seconds += call.seconds() - start;
     return status;
+}
+
+// The level as it was entered, and again with a check of each step if it loses the class.
+hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                             ClassWatch& watch, hmf_level_report& statistics) {
+    Foliation& f = state.foliation;
+    const double unit = recorder.unit();
+    const int64_t largest = state.largest_input_value;
+    Array<int64_t> values;
+    if (!values.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
+    std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
+    hmf_status status = HMF_OK;
+    const auto go_back = [&] {
+        std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
+        recorder.set_unit(unit);
+        state.largest_input_value = largest;
+        recorder.certificate.known = false;
+        watch.zeros.known = false;
+    };
+    for (uint32_t attempt = 0; attempt < 2; ++attempt) {
+        const bool gated = attempt > 0;
+        if (gated) {
+            go_back();
+            ++watch.repeats;
+        }
+        status = optimise(state, options, call, recorder, &watch, gated, statistics);
+        if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
+        if (watch.look(state, recorder.unit(), call)) return call.status();
+        if (watch.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
+    }
+    go_back();
+    if (watch.look(state, recorder.unit(), call)) return call.status();
+    return HMF_LIMIT_CLASS;
 }
 
 } // namespace
 
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder) {
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch) {
     const hmf_hierarchy& h = *state.hierarchy;
     if (recorder.count_levels(state.level - options.stop_level + 1)) return call.status();
     // Progress: each level its share of the edges.
@@ -134,7 +168,9 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
         if (!stop_improving) {
-            const hmf_status here = optimise(state, options, call, recorder, statistics);
+            const hmf_status here = options.guarded
+                                      ? optimise_in_class(state, options, call, recorder, *watch, statistics)
+                                      : optimise(state, options, call, recorder, watch, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
             if (recorder.out_of_memory()) return call.out_of_memory();
             // Only the last level decides, unless the whole call ran out of something.

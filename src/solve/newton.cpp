@@ -56,6 +56,17 @@ public:
         return model_;
     }
 
+    // The zeros that the last look has seen.
+    bool hand_over(ZeroList& zeros) {
+        zeros.vertices.clear();
+        zeros.tripods.clear();
+        for (uint32_t v : model_.resting)
+            if (!zeros.vertices.push(v)) return false;
+        for (uint32_t h : model_.tripod)
+            if (!zeros.tripods.push(h)) return false;
+        return zeros.known = true;
+    }
+
     void sweeps(uint32_t n) {
         for (uint32_t i = 0; i < n && go_on(); ++i) {
             SweepResult result;
@@ -150,6 +161,18 @@ private:
         // for once more.  If nothing helps, all take a shorter step.
         double factor = 1;
         uint32_t radius = 2, solves = 0;
+        const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
+        if (unchecked) {
+            for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+                model_.d[v] *= w_.options.unchecked;
+                if (model_.d[v] < static_cast<double>(model_.lower[v]))
+                    model_.d[v] = static_cast<double>(model_.lower[v]);
+                if (model_.d[v] > static_cast<double>(model_.upper[v]))
+                    model_.d[v] = static_cast<double>(model_.upper[v]);
+            }
+            set_values(1);
+            find_suspects();
+        }
         for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
@@ -157,12 +180,22 @@ private:
                 if (!go_on()) return stopped();
                 find_suspects();
             }
-            const bool sound = settle(factor) && zeros_are_in_place();
+            const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
             if (f_.out_of_memory || !go_on()) return stopped();
             if (sound) energy_change_ = energy_change();
-            if (sound && energy_change_ <= 1e-17 * model_.energy) {
-                accepted = factor;
-                return HMF_OK;
+            if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
+                bool kept = true;
+                if (w_.gated) {
+                    if (w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return w_.call.status();
+                    kept = w_.watch->holds();
+                }
+                if (kept) {
+                    accepted = factor;
+                    return HMF_OK;
+                }
+                restore();
+                if (!hold_overturned()) factor *= 0.5;
+                continue;
             }
             restore();
             if (!tight && effort.close) {
@@ -182,6 +215,41 @@ private:
             }
         }
         return HMF_OK;
+    }
+
+    // The values before the step are back, the step is not.  A step keeps the class if
+    // each vertex has in each of its directions an edge that the step does not
+    // reverse: the others stay where they are from now on.  False: there are none, or too many.
+    bool hold_overturned() {
+        constexpr size_t most = 200;
+        const auto reversed = [&](uint32_t h) {
+            const uint32_t e = edge_of(h);
+            return backup_[e] - model_.sign[2 * e] * step_[f_.mesh.origin[2 * e]]
+                     - model_.sign[2 * e + 1] * step_[f_.mesh.origin[2 * e + 1]]
+                 < 0;
+        };
+        Array<uint32_t> held;
+        held.start(w_.call.memory);
+        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < most; ++v) {
+            const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
+            const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
+            // Runs between closed corners; the first one goes on at the end.
+            uint32_t closed = 0;
+            bool here = false, first = false, overturned = false;
+            for (uint32_t t = 0; t < degree; ++t) {
+                const uint32_t h = side[t].half_edge;
+                if (f_.at(h) != 0) here |= !reversed(h);
+                if (f_.corner2(h) != 0 || f_.at(h) == 0) continue;
+                if (closed++ == 0) first = here;
+                else overturned |= !here;
+                here = false;
+            }
+            if (closed > 0) overturned |= !(here || first);
+            if (overturned && !held.push(v)) return false;
+        }
+        if (held.empty() || held.size() == most) return false;
+        for (const uint32_t v : held) model_.freeze(f_, w_.rings, v, 1, patch_, distance_);
+        return true;
     }
 
     LinearOptions stop_at(double residual) const {
@@ -451,6 +519,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         work.record(2, D, before);
         if (before <= goal) {
             work.recorder.certificate = {true, D, before, model.residual_sum / model.count};
+            if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
         if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;

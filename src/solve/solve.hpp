@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../foliation/whitehead.hpp"
-#include "state.hpp"
+#include "class_watch.hpp"
 
 namespace hmf {
 
@@ -12,6 +12,8 @@ struct SolveOptions {
     double tolerance = 0; // resolved, > 0
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
+    double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
+    bool guarded = false; // goes no further where a step would leave the class; needs a ClassWatch
 };
 
 // What a method knows of the foliation as it leaves it.
@@ -61,6 +63,8 @@ struct LevelWork {
     const SolveOptions& options;
     Call& call;
     Recorder& recorder;
+    ClassWatch* watch; // or NULL
+    bool gated;        // each step of all vertices has to stay in the class
     Rings rings;
     Star star;
     hmf_level_report statistics{};
@@ -82,6 +86,7 @@ hmf_status newton_level(LevelWork& work, double tolerance);
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder);
+hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                       ClassWatch* watch = nullptr);
 
 } // namespace hmf

@@ -39,6 +39,7 @@ bool State::refine(Call& call) {
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics);
+        if (words) words->flipped(mesh, hierarchy->flips[i]);
     }
     mesh.vertex_count = finer.mesh.vertex_count;
     mesh.edge_count = finer.mesh.edge_count;
@@ -46,10 +47,11 @@ bool State::refine(Call& call) {
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         split_foliation(foliation, hierarchy->collapses[i]);
+        if (words) words->was_split(hierarchy->collapses[i]);
     }
     --level;
     side = Side::input;
-    return !foliation.out_of_memory;
+    return !foliation.out_of_memory && !(words && words->out_of_memory());
 }
 
 bool State::coarsen(Call& call, RestrictionScratch& scratch) {
@@ -93,12 +95,14 @@ bool State::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
+        if (words) words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i]);
     }
     side = Side::intrinsic;
-    return !foliation.out_of_memory;
+    return !foliation.out_of_memory && !(words && words->out_of_memory());
 }
 
 bool State::to_input(Call& call) {
+    words = nullptr;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);

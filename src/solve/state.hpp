@@ -3,6 +3,7 @@
 #pragma once
 
 #include "../foliation/restriction.hpp"
+#include "../homotopy/edge_words.hpp"
 #include "../hierarchy/hierarchy.hpp"
 
 namespace hmf {
@@ -16,6 +17,7 @@ struct State {
     size_t level = 0;
     Side side = Side::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
+    EdgeWords* words = nullptr;      // go along to finer levels and to the intrinsic side, if there are any
     int64_t largest_input_value = 0; // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
@@ -31,7 +33,7 @@ struct State {
     bool go_to(size_t target, Call& call);
     // Between the two triangulations of level 0.
     bool to_intrinsic(Call& call);
-    bool to_input(Call& call);
+    bool to_input(Call& call); // words stay behind
 
 private:
     Array<uint32_t> origin_, next_, face_, out_, stamp_;

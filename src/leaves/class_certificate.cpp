@@ -1,0 +1,162 @@
+// Cylinders against loops; see class_certificate.hpp.
+#include "class_certificate.hpp"
+
+namespace hmf {
+
+namespace {
+
+// Failures but this one only say that the class is another one: the caller does not see them.
+bool is_memory(hmf_status status) { return status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT; }
+
+// The edge path on the left of a closed curve that crosses these half-edges;
+// half_edge(i) for i in [begin, end), closed behind the last.
+template <class HalfEdge>
+bool walk_on_the_left(const Mesh& mesh, const EdgeWords& words, uint64_t begin, uint64_t end, HalfEdge half_edge,
+                      Walk& walk, Memory& memory) {
+    walk.start(memory);
+    for (uint64_t i = begin; i < end; ++i) {
+        const uint32_t h = half_edge(i), after = half_edge(i + 1 < end ? i + 1 : begin);
+        const uint32_t ahead = mesh.next[twin(h)]; // crossed where the curve turns right
+        if (after == ahead && !words.append(twin(mesh.next[ahead]), walk)) return false;
+    }
+    return words.quads().canonical(walk, memory);
+}
+
+bool boundary_walk(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary, Walk& walk,
+                   Memory& memory) {
+    const Boundary& b = graph.boundaries[boundary];
+    return walk_on_the_left(
+        mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; }, walk, memory);
+}
+
+bool has_pole(const CriticalGraph& graph, int64_t& index_sum) {
+    bool pole = false;
+    for (const Zero& z : graph.zeros) {
+        index_sum += z.index;
+        pole |= z.index > 0;
+    }
+    return pole;
+}
+
+bool same(const uint32_t* a, size_t n, const Walk& b) {
+    return n == b.size() && (n == 0 || std::memcmp(a, b.data(), n * sizeof(uint32_t)) == 0);
+}
+
+} // namespace
+
+hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call) {
+    Call quiet(call.memory, nullptr, nullptr, nullptr);
+    Cylinders cylinders;
+    Walk walk;
+    height_.start(call.memory);
+    spoke_.start(call.memory);
+    offset_.start(call.memory);
+    if (cylinders.build(f, nullptr, nullptr, quiet)) return is_memory(quiet.status()) ? call.out_of_memory() : HMF_OK;
+    const size_t n = cylinders.list.size();
+    if (!loop_.allocate(call.memory, n) || !offset_.push(0)) return call.out_of_memory();
+    for (uint32_t c = 0; c < n; ++c) {
+        loop_[c] = c;
+        if (!boundary_walk(f.mesh, words, cylinders.graph, cylinders.list[c].lower, walk, call.memory))
+            return call.out_of_memory();
+        for (const uint32_t spoke : walk)
+            if (!spoke_.push(spoke)) return call.out_of_memory();
+        if (!height_.push(cylinders.list[c].height) || !offset_.push(spoke_.size())) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+hmf_status ClassReference::number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call) {
+    Walk walk;
+    for (uint32_t& l : loop_) l = NONE;
+    for (uint32_t l = 0; l < loops.count(); ++l) {
+        if (!walk_on_the_left(
+                mesh, words, loops.offsets[l], loops.offsets[l + 1], [&](uint64_t i) { return loops.crossings[i]; },
+                walk, call.memory))
+            return call.out_of_memory();
+        for (size_t c = 0; c < height_.size(); ++c)
+            if (same(spoke_.data() + offset_[c], offset_[c + 1] - offset_[c], walk)) loop_[c] = l;
+    }
+    return HMF_OK;
+}
+
+void ClassReference::number_by_weight(const Array<int64_t>& weights) {
+    // Each the first loop of its weight that is left.
+    for (uint32_t& l : loop_) l = NONE;
+    for (uint32_t l = 0; l < weights.size(); ++l)
+        for (size_t c = 0; c < height_.size(); ++c)
+            if (loop_[c] == NONE && height_[c] == weights[l]) {
+                loop_[c] = l;
+                break;
+            }
+}
+
+bool ClassReference::agrees(const Array<int64_t>& weights) const {
+    if (height_.size() != weights.size()) return false;
+    for (size_t c = 0; c < height_.size(); ++c)
+        if (loop_[c] == NONE || weights[loop_[c]] != height_[c]) return false;
+    return true;
+}
+
+hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
+                                   Call& call, ClassResult& result) const {
+    result = {};
+    if (!known()) return HMF_OK;
+    Call quiet(call.memory, nullptr, nullptr, nullptr);
+    Cylinders cylinders;
+    hmf_status status = HMF_OK;
+    // All zeros are there if the sum of their indices is twice the Euler characteristic.
+    const int64_t chi =
+        static_cast<int64_t>(f.mesh.vertex_count) - f.mesh.edge_count + static_cast<int64_t>(f.mesh.face_count);
+    if (zeros.known) {
+        status = cylinders.build(f, zeros, quiet);
+        int64_t sum = 0;
+        if (!is_memory(status) && (has_pole(cylinders.graph, sum) || sum != 2 * chi)) {
+            Call again(call.memory, nullptr, nullptr, nullptr);
+            status = cylinders.build(f, nullptr, nullptr, again);
+        }
+    } else {
+        status = cylinders.build(f, nullptr, nullptr, quiet);
+    }
+    if (is_memory(status) || f.out_of_memory) return call.out_of_memory();
+    result.crossings = cylinders.graph.crossings.size();
+    result.state = ClassState::lost;
+    int64_t sum = 0;
+    if (status != HMF_OK || has_pole(cylinders.graph, sum) || sum != 2 * chi) {
+        result.loss = ClassLoss::leaves;
+        return HMF_OK;
+    }
+    // Each loop and its cylinder.
+    const size_t n = height_.size(), m = cylinders.list.size();
+    Array<uint32_t> of_loop;
+    Walk walk;
+    if (!of_loop.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    for (uint32_t d = 0; d < m; ++d) {
+        if (!boundary_walk(f.mesh, words, cylinders.graph, cylinders.list[d].lower, walk, call.memory))
+            return call.out_of_memory();
+        for (size_t c = 0; c < n; ++c)
+            if (same(spoke_.data() + offset_[c], offset_[c + 1] - offset_[c], walk)) {
+                of_loop[c] = d;
+                break;
+            }
+    }
+    for (size_t c = 0; c < n; ++c) {
+        const int64_t wanted = height_[c] * finer;
+        const int64_t found = of_loop[c] == NONE ? 0 : cylinders.list[of_loop[c]].height;
+        if (found == wanted) continue;
+        bool elsewhere = false;
+        for (const Cylinder& cylinder : cylinders.list) elsewhere |= cylinder.height == wanted;
+        result.loss = of_loop[c] == NONE && elsewhere ? ClassLoss::core : ClassLoss::height;
+        result.loop = loop_[c];
+        result.wanted = static_cast<double>(height_[c]);
+        result.found = static_cast<double>(found) / static_cast<double>(finer);
+        return HMF_OK;
+    }
+    if (m != n) {
+        result.loss = ClassLoss::leaves; // one more than there are loops
+        return HMF_OK;
+    }
+    result.state = ClassState::proven;
+    return HMF_OK;
+}
+
+} // namespace hmf

@@ -1,0 +1,77 @@
+// The certificate of the class: does a foliation belong to the weighted loops
+// that it started from?
+//
+// A foliation whose leaves are all closed is given by its cylinders: how high
+// each is, and which closed curve goes round it.  (Whitehead moves change
+// neither, and a class has one harmonic foliation.)  Both are read off in
+// integers, without trust in any step that led there:
+//
+//   heights   the critical leaves are followed out of the zeros until they
+//             close; they bound the cylinders, and the way straight across each,
+//             from critical leaf to critical leaf, is its height.  The heights are
+//             the weights of the loops, each exactly once, without any tolerance
+//   classes   a leaf that bounds a cylinder is an edge path on its left side.  Each
+//             edge has a walk in the system of quads, carried from the coarsest level
+//             exactly (edge_words.hpp); the walk along the whole leaf, made canonical,
+//             is the same for all curves that are freely homotopic, and for no other
+//             (quad_system.hpp).  It is the walk of the loop of that height
+//
+// The cost is that of the critical leaves: some thousand of a million edges.
+#pragma once
+
+#include "../homotopy/edge_words.hpp"
+#include "../loops/loops.hpp"
+#include "cylinders.hpp"
+
+namespace hmf {
+
+enum class ClassState : uint8_t { // as HMF_CLASS_*
+    unknown,                      // not looked at, or there is nothing to compare with
+    proven,                       // heights and classes of all cylinders are those of the loops
+    lost,                         // they are not
+};
+
+enum class ClassLoss : uint8_t {
+    none,
+    leaves, // the leaves do not close, or bound no cylinders
+    height, // a loop has a cylinder of another height, or none
+    core,   // the heights are right, but a cylinder goes round another curve
+};
+
+struct ClassResult {
+    ClassState state = ClassState::unknown;
+    ClassLoss loss = ClassLoss::none;
+    uint32_t loop = NONE;   // that is lost
+    double wanted = 0;      // height of its cylinder, in the unit of the reference
+    double found = 0;       // and what it is; 0: there is no cylinder round this loop
+    uint64_t crossings = 0; // of all the boundary leaves
+};
+
+class ClassReference {
+public:
+    // From a foliation that is known to belong to the loops, as the initial one
+    // is, with the walks of the edges of its mesh.  HMF_OK and known() false:
+    // its leaves do not bound cylinders, as of values that come from no loops.
+    hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
+    bool known() const { return !height_.empty(); }
+
+    // Numbers of the loops in messages: those of `loops` on the same mesh, by
+    // their classes; or by their weights, in the unit of the foliation.
+    hmf_status number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call);
+    void number_by_weight(const Array<int64_t>& weights);
+    // After one of them: one cylinder for each loop, as high as its weight.
+    bool agrees(const Array<int64_t>& weights) const;
+
+    // A foliation on a mesh with the walks of its edges, in a unit that is
+    // `finer` times as fine.
+    hmf_status compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer, Call& call,
+                       ClassResult& result) const;
+
+private:
+    Array<int64_t> height_;
+    Array<uint32_t> loop_;
+    Array<uint64_t> offset_; // of the canonical walks
+    Array<uint32_t> spoke_;
+};
+
+} // namespace hmf

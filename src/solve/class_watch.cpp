@@ -1,0 +1,85 @@
+// The certificate during a solve, and the way back; see class_watch.hpp.
+#include "solve.hpp"
+
+namespace hmf {
+
+hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
+                             Call& call) {
+    const double begin = call.seconds();
+    const Mesh& mesh = state.foliation.mesh;
+    state.words = nullptr;
+    started = false;
+    zeros.known = false;
+    zeros.vertices.start(call.memory);
+    zeros.tripods.start(call.memory);
+    unit = unit_of_values;
+    // Room for the finest level.
+    if (!words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory)) return call.out_of_memory();
+    if (reference.take(state.foliation, words, call)) return call.status();
+    if (reference.known()) {
+        if (loops) {
+            if (reference.number_by_class(mesh, words, *loops, call)) return call.status();
+        } else if (!weights.empty()) {
+            reference.number_by_weight(weights);
+        }
+        started = weights.empty() || reference.agrees(weights);
+        if (started) state.words = &words;
+    }
+    seconds += call.seconds() - begin;
+    return HMF_OK;
+}
+
+hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
+    result = {};
+    if (!started) return HMF_OK;
+    const double begin = call.seconds();
+    const int64_t finer = static_cast<int64_t>(unit / unit_of_values);
+    const hmf_status status = reference.compare(state.foliation, words, zeros, finer, call, result);
+    zeros.known = false; // the values go on changing
+    if (!holds()) lost = result;
+    seconds += call.seconds() - begin;
+    return status;
+}
+
+hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                          ClassWatch& watch) {
+    const size_t start = state.level;
+    const Side side = state.side;
+    const double unit = recorder.unit();
+    const int64_t largest = state.largest_input_value;
+    const TransportStatistics statistics = state.statistics;
+    Foliation& f = state.foliation;
+    Array<int64_t> values;
+    if (watch.started && options.method == HMF_METHOD_NEWTON) {
+        if (!values.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
+        std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
+    }
+    hmf_status status = run_cascade(state, options, call, recorder, &watch);
+    if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
+    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (watch.holds() || values.empty()) return status;
+    if (call.finishing()) return HMF_CANCELLED; // there is no time for another try
+    if (call.out_of_time()) return HMF_LIMIT_TIME;
+
+    // Once more, on the safe side.
+    state.load(start, side);
+    std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
+    recorder.set_unit(unit);
+    state.largest_input_value = largest;
+    state.statistics = statistics;
+    if (!watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
+        return call.out_of_memory();
+    SolveOptions careful = options;
+    careful.guarded = true;
+    recorder.certificate.known = false;
+    recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight), -1);
+    status = run_cascade(state, careful, call, recorder, &watch);
+    if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
+    const ClassResult lost = watch.lost;
+    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (watch.holds()) watch.lost = lost;
+    else if (status == HMF_OK) status = HMF_LIMIT_CLASS;
+    return status;
+}
+
+} // namespace hmf
