@@ -3,9 +3,22 @@
 
 namespace cli {
 
+Option repair_option(bool& target) {
+    return {"--repair", &target, "",
+            "repairs that lose nothing: drop triangles that repeat a vertex or each other and unused\n"
+            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense"};
+}
+
+Option join_option(bool& target) {
+    return Option{"--join-points", &target, "", "repair: join vertices at the same point first"}.requires_one_of(
+        "--repair");
+}
+
 Options solve_options(SolveRequest& r) {
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        repair_option(r.repairs),
+        join_option(r.joins),
         Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
                "cut: as many as the genus, together they cut the surface into one planar piece;\n"
                "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 that leave pairs of pants;\n"
@@ -45,6 +58,9 @@ Options solve_options(SolveRequest& r) {
             .requires_one_of("--report"),
         Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
+        Option{"--save-mesh", &r.save_mesh, "FILE.obj",
+               "the mesh as it was solved, after --repair; all outputs refer to it"}
+            .writes(".obj"),
         Option{"--image", &r.image, "FILE.png", "stripes, zeros blue, poles yellow, loops green"}.writes(".png"),
         Option{"--pattern", Choice{&r.checkerboard, {{"stripes", 0}, {"checkerboard", 1}}}, "stripes|checkerboard",
                "of the picture; squares are (u, v)"}
