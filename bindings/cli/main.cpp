@@ -39,16 +39,17 @@ int solve_command(const Words& words, bool help) {
 }
 
 int info_command(const Words& words, bool help) {
-    std::string mesh;
-    bool json = false;
+    InfoRequest request;
     Options options = {
-        Option{"MESH", &mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
-        Option{"--json", &json, "", "print JSON"},
+        Option{"MESH", &request.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        Option{"--json", &request.json, "", "print JSON"},
+        repair_option(request.repairs),
+        join_option(request.joins),
     };
     if (help) print_help(options, "info", "Is a mesh usable?  Counts, genus, quality.");
     else {
         parse(options, words, "info");
-        info(mesh, json);
+        info(request);
     }
     return EXIT_SOLVED;
 }
