@@ -56,7 +56,21 @@ static std::string in_words_of_tool(std::string message) {
     return kept;
 }
 
-void fail_with(hmf_status status, const hmf_error& error, const std::string& subject) {
+std::string repair_advice(hmf_status status, bool repairs, bool joins) {
+    const auto unless_given = [&](const char* text) { return repairs ? "" : text; };
+    switch (status) {
+    case HMF_ERROR_MESH_REPEATED_VERTEX: return unless_given("; --repair drops such triangles");
+    case HMF_ERROR_MESH_UNUSED_VERTEX: return unless_given("; --repair drops such vertices");
+    case HMF_ERROR_MESH_ORIENTATION: return unless_given("; --repair turns patches to one sense");
+    case HMF_ERROR_MESH_NON_MANIFOLD_VERTEX:
+    case HMF_ERROR_MESH_NON_MANIFOLD_EDGE:
+        return unless_given("; --repair drops duplicate triangles and takes sheets apart that touch there");
+    case HMF_ERROR_MESH_BOUNDARY: return joins ? "" : "; --repair --join-points joins vertices at the same point";
+    default: return "";
+    }
+}
+
+void fail_with(hmf_status status, const hmf_error& error, const std::string& subject, const std::string& advice) {
     if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, subject + ": interrupted before there was a result");
     std::string sentence = subject + ": " + hmf_status_string(status);
     if (error.status == status) {
@@ -65,7 +79,8 @@ void fail_with(hmf_status status, const hmf_error& error, const std::string& sub
         const std::string message = in_words_of_tool(error.message);
         if (!message.empty()) sentence += ": " + message;
     }
-    throw Failure(exit_status_of(status), sentence);
+    if (!advice.empty() && sentence.back() == '.') sentence.pop_back();
+    throw Failure(exit_status_of(status), sentence + advice);
 }
 
 std::string limit_sentence(hmf_status status, const hmf_error& error) {

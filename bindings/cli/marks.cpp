@@ -46,19 +46,25 @@ std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count) {
     return marks;
 }
 
-std::vector<uint32_t> suggested_marks(const TriangleMesh& mesh, const hmf_build_options& options,
-                                      const hmf_control* control, const std::string& subject) {
-    if (!may_be_sphere(mesh)) return {};
-    const auto set = make<hmf_mark_set>(subject, [&](hmf_mark_set** out, hmf_error* error) {
-        return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                 mesh.triangle_count(), &options, control, out, error);
-    });
-    return {set->vertices, set->vertices + set->count};
+hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
+                         std::vector<uint32_t>& marks, hmf_error& error) {
+    // By its numbers of vertices and triangles; what else is wrong with a mesh the library tells.
+    if (mesh.triangle_count() + 4 != 2 * mesh.vertex_count()) return HMF_OK;
+    hmf_mark_set* raw = nullptr;
+    const hmf_status status = hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                mesh.triangle_count(), &options, control, &raw, &error);
+    const Owned<hmf_mark_set> set(raw);
+    if (set) marks.assign(set->vertices, set->vertices + set->count);
+    return status;
 }
 
-std::string sentence_of(const std::vector<uint32_t>& suggested) {
+std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components) {
     std::string text = "marked " + std::to_string(suggested.size()) + " vertices, two at each of "
-                     + std::to_string(suggested.size() / 2) + " tips:";
+                     + std::to_string(suggested.size() / 2) + " tips";
+    if (components > 1)
+        return text + " of " + std::to_string(components)
+             + " components (--save-marks FILE for all, --marks FILE for others)";
+    text += ":";
     for (const uint32_t v : suggested) text += " " + std::to_string(v);
     return text + " (--marks FILE for others)";
 }

@@ -10,18 +10,15 @@
 
 namespace cli {
 
-// By its numbers of vertices and triangles; what else is wrong with a mesh the library tells.
-inline bool may_be_sphere(const TriangleMesh& mesh) { return mesh.triangle_count() + 4 == 2 * mesh.vertex_count(); }
-
 // Vertex indices, with blanks, commas or ends of lines between them; # begins a comment.  Throws Failure.
 std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count);
 
-// None but on a sphere.  subject: in sentences.  Throws Failure.
-std::vector<uint32_t> suggested_marks(const TriangleMesh& mesh, const hmf_build_options& options,
-                                      const hmf_control* control, const std::string& subject);
+// None but on a sphere; statuses as of hmf_build.
+hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
+                         std::vector<uint32_t>& marks, hmf_error& error);
 
-// What the library has chosen, in a sentence.
-std::string sentence_of(const std::vector<uint32_t>& suggested);
+// What the library has chosen on so many components, in a sentence.
+std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components);
 
 void write_marks(const std::string& path, const std::vector<uint32_t>& marks);
 

@@ -3,9 +3,22 @@
 
 namespace cli {
 
+Option repair_option(bool& target) {
+    return {"--repair", &target, "",
+            "repairs that lose nothing: drop triangles that repeat a vertex or each other and unused\n"
+            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense"};
+}
+
+Option join_option(bool& target) {
+    return Option{"--join-points", &target, "", "repair: join vertices at the same point first"}.requires_one_of(
+        "--repair");
+}
+
 Options solve_options(SolveRequest& r) {
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        repair_option(r.repairs),
+        join_option(r.joins),
         Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
                "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
                "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
@@ -51,6 +64,9 @@ Options solve_options(SolveRequest& r) {
             .requires_one_of("--report"),
         Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
+        Option{"--save-mesh", &r.save_mesh, "FILE.obj",
+               "the mesh as it was solved, after --repair; all outputs refer to it"}
+            .writes(".obj"),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
         Option{"--image", &r.image, "FILE.png",
                "stripes, zeros blue, marked vertices violet, poles yellow, loops green"}
