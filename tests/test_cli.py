@@ -241,6 +241,10 @@ class Meshes(Case):
         text = self.run_tool("info", sphere).stdout
         self.assertIn("genus 0", text)
         self.assertIn("%d vertices, two at each of %d tips" % (len(marks), len(marks) // 2), text)
+        # Two triangles back to back have no four vertices to mark.
+        pillow = self.write("pillow.obj", obj_text(points[:3], [(0, 1, 2), (0, 2, 1)]))
+        for command in ("info", "solve"):
+            self.refused(3, command, pillow, says=["pillow.obj", "genus 0"])
         # What else is wrong with a mesh that has as many vertices and triangles as a sphere.
         for name, faces, says in (("turned", triangles[:-1] + [triangles[-1][::-1]], "triangle"), ("triple", triangles[:-1] + triangles[:1], "edge")):
             path = self.write(name + ".obj", obj_text(points, faces))

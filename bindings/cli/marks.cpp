@@ -49,7 +49,9 @@ std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count) {
 hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
                          std::vector<uint32_t>& marks, hmf_error& error) {
     // By its numbers of vertices and triangles; what else is wrong with a mesh the library tells.
-    if (mesh.triangle_count() + 4 != 2 * mesh.vertex_count()) return HMF_OK;
+    const bool may_be_sphere = mesh.triangle_count() + 4 == 2 * mesh.vertex_count();
+    // Two triangles back to back are one as well, but have no four vertices to mark.
+    if (!may_be_sphere || mesh.vertex_count() < 4) return HMF_OK;
     hmf_mark_set* raw = nullptr;
     const hmf_status status = hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                                 mesh.triangle_count(), &options, control, &raw, &error);
