@@ -34,7 +34,8 @@ Json failed(const std::string& mesh, int status, const std::string& sentence) {
     return {{"version", version_text()},
             {"input", mesh},
             {"exit_status", status},
-            {"errors", std::vector<std::string>{sentence}}};
+            {"errors", std::vector<std::string>{sentence}},
+            {"class", "none"}};
 }
 
 int status_in(const Json& result) {
@@ -149,7 +150,8 @@ ExitStatus batch(const std::vector<std::string>& words, bool help) {
     // Options of solve that say how, not what to write.
     const size_t own = options.size();
     for (const Option& o : solve_options(unused))
-        if (o.name[0] == '-' && o.role != Option::OUTPUT && (!o.needs[0] || std::strcmp(o.needs, "--report") == 0))
+        if (o.name[0] == '-' && o.role != Option::OUTPUT
+            && (!o.needs[0] || std::strcmp(o.needs, "--report") == 0 || std::strcmp(o.needs, "--repair") == 0))
             options.push_back(o);
     if (help) {
         print_help(options, "batch", "Solves every mesh of a folder; exit status 0 if all were tried.");

@@ -22,7 +22,15 @@ struct Failure : std::runtime_error {
 };
 
 // Throws what a status of the library means for the caller of the tool.
-// subject: the file that the element of the error belongs to.
-[[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject);
+// subject: the file that the element of the error belongs to.  advice: follows the sentence.
+[[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject,
+                            const std::string& advice = "");
+
+// What --repair and --join-points would do about a mesh that is refused with this status, after a semicolon; "" where
+// they were given, or do not help.
+std::string repair_advice(hmf_status status, bool repairs, bool joins);
+
+// Why a solve with a foliation ended early.
+std::string limit_sentence(hmf_status status, const hmf_error& error);
 
 } // namespace cli

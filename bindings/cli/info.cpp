@@ -7,47 +7,67 @@
 
 #include "../readers/json.hpp"
 #include "library.hpp"
+#include "marks.hpp"
 #include "progress.hpp"
-#include "read_mesh.hpp"
+#include "split_mesh.hpp"
 
 namespace cli {
 
-void info(const std::string& path, bool json) {
-    const TriangleMesh mesh = read_mesh(path);
-    const std::string mesh_name = shown(path);
-    Progress progress;
+using readers::Json;
+
+namespace {
+
+// What the library says of a component.
+struct Finding {
+    hmf_status status = HMF_OK;
+    hmf_error error{};
+    size_t genus = 0;
+    uint64_t edges = 0, negative = 0; // negative: edges that are not Delaunay
+    std::vector<uint32_t> marks;      // that the library suggests
+};
+
+Finding look_at(const TriangleMesh& mesh, const std::string& mesh_name, const hmf_control* control) {
     hmf_build_options options = {};
     options.struct_size = sizeof options;
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
-    const hmf_control* const control = progress.part("check", 0, 1);
     hmf_hierarchy* raw = nullptr;
-    hmf_error error{};
-    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                        mesh.triangle_count(), &options, control, &raw, &error);
+    Finding found;
+    found.status = suggest_marks(mesh, options, control, found.marks, found.error);
+    options.marked_vertices = found.marks.data();
+    options.marked_count = found.marks.size();
+    if (found.status == HMF_OK)
+        found.status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, control, &raw, &found.error);
     const Owned<hmf_hierarchy> hierarchy(raw);
-    progress.clear();
-    if (status != HMF_OK) {
-        if (json && status >= 300 && status < 400) {
-            const readers::Json refused = {{"mesh", mesh_name},        {"valid", false},
-                                           {"status", status},         {"text", hmf_status_string(status)},
-                                           {"message", error.message}, {"index", error.index}};
-            std::printf("%s\n", refused.dump(2).c_str());
-        }
-        fail_with(status, error, mesh_name);
+    if (found.status != HMF_OK) {
+        if (found.status < 300 || found.status >= 400) fail_with(found.status, found.error, mesh_name);
+        return found;
     }
-
+    hmf_error error{};
     hmf_level_info counts{};
     check(hmf_level_counts(hierarchy.get(), 0, &counts, &error), error, mesh_name);
     std::vector<double> weights(counts.edge_count);
     check(hmf_level_weights(hierarchy.get(), 0, weights.data(), weights.size(), &error), error, mesh_name);
-    const auto negative = std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; });
-    double low[3] = {}, high[3] = {}, area = 0, least_angle = 180, largest_angle = 0, edge_sum = 0;
+    found.edges = counts.edge_count;
+    found.genus = hmf_genus(hierarchy.get());
+    found.negative =
+        static_cast<uint64_t>(std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; }));
+    return found;
+}
+
+struct Quality {
+    double low[3] = {}, high[3] = {}, area = 0, least_angle = 180, largest_angle = 0, mean_edge = 0;
+};
+
+Quality quality_of(const TriangleMesh& mesh) {
+    Quality q;
+    double edge_sum = 0;
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
         for (size_t a = 0; a < 3; ++a) {
             const double x = mesh.positions[3 * v + a];
-            low[a] = v ? std::min(low[a], x) : x;
-            high[a] = v ? std::max(high[a], x) : x;
+            q.low[a] = v ? std::min(q.low[a], x) : x;
+            q.high[a] = v ? std::max(q.high[a], x) : x;
         }
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
         double square[3];
@@ -60,49 +80,129 @@ void info(const std::string& path, bool json) {
             }
             edge_sum += std::sqrt(square[s]);
         }
-        const double p = square[0], q = square[1], r = square[2];
-        const double twice = 0.5 * std::sqrt(std::max(0.0, 4 * p * q - (p + q - r) * (p + q - r)));
-        area += twice / 2;
+        const double a = square[0], b = square[1], c = square[2];
+        const double twice = 0.5 * std::sqrt(std::max(0.0, 4 * a * b - (a + b - c) * (a + b - c)));
+        q.area += twice / 2;
         for (size_t s = 0; s < 3; ++s) {
             const double cosine_side = (square[s] + square[(s + 1) % 3] - square[(s + 2) % 3]) / 2;
             const double angle = std::atan2(twice, cosine_side) * 57.29577951308232;
-            least_angle = std::min(least_angle, angle);
-            largest_angle = std::max(largest_angle, angle);
+            q.least_angle = std::min(q.least_angle, angle);
+            q.largest_angle = std::max(q.largest_angle, angle);
         }
     }
-    const double mean_edge = edge_sum / double(3 * mesh.triangle_count());
-    const size_t genus = hmf_genus(hierarchy.get());
-    const uint64_t memory = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), nullptr);
-    if (json) {
-        const readers::Json report = {{"mesh", mesh_name},
-                                      {"valid", true},
-                                      {"vertices", counts.vertex_count},
-                                      {"edges", counts.edge_count},
-                                      {"triangles", counts.triangle_count},
-                                      {"genus", genus},
-                                      {"non_delaunay_edges", negative},
-                                      {"min_angle", least_angle},
-                                      {"max_angle", largest_angle},
-                                      {"mean_edge_length", mean_edge},
-                                      {"area", area},
-                                      {"box_low", std::vector<double>(low, low + 3)},
-                                      {"box_high", std::vector<double>(high, high + 3)},
-                                      {"memory_estimate_bytes", memory}};
-        std::printf("%s\n", report.dump(2).c_str());
-        return;
+    q.mean_edge = edge_sum / double(3 * mesh.triangle_count());
+    return q;
+}
+
+} // namespace
+
+void info(const InfoRequest& request) {
+    const std::string mesh_name = shown(request.mesh);
+    TriangleMesh mesh = read_mesh(request.mesh);
+    readers::Repairs repairs;
+    if (request.repairs) repairs = repair_mesh(mesh, request.joins, mesh_name);
+    const Quality q = quality_of(mesh);
+    const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
+    const std::vector<readers::Component> parts = split_mesh(mesh, mesh_name);
+    const bool alone = parts.size() == 1;
+    Progress progress;
+    Json::Array rows;
+    std::vector<std::string> lines;
+    Finding total;
+    size_t good = 0, boundaries = 0;
+    uint64_t memory = 0;
+    for (size_t k = 0; k < parts.size(); ++k) {
+        const TriangleMesh& part = parts[k].mesh;
+        const double from = double(k) / double(parts.size()), to = double(k + 1) / double(parts.size());
+        const Finding found = look_at(part, mesh_name, progress.part("check", from, to));
+        if (alone) total = found;
+        const uint64_t edges = found.status == HMF_OK ? found.edges : readers::edges_of(part).count();
+        const size_t open = found.status == HMF_OK ? 0 : readers::boundary_count(part);
+        memory += hmf_memory_estimate(part.vertex_count(), part.triangle_count(), nullptr);
+        Json row = {{"valid", found.status == HMF_OK},
+                    {"vertices", part.vertex_count()},
+                    {"edges", edges},
+                    {"triangles", part.triangle_count()},
+                    {"boundaries", open}};
+        std::string line;
+        if (found.status == HMF_OK) {
+            row.set("genus", found.genus);
+            line = "genus " + std::to_string(found.genus);
+            if (!found.marks.empty()) line += ", " + std::to_string(found.marks.size() / 2) + " tips to mark";
+        } else {
+            const std::string advice = repair_advice(found.status, request.repairs, request.joins);
+            row.set("status", found.status);
+            row.set("text", hmf_status_string(found.status));
+            line = hmf_status_string(found.status) + advice;
+        }
+        if (!alone) {
+            row.set("first_triangle", parts[k].triangles[0]);
+            total.edges += edges;
+            total.genus += found.genus;
+            total.negative += found.negative;
+            for (const uint32_t v : found.marks) total.marks.push_back(parts[k].vertices[v]);
+            lines.push_back(name_of_component(parts[k], k) + ": " + line);
+        }
+        good += found.status == HMF_OK;
+        boundaries += open;
+        rows.push_back(row);
     }
-    std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), genus);
-    std::printf("  vertices       %llu\n", static_cast<unsigned long long>(counts.vertex_count));
-    std::printf("  edges          %llu\n", static_cast<unsigned long long>(counts.edge_count));
-    std::printf("  triangles      %llu\n", static_cast<unsigned long long>(counts.triangle_count));
-    std::printf("  not Delaunay   %lld edges (%.2f %%)\n", static_cast<long long>(negative),
-                100.0 * double(negative) / double(counts.edge_count));
-    std::printf("  angles         %.3f to %.3f degrees\n", least_angle, largest_angle);
-    std::printf("  mean edge      %.6g\n", mean_edge);
-    std::printf("  area           %.6g\n", area);
-    std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", low[0], low[1], low[2], high[0], high[1],
-                high[2]);
-    std::printf("  memory to build, at most %.1f MB\n", double(memory) / 1e6);
+    progress.clear();
+    if (request.json) {
+        Json report = {{"mesh", mesh_name}, {"valid", good > 0}};
+        if (request.repairs) report.set("repairs", repairs.sentences());
+        if (total.status != HMF_OK) {
+            report.set("status", total.status);
+            report.set("text", hmf_status_string(total.status));
+            report.set("message", total.error.message);
+            report.set("index", total.error.index);
+        } else {
+            report.set("vertices", vertices);
+            report.set("edges", total.edges);
+            report.set("triangles", triangles);
+            report.set("genus", total.genus);
+            report.set("suggested_marks", total.marks);
+            report.set("non_delaunay_edges", total.negative);
+            report.set("min_angle", q.least_angle);
+            report.set("max_angle", q.largest_angle);
+            report.set("mean_edge_length", q.mean_edge);
+            report.set("area", q.area);
+            report.set("box_low", std::vector<double>(q.low, q.low + 3));
+            report.set("box_high", std::vector<double>(q.high, q.high + 3));
+            report.set("memory_estimate_bytes", memory);
+        }
+        report.set("boundaries", boundaries);
+        if (alone) report.set("components", 1);
+        else report.set("components", rows);
+        std::printf("%s\n", report.dump(2).c_str());
+    }
+    if (total.status != HMF_OK)
+        fail_with(total.status, total.error, mesh_name, repair_advice(total.status, request.repairs, request.joins));
+    if (!request.json) {
+        if (alone) std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), total.genus);
+        else
+            std::printf("%s: %zu components, %zu of them closed oriented manifolds, genus %zu\n", mesh_name.c_str(),
+                        parts.size(), good, total.genus);
+        if (!total.marks.empty())
+            std::printf(
+                "  to mark        %zu vertices, two at each of %zu tips; hmf solve marks them unless it is told "
+                "others\n",
+                total.marks.size(), total.marks.size() / 2);
+        std::printf("  vertices       %zu\n", vertices);
+        std::printf("  edges          %llu\n", static_cast<unsigned long long>(total.edges));
+        std::printf("  triangles      %zu\n", triangles);
+        if (boundaries > 0) std::printf("  boundaries     %zu\n", boundaries);
+        std::printf("  not Delaunay   %llu edges (%.2f %%)\n", static_cast<unsigned long long>(total.negative),
+                    100.0 * double(total.negative) / double(total.edges));
+        std::printf("  angles         %.3f to %.3f degrees\n", q.least_angle, q.largest_angle);
+        std::printf("  mean edge      %.6g\n", q.mean_edge);
+        std::printf("  area           %.6g\n", q.area);
+        std::printf("  box            %.6g %.6g %.6g  to  %.6g %.6g %.6g\n", q.low[0], q.low[1], q.low[2], q.high[0],
+                    q.high[1], q.high[2]);
+        std::printf("  memory to build, at most %.1f MB\n", double(memory) / 1e6);
+        for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
+    }
+    if (good == 0) throw Failure(EXIT_BAD_INPUT, mesh_name + ": no component carries a foliation");
 }
 
 } // namespace cli

@@ -5,7 +5,13 @@
 
 namespace cli {
 
-// Prints to standard output; throws Failure where the mesh is refused.
-void info(const std::string& path, bool json);
+struct InfoRequest {
+    std::string mesh;
+    bool json = false;
+    bool repairs = false, joins = false;
+};
+
+// Prints to standard output; throws Failure where no component of the mesh is usable.
+void info(const InfoRequest& request);
 
 } // namespace cli

@@ -1,5 +1,6 @@
 #include "leaves.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "output.hpp"
@@ -8,7 +9,7 @@ namespace cli {
 
 namespace {
 
-void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint64_t& before) {
+void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint32_t first_cylinder, uint64_t& before) {
     for (uint64_t p = 0; p < 3 * l.point_count; p += 3)
         std::fprintf(file, "v %.9g %.9g %.9g\n", l.points[p], l.points[p + 1], l.points[p + 2]);
     for (uint64_t k = 0; k < l.line_count; ++k) {
@@ -17,7 +18,7 @@ void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint
         if (k == 0 || critical != (l.lines[k - 1].kind == HMF_LINE_CRITICAL)
             || (!critical && line.cylinder != l.lines[k - 1].cylinder)) {
             if (critical) std::fprintf(file, "g critical\n");
-            else std::fprintf(file, "g %s_%u\n", cylinder_group, line.cylinder);
+            else std::fprintf(file, "g %s_%u\n", cylinder_group, first_cylinder + line.cylinder);
         }
         if (l.offsets[k + 1] - l.offsets[k] < 2) continue;
         std::fputc('l', file);
@@ -31,49 +32,75 @@ void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint
 
 } // namespace
 
-size_t write_leaves(const std::string& path, const hmf_foliation* foliation, double spacing, bool conjugate,
-                    const hmf_control* control, const std::string& mesh_name) {
+Leaves trace_leaves(const hmf_foliation* foliation, double spacing, bool conjugate, const hmf_control* control,
+                    const std::string& subject) {
     hmf_trace_options options = {};
     options.struct_size = sizeof options;
     options.critical = 1;
     options.spacing = spacing;
     const auto trace = [&] {
-        return make<hmf_lines>(mesh_name, [&](hmf_lines** out, hmf_error* error) {
+        return make<hmf_lines>(subject, [&](hmf_lines** out, hmf_error* error) {
             return hmf_trace(foliation, &options, control, out, error);
         });
     };
-    const Owned<hmf_lines> leaves = trace();
-    Owned<hmf_lines> across;
+    Leaves leaves;
+    leaves.along = trace();
     if (conjugate) {
         options.critical = 0;
         options.leaves = HMF_LEAVES_CONJUGATE;
-        across = trace();
+        leaves.across = trace();
     }
-    Output output(path);
-    uint64_t before = 0;
-    print(output.file(), *leaves, "cylinder", before);
-    if (across) print(output.file(), *across, "across", before);
-    output.close();
-    return leaves->line_count + (across ? across->line_count : 0);
+    return leaves;
 }
 
-size_t write_quads(const std::string& path, const hmf_foliation* foliation, double size, const hmf_control* control,
-                   const std::string& mesh_name) {
+size_t write_leaves(const std::string& path, const std::vector<Leaves>& components) {
+    Output output(path);
+    uint64_t before = 0;
+    size_t count = 0;
+    uint32_t cylinders = 0;
+    for (const Leaves& leaves : components) {
+        uint32_t own = 0;
+        print(output.file(), *leaves.along, "cylinder", cylinders, before);
+        if (leaves.across) print(output.file(), *leaves.across, "across", cylinders, before);
+        for (uint64_t k = 0; k < leaves.along->line_count; ++k)
+            if (const uint32_t cylinder = leaves.along->lines[k].cylinder; cylinder != HMF_NONE)
+                own = std::max(own, cylinder + 1);
+        cylinders += own;
+        count += leaves.along->line_count + (leaves.across ? leaves.across->line_count : 0);
+    }
+    output.close();
+    return count;
+}
+
+Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, double size, const hmf_control* control,
+                                const std::string& subject) {
     hmf_quad_options options = {};
     options.struct_size = sizeof options;
     options.edge_length = size;
-    const auto mesh = make<hmf_quad_mesh>(mesh_name, [&](hmf_quad_mesh** out, hmf_error* error) {
+    return make<hmf_quad_mesh>(subject, [&](hmf_quad_mesh** out, hmf_error* error) {
         return hmf_quads(foliation, &options, control, out, error);
     });
+}
+
+size_t write_quads(const std::string& path, const std::vector<Owned<hmf_quad_mesh>>& components) {
     Output output(path);
-    for (uint64_t v = 0; v < 3 * mesh->vertex_count; v += 3)
-        std::fprintf(output.file(), "v %.9g %.9g %.9g\n", mesh->positions[v], mesh->positions[v + 1],
-                     mesh->positions[v + 2]);
-    for (uint64_t q = 0; q < 4 * mesh->quad_count; q += 4)
-        std::fprintf(output.file(), "f %u %u %u %u\n", mesh->quads[q] + 1, mesh->quads[q + 1] + 1,
-                     mesh->quads[q + 2] + 1, mesh->quads[q + 3] + 1);
+    size_t count = 0;
+    uint64_t before = 1; // OBJ counts from 1
+    for (const Owned<hmf_quad_mesh>& mesh : components) {
+        for (uint64_t v = 0; v < 3 * mesh->vertex_count; v += 3)
+            std::fprintf(output.file(), "v %.9g %.9g %.9g\n", mesh->positions[v], mesh->positions[v + 1],
+                         mesh->positions[v + 2]);
+        for (uint64_t q = 0; q < 4 * mesh->quad_count; q += 4) {
+            std::fputc('f', output.file());
+            for (uint64_t c = q; c < q + 4; ++c)
+                std::fprintf(output.file(), " %llu", static_cast<unsigned long long>(before + mesh->quads[c]));
+            std::fputc('\n', output.file());
+        }
+        before += mesh->vertex_count;
+        count += mesh->quad_count;
+    }
     output.close();
-    return mesh->quad_count;
+    return count;
 }
 
 } // namespace cli

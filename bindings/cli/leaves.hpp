@@ -1,19 +1,32 @@
 // What follows from the leaves of a result: polylines, cylinders, quads.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "library.hpp"
 
 namespace cli {
 
-// Level sets about `spacing` apart and the critical leaves, as OBJ with one `l`
-// element each, in groups cylinder_K and critical.  conjugate: also lines across
-// the cylinders, in groups across_K.  Returns the number of lines; throws Failure.
-size_t write_leaves(const std::string& path, const hmf_foliation* foliation, double spacing, bool conjugate,
-                    const hmf_control* control, const std::string& mesh_name);
+// Polylines of one foliation.
+struct Leaves {
+    Owned<hmf_lines> along, across; // across may be NULL
+};
 
-// A quad mesh along the leaves as OBJ; size: wished length of an edge, 0 = the
-// default.  Returns the number of quads; throws Failure.
-size_t write_quads(const std::string& path, const hmf_foliation* foliation, double size, const hmf_control* control,
-                   const std::string& mesh_name);
+// Level sets about `spacing` apart and the critical leaves; conjugate: also lines across the cylinders.  Throws
+// Failure.
+Leaves trace_leaves(const hmf_foliation* foliation, double spacing, bool conjugate, const hmf_control* control,
+                    const std::string& subject);
+
+// As OBJ with one `l` element each, in groups cylinder_K, critical and across_K; the cylinders of one component come
+// after those of another.  Returns the number of lines; throws Failure.
+size_t write_leaves(const std::string& path, const std::vector<Leaves>& components);
+
+// A quad mesh along the leaves; size: wished length of an edge, 0 = the default.  Throws Failure.
+Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, double size, const hmf_control* control,
+                                const std::string& subject);
+
+// As one OBJ.  Returns the number of quads; throws Failure.
+size_t write_quads(const std::string& path, const std::vector<Owned<hmf_quad_mesh>>& components);
 
 } // namespace cli

@@ -28,21 +28,28 @@ int solve_command(const Words& words, bool help) {
     // An output on standard output stays alone there.
     std::fprintf(outcome.uses_stdout ? stderr : stdout, "%s\n", outcome.summary.c_str());
     std::fflush(stdout);
+    // A file may have thousands of components; the report names all.
+    constexpr size_t most_notes = 20;
+    for (size_t n = 0; n < std::min(most_notes, outcome.notes.size()); ++n)
+        std::fprintf(stderr, "hmf: %s\n", outcome.notes[n].c_str());
+    if (outcome.notes.size() > most_notes)
+        std::fprintf(stderr, "hmf: and %zu more; --report names all\n", outcome.notes.size() - most_notes);
     for (const std::string& error : outcome.errors) std::fprintf(stderr, "hmf: %s\n", error.c_str());
     return outcome.exit_status;
 }
 
 int info_command(const Words& words, bool help) {
-    std::string mesh;
-    bool json = false;
+    InfoRequest request;
     Options options = {
-        Option{"MESH", &mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
-        Option{"--json", &json, "", "print JSON"},
+        Option{"MESH", &request.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        Option{"--json", &request.json, "", "print JSON"},
+        repair_option(request.repairs),
+        join_option(request.joins),
     };
     if (help) print_help(options, "info", "Is a mesh usable?  Counts, genus, quality.");
     else {
         parse(options, words, "info");
-        info(mesh, json);
+        info(request);
     }
     return EXIT_SOLVED;
 }

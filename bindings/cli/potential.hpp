@@ -18,6 +18,9 @@ struct Foliation {
     std::vector<double> values;            // F, 1 per edge
     std::vector<hmf_singularity> singular; // zeros and poles
     std::vector<double> loop_weights;      // all > 0
+    std::vector<uint32_t> component;       // of each triangle; empty: all are one
+    std::vector<uint8_t> is_bare;          // of each component, where there are several: without a foliation
+    bool is_bare_at(size_t t) const { return !component.empty() && is_bare[component[t]]; }
     size_t triangle_count() const { return triangles.size() / 3; }
 };
 

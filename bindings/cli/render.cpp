@@ -39,7 +39,7 @@ Vec unit(Vec a) {
 
 using Colour = Vec; // linear light
 constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02},
-    VIOLET{0.45, 0.05, 0.55}, GREEN{0.01, 0.33, 0.06};
+    VIOLET{0.45, 0.05, 0.55}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42};
 
 // Principal axes of the points, the smallest first, by Jacobi rotations.
 std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
@@ -371,17 +371,19 @@ private:
 
 // Normal of each corner: mean over the triangles around its vertex that do not
 // lie beyond a crease, weighted by their angles.  Outward.
-std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vector<uint32_t>& triangles) {
+std::vector<Vec> corner_normals(const std::vector<Vec>& points, const Foliation& foliation) {
+    const std::vector<uint32_t>& triangles = foliation.triangles;
     const size_t count = triangles.size() / 3;
     std::vector<Vec> face(count), normal(3 * count);
     std::vector<double> angle(3 * count);
     std::vector<size_t> start(points.size() + 1, 0);
-    double volume = 0;
+    std::vector<double> volume(std::max<size_t>(1, foliation.is_bare.size()), 0.0); // of each component
+    const auto component = [&](size_t t) { return foliation.component.empty() ? 0 : foliation.component[t]; };
     for (size_t t = 0; t < count; ++t) {
         Vec p[3];
         for (size_t c = 0; c < 3; ++c) p[c] = points[triangles[3 * t + c]] - points[0];
         const Vec n = cross(p[1] - p[0], p[2] - p[0]);
-        volume += dot(p[0], n);
+        volume[component(t)] += dot(p[0], n);
         face[t] = unit(n);
         for (size_t c = 0; c < 3; ++c) {
             const Vec a = unit(p[(c + 1) % 3] - p[c]), b = unit(p[(c + 2) % 3] - p[c]);
@@ -389,7 +391,6 @@ std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vecto
             ++start[triangles[3 * t + c] + 1];
         }
     }
-    const double outward = volume < 0 ? -1 : 1;
     for (size_t v = 0; v < points.size(); ++v) start[v + 1] += start[v];
     std::vector<size_t> around(3 * count), filled(start.begin(), start.end() - 1);
     for (size_t k = 0; k < 3 * count; ++k) around[filled[triangles[k]]++] = k;
@@ -399,7 +400,7 @@ std::vector<Vec> corner_normals(const std::vector<Vec>& points, const std::vecto
         for (size_t r = start[v]; r < start[v + 1]; ++r)
             if (dot(face[around[r] / 3], face[k / 3]) > CREASE_COSINE)
                 sum = sum + angle[around[r]] * face[around[r] / 3];
-        normal[k] = outward * unit(sum);
+        normal[k] = (volume[component(k / 3)] < 0 ? -1.0 : 1.0) * unit(sum);
     }
     return normal;
 }
@@ -467,7 +468,7 @@ double pattern_period(const Foliation& foliation, const Potential& potential) {
     return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
 }
 
-Image render(const Foliation& foliation, const Potential& potential, const hmf_parameterization* checkerboard,
+Image render(const Foliation& foliation, const Potential& potential, const double* corner_uv,
              const std::vector<Line>& loops) {
     std::vector<Vec> points(foliation.positions.size() / 3);
     for (size_t v = 0; v < points.size(); ++v)
@@ -479,7 +480,7 @@ Image render(const Foliation& foliation, const Potential& potential, const hmf_p
     }
     const double size = std::sqrt(dot(high - low, high - low));
     const Camera camera = place_camera(points);
-    const std::vector<Vec> normals = corner_normals(points, foliation.triangles);
+    const std::vector<Vec> normals = corner_normals(points, foliation);
     std::vector<Vec> seen(points.size());
     for (size_t v = 0; v < points.size(); ++v) seen[v] = camera.to_camera(points[v]);
 
@@ -501,9 +502,10 @@ Image render(const Foliation& foliation, const Potential& potential, const hmf_p
             corner[c].normal = {dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)};
         }
         canvas.triangle(corner[0], corner[1], corner[2], [&](const double* b, const double* right, const double* down) {
+            if (foliation.is_bare_at(t)) return GREY;
             double red;
-            if (checkerboard) {
-                const double* uv = &checkerboard->corner_uv[6 * t];
+            if (corner_uv) {
+                const double* uv = &corner_uv[6 * t];
                 const double u[3] = {uv[0], uv[2], uv[4]}, v[3] = {uv[1], uv[3], uv[5]};
                 const double over = stripes(b[0] * u[0] + b[1] * u[1] + b[2] * u[2], u, right, down);
                 const double along = stripes(b[0] * v[0] + b[1] * v[1] + b[2] * v[2], v, right, down);

@@ -1,22 +1,21 @@
 #include "solve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <new>
 
+#include "component.hpp"
 #include "leaves.hpp"
-#include "library.hpp"
 #include "loop_lines.hpp"
+#include "marks.hpp"
 #include "output.hpp"
-#include "potential.hpp"
-#include "progress.hpp"
-#include "read_loops.hpp"
 #include "read_mesh.hpp"
 #include "read_values.hpp"
 #include "render.hpp"
+#include "split_mesh.hpp"
 #include "write_results.hpp"
 
 namespace cli {
@@ -24,24 +23,6 @@ namespace cli {
 namespace {
 
 using readers::Json;
-
-// Counts the bytes that the library holds.
-struct Meter {
-    uint64_t held = 0, peak = 0;
-    static void* allocate(void* user, size_t size) {
-        Meter& meter = *static_cast<Meter*>(user);
-        void* block = std::malloc(size);
-        if (block) {
-            meter.held += size;
-            meter.peak = std::max(meter.peak, meter.held);
-        }
-        return block;
-    }
-    static void release(void* user, void* block, size_t size) {
-        static_cast<Meter*>(user)->held -= size;
-        std::free(block);
-    }
-};
 
 // HMF_LOOPS_* of a name, 0 for the name of a file.
 int32_t loop_kind(const std::string& name) {
@@ -52,13 +33,34 @@ int32_t loop_kind(const std::string& name) {
     return 0;
 }
 
-const char* method_name(int32_t method) {
-    switch (method) {
-    case HMF_METHOD_NEWTON: return "newton";
-    case HMF_METHOD_WHITEHEAD: return "whitehead";
-    case HMF_METHOD_SINGLE_LEVEL: return "single-level";
-    default: return "default";
+// The sum of a number in the reports of components; null: none has it.
+Json sum(const Json::Array& reports, const char* key) {
+    Json total;
+    for (const Json& report : reports) {
+        const Json* const number = report.find(key);
+        if (number && !number->is_null()) total = Json(total.number() + number->number());
     }
+    return total;
+}
+
+// Levels of several reports as those of one, the finest first.
+Json::Array sum_of_levels(const Json::Array& reports) {
+    std::vector<Json::Array> rows;
+    for (const Json& report : reports)
+        if (const Json* const levels = report.find("levels"))
+            for (size_t k = 0; k < levels->elements().size(); ++k) {
+                if (k == rows.size()) rows.emplace_back();
+                rows[k].push_back(levels->elements()[k]);
+            }
+    Json::Array all;
+    for (const Json::Array& row : rows) {
+        Json level;
+        for (const char* key : {"vertices", "edges", "nld", "raised_count", "iterations", "linear_solves",
+                                "optimize_seconds", "interpolate_seconds"})
+            level.set(key, sum(row, key));
+        all.push_back(level);
+    }
+    return all;
 }
 
 // One run, from the files it reads to the files it writes.
@@ -80,6 +82,8 @@ public:
 private:
     void read() {
         mesh_ = read_mesh(r_.mesh);
+        if (r_.repairs) repairs_ = repair_mesh(mesh_, r_.joins, name_);
+        if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
         if (kind_ != 0 || has_start_) return;
         try {
             read_ = read_loops(r_.loops, mesh_.vertex_count(), mesh_.triangle_count());
@@ -90,126 +94,238 @@ private:
         }
     }
 
+    void split() {
+        std::vector<readers::Component> parts = split_mesh(mesh_, name_);
+        const bool alone = parts.size() == 1;
+        for (readers::Component& part : parts) {
+            const std::string subject = alone ? name_ : name_ + ", " + name_of_component(part, components_.size());
+            components_.emplace_back(std::move(part), subject, alone);
+        }
+        loop_numbers_.resize(components_.size());
+    }
+
+    // The part of the bar from `from` to `to` that belongs to the next triangles.
+    const hmf_control* share(const char* label, double from, double to, size_t& done, const Component& c) {
+        const double all = static_cast<double>(is_alone() ? c.mesh().triangle_count() : mesh_.triangle_count());
+        const double begin = static_cast<double>(done) / all;
+        done += c.mesh().triangle_count();
+        const double end = static_cast<double>(done) / all;
+        return progress_.part(label, from + (to - from) * begin, from + (to - from) * end);
+    }
+
     void build() {
         for (const std::string& path : outputs_of(options_)) {
             check_writable(path);
             outcome_.uses_stdout = outcome_.uses_stdout || path == "-";
         }
-        hmf_build_options options = {};
-        options.struct_size = sizeof options;
-        options.ratio = r_.ratio;
-        options.mollify = r_.mollify;
-        options.coarsest = r_.coarsest;
-        options.collapse = r_.collapse;
-        options.allocate = Meter::allocate;
-        options.release = Meter::release;
-        options.allocator_user = &meter_;
-        const hmf_control* const control = progress_.part("build", 0, 0.35);
-        const Clock::time_point start = Clock::now();
-        hierarchy_ = make<hmf_hierarchy>(name_, [&](hmf_hierarchy** out, hmf_error* error) {
-            return hmf_build(mesh_.positions.data(), mesh_.vertex_count(), mesh_.triangles.data(),
-                             mesh_.triangle_count(), &options, control, out, error);
-        });
-        build_seconds_ = seconds_since(start);
-        hmf_error error{};
-        check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, name_);
-        r_.coarsest = std::max<uint64_t>(r_.coarsest, 40 * hmf_genus(hierarchy_.get()));
+        attempt("--save-mesh", !r_.save_mesh.empty(), [&] { write_mesh_obj(r_.save_mesh, mesh_, 17); });
+        split();
+        take_marks();
+        take_loops();
+        uint64_t coarsest = r_.coarsest;
+        size_t done = 0;
+        for (Component& c : components_) {
+            const hmf_control* const control = share("build", 0, 0.35, done, c);
+            if (c.is_refused()) continue;
+            c.build(r_, meter_, control);
+            if (c.is_refused()) continue;
+            coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
+            if (r_.marks != "auto") continue;
+            for (const uint32_t v : c.marks()) marks_.push_back(c.whole_vertex(v));
+            tipped_ += !c.marks().empty();
+        }
+        r_.coarsest = coarsest;
+        refuse_if_none();
+    }
+
+    // Gives each marked vertex of the caller to its component.
+    void take_marks() {
+        if (marks_.empty()) return;
+        if (is_alone()) return components_[0].take_marks(marks_);
+        std::vector<uint8_t> is_marked(mesh_.vertex_count(), 0);
+        for (const uint32_t v : marks_) is_marked[v] = 1;
+        for (Component& c : components_) {
+            std::vector<uint32_t> own;
+            for (uint32_t v = 0; v < c.mesh().vertex_count(); ++v)
+                if (is_marked[c.whole_vertex(v)]) own.push_back(v);
+            c.take_marks(std::move(own));
+        }
+    }
+
+    // Gives each loop of the caller to its component.
+    void take_loops() {
+        if (read_.count() == 0) return;
+        if (is_alone()) {
+            for (size_t c = 0; c < read_.count(); ++c) loop_numbers_[0].push_back(c);
+            components_[0].take_loops(read_);
+            return;
+        }
+        const bool triangles = read_.element_kind == HMF_LOOP_TRIANGLES;
+        std::vector<std::array<uint32_t, 2>> place(triangles ? mesh_.triangle_count() : mesh_.vertex_count());
+        std::vector<LoopList> lists(components_.size());
+        for (uint32_t k = 0; k < components_.size(); ++k) {
+            lists[k].element_kind = read_.element_kind;
+            const TriangleMesh& mesh = components_[k].mesh();
+            const size_t count = triangles ? mesh.triangle_count() : mesh.vertex_count();
+            for (uint32_t i = 0; i < count; ++i)
+                place[triangles ? components_[k].whole_triangle(i) : components_[k].whole_vertex(i)] = {k, i};
+        }
+        for (size_t loop = 0; loop < read_.count(); ++loop) {
+            const uint32_t component = place[read_.elements[read_.offsets[loop]]][0];
+            LoopList& list = lists[component];
+            for (uint64_t i = read_.offsets[loop]; i < read_.offsets[loop + 1]; ++i) {
+                const auto [other, number] = place[read_.elements[i]];
+                if (other != component)
+                    throw Failure(EXIT_BAD_INPUT, shown(r_.loops) + ":" + std::to_string(read_.lines[loop])
+                                                      + ": the loop lies on several components of the mesh");
+                list.elements.push_back(number);
+            }
+            list.offsets.push_back(list.elements.size());
+            list.lines.push_back(read_.lines[loop]);
+            loop_numbers_[component].push_back(loop);
+        }
+        for (size_t k = 0; k < components_.size(); ++k) {
+            if (lists[k].count() == 0) components_[k].refuse(HMF_ERROR_LOOP_COUNT, "no loop lies on it");
+            else components_[k].take_loops(std::move(lists[k]));
+        }
+    }
+
+    void refuse_if_none() const {
+        size_t named = 0;
+        std::string reasons;
+        for (const Component& c : components_) {
+            if (!c.is_refused()) return;
+            if (named++ < most_named) reasons += (named == 1 ? "" : "; ") + c.refusal().substr(name_.size() + 2);
+        }
+        if (named > most_named) reasons += "; and so on";
+        throw Failure(EXIT_BAD_INPUT, name_ + ": none of " + std::to_string(components_.size())
+                                          + " components carries a foliation: " + reasons);
     }
 
     void choose_loops() {
-        // Loops of the caller are drawn on the input mesh, and the single-level method knows no other; the library's
-        // own are cheapest where it is coarse.
-        const bool fine = kind_ == 0 || r_.method == HMF_METHOD_SINGLE_LEVEL;
-        const Clock::time_point start = Clock::now();
-        if (!has_start_ && kind_ == 0) loops_ = read_.view();
-        else if (!has_start_) {
-            made_ = library_loops(fine ? 0 : hmf_level_count(hierarchy_.get()) - 1);
-            loops_ = *made_;
+        const bool fine = r_.method == HMF_METHOD_SINGLE_LEVEL;
+        size_t count = read_.count();
+        for (size_t k = 0; kind_ != 0 && !has_start_ && k < components_.size(); ++k) {
+            Component& c = components_[k];
+            if (!c.is_refused()) c.make_loops(kind_, fine, nullptr);
+            for (uint64_t n = 0; !c.is_refused() && n < c.loops().count; ++n) loop_numbers_[k].push_back(count++);
         }
-        loops_seconds_ = seconds_since(start);
+        refuse_if_none();
+        loop_count_ = count;
         weights_given_ = !r_.weights.empty();
         // Without loops the weights are for the pictures only.
-        if (!weights_given_) r_.weights.assign(has_start_ ? 1 : loops_.count, 1.0);
-        if (r_.weights.size() != loops_.count && !has_start_)
+        if (!weights_given_) r_.weights.assign(has_start_ ? 1 : count, 1.0);
+        if (r_.weights.size() != count && !has_start_)
             throw Failure(EXIT_USAGE, "--weights: " + std::to_string(r_.weights.size()) + " weights for "
-                                          + std::to_string(loops_.count) + " loops; give one weight per loop");
-        loops_.weights = r_.weights.data();
-    }
-
-    Owned<hmf_loop_set> library_loops(size_t level) {
-        return make<hmf_loop_set>(name_, [&](hmf_loop_set** out, hmf_error* error) {
-            return hmf_loops(hierarchy_.get(), level, kind_, control_, out, error);
-        });
+                                          + std::to_string(count) + " loops; give one weight per loop");
     }
 
     // The loops on the input mesh.
-    const hmf_loop_set& fine_loops() {
-        if (loops_.level == 0) return loops_;
-        if (!fine_loops_) fine_loops_ = library_loops(0);
-        return *fine_loops_;
+    hmf_loop_set fine_loops() {
+        if (is_alone()) return components_[0].fine_loops(control_);
+        if (read_.count() == 0)
+            for (Component& c : components_) {
+                if (c.is_refused()) continue;
+                const hmf_loop_set& own = c.fine_loops(control_);
+                read_.element_kind = own.element_kind;
+                for (uint64_t n = 0; n < own.count; ++n) {
+                    for (uint64_t i = own.offsets[n]; i < own.offsets[n + 1]; ++i)
+                        read_.elements.push_back(c.whole_triangle(own.elements[i]));
+                    read_.offsets.push_back(read_.elements.size());
+                }
+            }
+        return read_.view();
     }
 
-    Owned<hmf_foliation> start_values() {
-        std::vector<uint32_t> ends(2 * finest_.edge_count);
-        hmf_error error{};
-        check(hmf_level_edge_vertices(hierarchy_.get(), 0, ends.data(), ends.size(), &error), error, name_);
-        const std::vector<double> values = read_values(r_.start, ends);
-        return make<hmf_foliation>(shown(r_.start), [&](hmf_foliation** out, hmf_error* e) {
-            return hmf_foliation_create(hierarchy_.get(), 0, values.data(), values.size(), control_, out, e);
-        });
+    // The values to start from, for each component; one without values has no foliation.
+    std::vector<std::vector<double>> start_values() {
+        if (!has_start_) return {};
+        const readers::Edges edges = readers::edges_of(is_alone() ? components_[0].mesh() : mesh_);
+        std::vector<double> all = read_values(r_.start, edges.vertices);
+        if (is_alone()) return {std::move(all)};
+        std::vector<std::vector<double>> values;
+        std::vector<uint8_t> seen(edges.count(), 0);
+        for (Component& c : components_) {
+            values.emplace_back();
+            for (uint32_t t = 0; t < c.mesh().triangle_count(); ++t)
+                for (size_t s = 0; s < 3; ++s) {
+                    const uint32_t e = edges.triangles[size_t{3} * c.whole_triangle(t) + s];
+                    if (seen[e]) continue;
+                    seen[e] = 1;
+                    values.back().push_back(all[e]);
+                }
+            const bool is_zero = std::count(values.back().begin(), values.back().end(), 0.0)
+                              == static_cast<std::ptrdiff_t>(values.back().size());
+            if (is_zero && !c.is_refused())
+                c.refuse(HMF_ERROR_LOOP_COUNT, "the values of " + shown(r_.start) + " are 0 there");
+        }
+        refuse_if_none();
+        return values;
     }
 
     void solve() {
-        hmf_solve_options options = {};
-        options.struct_size = sizeof options;
-        options.method = r_.method;
-        options.tolerance = r_.tolerance;
-        options.time_limit = r_.time_limit;
-        Owned<hmf_foliation> start;
-        if (has_start_) start = start_values();
-        options.start = start.get();
-        const hmf_control* const control = progress_.part("solve", 0.35, 1);
-        hmf_foliation* raw = nullptr;
-        hmf_error error{};
-        status_ = hmf_solve(hierarchy_.get(), has_start_ ? nullptr : &loops_, &options, control, &raw, &error);
-        foliation_.reset(raw);
-        progress_.clear();
-        if (status_ >= HMF_ERROR_NULL) {
-            if (error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size())
-                fail_with(status_, error, shown(r_.loops) + ":" + std::to_string(read_.lines[error.index]));
-            fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(r_.start) : name_);
+        const std::vector<std::vector<double>> start = start_values();
+        const Clock::time_point begin = Clock::now();
+        size_t done = 0;
+        int32_t method = r_.method;
+        for (size_t k = 0; k < components_.size(); ++k) {
+            Component& c = components_[k];
+            const hmf_control* const control = share("solve", 0.35, 1, done, c);
+            if (c.is_refused()) continue;
+            std::vector<double> weights;
+            for (const size_t n : loop_numbers_[k]) weights.push_back(r_.weights[n]);
+            // What one component takes the next one has not.
+            const double limit =
+                r_.time_limit > 0 && k > 0 ? std::max(1e-9, r_.time_limit - seconds_since(begin)) : r_.time_limit;
+            c.solve(r_, limit, std::move(weights), has_start_ ? &start[k] : nullptr, control);
+            if (c.is_refused()) continue;
+            method = c.report().method;
+            if (c.status() == HMF_OK) continue;
+            progress_.clear();
+            outcome_.exit_status = EXIT_LIMIT;
+            const bool written = !outputs_of(options_).empty();
+            outcome_.errors.push_back(c.limit()
+                                      + (written ? "; the best foliation so far was written"
+                                                 : "; the numbers are those of the best foliation so far"));
         }
-        report_ = hmf_foliation_report(foliation_.get());
-        if (!report_) fail_with(HMF_CANCELLED, error, name_);
-        r_.method = report_->method;
+        progress_.clear();
+        refuse_if_none();
+        if (outcome_.exit_status == EXIT_LIMIT) progress_.finish_quietly();
+        r_.method = method;
         if (r_.tolerance == 0) r_.tolerance = r_.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
-        if (status_ == HMF_OK) return;
-        progress_.finish_quietly();
-        outcome_.exit_status = EXIT_LIMIT;
-        const bool written = !outputs_of(options_).empty();
-        outcome_.errors.push_back(name_ + ": " + (status_ == HMF_CANCELLED ? "interrupted" : hmf_status_string(status_))
-                                  + (written ? "; the best foliation so far was written"
-                                             : "; the numbers are those of the best foliation so far"));
+        for (const Component& c : components_)
+            if (c.is_refused()) outcome_.notes.push_back(c.refusal() + "; its values are 0");
     }
 
-    // Everything that the files need, in the numbering of level 0.
+    // Everything that the files need, in the numbering of the whole mesh.
     void describe() {
-        hmf_error error{};
-        size_t count = 0;
-        const double* const values = hmf_foliation_values(foliation_.get(), &count);
-        f_.values.assign(values, values + count);
-        f_.triangles.resize(3 * finest_.triangle_count);
-        f_.triangle_edges.resize(3 * finest_.triangle_count);
-        f_.edge_vertices.resize(2 * count);
-        const hmf_hierarchy* const h = hierarchy_.get();
-        check(hmf_level_triangle_vertices(h, 0, f_.triangles.data(), f_.triangles.size(), &error), error, name_);
-        check(hmf_level_triangle_edges(h, 0, f_.triangle_edges.data(), f_.triangle_edges.size(), &error), error, name_);
-        check(hmf_level_edge_vertices(h, 0, f_.edge_vertices.data(), f_.edge_vertices.size(), &error), error, name_);
-        const auto singular = make<hmf_singularity_set>(name_, [&](hmf_singularity_set** out, hmf_error* e) {
-            return hmf_singularities(foliation_.get(), nullptr, out, e);
-        });
-        f_.singular.assign(singular->list, singular->list + singular->count);
+        if (is_alone()) {
+            f_ = components_[0].describe();
+            singular_.push_back(f_.singular);
+            return;
+        }
+        readers::Edges edges = readers::edges_of(mesh_);
+        f_.values.assign(edges.count(), 0);
+        f_.component.resize(mesh_.triangle_count());
+        for (uint32_t k = 0; k < components_.size(); ++k) {
+            Component& c = components_[k];
+            const size_t count = c.mesh().triangle_count();
+            for (uint32_t t = 0; t < count; ++t) f_.component[c.whole_triangle(t)] = k;
+            f_.is_bare.push_back(c.is_refused());
+            singular_.emplace_back();
+            if (c.is_refused()) continue;
+            const Foliation own = c.describe();
+            for (uint32_t t = 0; t < count; ++t)
+                for (size_t s = 0; s < 3; ++s)
+                    f_.values[edges.triangles[size_t{3} * c.whole_triangle(t) + s]] =
+                        own.values[own.triangle_edges[size_t{3} * t + s]];
+            f_.singular.insert(f_.singular.end(), own.singular.begin(), own.singular.end());
+            singular_.back() = own.singular;
+        }
         f_.positions = std::move(mesh_.positions);
+        f_.triangles = std::move(mesh_.triangles);
+        f_.triangle_edges = std::move(edges.triangles);
+        f_.edge_vertices = std::move(edges.vertices);
     }
 
     // An output that fails does not take the others with it.
@@ -229,10 +345,39 @@ private:
         if (outcome_.exit_status == EXIT_SOLVED || outcome_.exit_status == EXIT_LIMIT) outcome_.exit_status = status;
     }
 
-    void find_cylinders() {
-        cylinders_ = make<hmf_cylinder_set>(name_, [&](hmf_cylinder_set** out, hmf_error* error) {
-            return hmf_cylinders(foliation_.get(), has_start_ ? nullptr : &loops_, control_, out, error);
-        });
+    // For each component with a foliation; the others get what they can where it fails for one.
+    template <class Work>
+    void attempt_each(const char* option, bool wanted, const Work& work) {
+        for (Component& c : components_)
+            if (!c.is_refused()) attempt(option, wanted, [&] { work(c); });
+    }
+
+    // The weights of the classes of the values, where they can be found; elsewhere stripes may not match.
+    void find_weights() {
+        std::vector<double> weights;
+        for (Component& c : components_) {
+            if (c.is_refused() || c.status() != HMF_OK) continue;
+            try {
+                const hmf_cylinder_set* const cylinders = c.find_cylinders(control_);
+                for (uint64_t k = 0; k < cylinders->count; ++k) weights.push_back(cylinders->list[k].height);
+            } catch (const Failure&) {}
+        }
+        if (!weights.empty()) r_.weights = weights;
+    }
+
+    // (u, v) of each corner of the whole mesh; NULL: of none.
+    const double* corner_uv() {
+        if (is_alone()) {
+            const hmf_parameterization* const p = components_[0].parameterization();
+            return p ? p->corner_uv : nullptr;
+        }
+        for (const Component& c : components_) {
+            if (!c.parameterization()) continue;
+            uv_.resize(2 * f_.triangles.size());
+            for (uint32_t t = 0; t < c.parameterization()->triangle_count; ++t)
+                std::copy_n(c.parameterization()->corner_uv + size_t{6} * t, 6, &uv_[size_t{6} * c.whole_triangle(t)]);
+        }
+        return uv_.empty() ? nullptr : uv_.data();
     }
 
     void write() {
@@ -241,141 +386,143 @@ private:
                 if (extension_of(path) == ".npy") write_values_npy(path, f_.values);
                 else write_values_csv(path, f_);
             });
-        attempt("--history", !r_.history.empty(), [&] { write_history(r_.history, *report_); });
+        attempt("--history", !r_.history.empty(), [&] {
+            std::vector<const hmf_report*> reports;
+            for (const Component& c : components_) reports.push_back(c.is_refused() ? nullptr : &c.report());
+            write_history(r_.history, reports);
+        });
+        attempt("--save-marks", !r_.save_marks.empty(), [&] { write_marks(r_.save_marks, marks_); });
         attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
         control_ = progress_.part("leaves", 0, 1);
         const bool pictured = !r_.image.empty() || !r_.obj.empty();
-        attempt("--leaves", !r_.leaves.empty() && status_ == HMF_OK, [&] { find_cylinders(); });
-        if (has_start_ && !weights_given_ && (pictured || !r_.leaves.empty()) && status_ == HMF_OK) {
-            // The class of the values has its own weights.  Where they cannot be found stripes may not match.
-            try {
-                if (!cylinders_) find_cylinders();
-                for (uint64_t k = 0; k < cylinders_->count; ++k) {
-                    if (k == 0) r_.weights.clear();
-                    r_.weights.push_back(cylinders_->list[k].height);
-                }
-            } catch (const Failure&) {}
-        }
+        attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
+            if (c.status() == HMF_OK) c.find_cylinders(control_);
+        });
+        if (has_start_ && !weights_given_ && (pictured || !r_.leaves.empty())) find_weights();
         f_.loop_weights = r_.weights;
         if (r_.spacing == 0 && !r_.leaves.empty())
             r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
-        attempt("--quads", !r_.quads.empty(),
-                [&] { quads_ = write_quads(r_.quads, foliation_.get(), r_.size, control_, name_); });
-        attempt("--leaves", !r_.leaves.empty(), [&] {
-            leaves_ = write_leaves(r_.leaves, foliation_.get(), r_.spacing, r_.conjugate, control_, name_);
+        std::vector<Owned<hmf_quad_mesh>> quads;
+        attempt_each("--quads", !r_.quads.empty(),
+                     [&](Component& c) { quads.push_back(make_quads(c.foliation(), r_.size, control_, c.subject())); });
+        attempt("--quads", !quads.empty(), [&] { quads_ = write_quads(r_.quads, quads); });
+        std::vector<Leaves> leaves;
+        attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
+            leaves.push_back(trace_leaves(c.foliation(), r_.spacing, r_.conjugate, control_, c.subject()));
         });
+        attempt("--leaves", !leaves.empty(), [&] { leaves_ = write_leaves(r_.leaves, leaves); });
         const Potential potential = pictured ? local_potential(f_) : Potential{};
         const char* const asking = !r_.obj.empty() ? "--obj" : r_.checkerboard ? "--pattern" : "--conformality";
-        attempt(asking, r_.checkerboard || !r_.obj.empty() || r_.conformality, [&] {
+        const bool unfolds = r_.checkerboard || !r_.obj.empty() || r_.conformality;
+        attempt_each(asking, unfolds, [&](Component& c) {
             control_ = progress_.part("unfold", 0, 1);
-            parameterization_ = make<hmf_parameterization>(name_, [&](hmf_parameterization** out, hmf_error* error) {
-                return hmf_parameterize(foliation_.get(), nullptr, control_, out, error);
-            });
+            c.parameterize(control_);
         });
-        attempt("--obj", !r_.obj.empty() && parameterization_,
-                [&] { write_textured_obj(r_.obj, f_, *parameterization_, pattern_period(f_, potential)); });
+        const double* const uv = unfolds ? corner_uv() : nullptr;
+        attempt("--obj", !r_.obj.empty() && uv,
+                [&] { write_textured_obj(r_.obj, f_, uv, pattern_period(f_, potential)); });
         attempt("--image", !r_.image.empty(), [&] {
             std::vector<Line> lines;
             if (!has_start_) lines = loop_lines(f_, fine_loops());
-            write_png(r_.image, render(f_, potential, r_.checkerboard ? parameterization_.get() : nullptr, lines));
+            write_png(r_.image, render(f_, potential, r_.checkerboard ? uv : nullptr, lines));
         });
         progress_.clear();
     }
 
     void report() {
         const double seconds = seconds_since(begin_);
-        const hmf_report& r = *report_;
-        if (!r_.report.empty()) {
-            const Json json = report_json(seconds);
-            attempt("--report", true, [&] { write_report(r_.report, json); });
-        }
-        char line[240];
-        std::snprintf(
-            line, sizeof line,
-            ": genus %zu, %llu edges, %llu loops, energy %.10g, residual %.2g, %llu zeros, %llu poles, %.2f s",
-            hmf_genus(hierarchy_.get()), static_cast<unsigned long long>(finest_.edge_count),
-            static_cast<unsigned long long>(loops_.count), r.energy, r.residual_max,
-            static_cast<unsigned long long>(r.zeros), static_cast<unsigned long long>(r.poles), seconds);
-        outcome_.summary = name_ + line;
+        const Json json = report_json(seconds);
+        if (!r_.report.empty()) attempt("--report", true, [&] { write_report(r_.report, json); });
+        const auto number = [&](const Json& object, const char* key) {
+            const Json* const found = object.find(key);
+            return found ? found->number() : 0;
+        };
+        std::string summary = name_ + ": ";
+        if (!is_alone())
+            summary += std::to_string(components_.size()) + " components, "
+                     + std::to_string(components_.size() - outcome_.notes.size()) + " solved, ";
+        char line[300];
+        std::snprintf(line, sizeof line,
+                      "genus %.0f, %zu edges, %zu loops, energy %.10g, residual %.2g, class %s, %.0f zeros, %.0f "
+                      "poles, %.2f s",
+                      number(*json.find("mesh"), "genus"), f_.values.size(), loop_count_, number(json, "energy"),
+                      number(json, "residual_max"), json.find("class")->text()->c_str(), number(json, "zeros"),
+                      number(json, "poles"), seconds);
+        outcome_.summary = summary + line;
+        if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_);
     }
 
     Json report_json(double seconds) const {
-        const hmf_report& r = *report_;
-        Json::Array levels, singular;
-        for (uint64_t k = 0; k < r.level_count; ++k) {
-            const hmf_level_report& level = r.levels[k];
-            levels.push_back(Json{{"vertices", level.vertices},
-                                  {"edges", level.edges},
-                                  {"nld", level.raised_count},
-                                  {"raised_count", level.raised_count},
-                                  {"iterations", level.iterations},
-                                  {"linear_solves", level.linear_solves},
-                                  {"optimize_seconds", level.optimize_seconds},
-                                  {"interpolate_seconds", level.interpolate_seconds}});
-        }
-        static const char* const kinds[] = {"", "vertex", "triangle", "cluster"};
-        for (const hmf_singularity& s : f_.singular)
-            singular.push_back(Json{{"kind", kinds[s.kind & 3]},
-                                    {"index", s.index},
-                                    {"element", s.element},
-                                    {"size", s.size},
-                                    {"position", std::vector<double>(s.position, s.position + 3)}});
         Json report = {{"version", version_text()},
                        {"input", r_.mesh},
                        {"options", values_of(options_)},
                        {"exit_status", static_cast<int>(outcome_.exit_status)},
-                       {"errors", outcome_.errors},
-                       {"mesh", Json{{"vertices", finest_.vertex_count},
-                                     {"edges", finest_.edge_count},
-                                     {"triangles", finest_.triangle_count},
-                                     {"genus", hmf_genus(hierarchy_.get())}}},
-                       {"method", method_name(r.method)},
-                       {"levels", levels},
-                       {"loops", loops_.count},
-                       {"build_seconds", build_seconds_},
-                       {"loops_seconds", loops_seconds_},
-                       {"solve_seconds", r.solve_seconds},
-                       {"total_seconds", seconds},
-                       {"cpu_seconds", double(std::clock()) / CLOCKS_PER_SEC},
-                       {"energy", r.energy},
-                       {"residual_max", r.residual_max},
-                       {"residual_mean", r.residual_mean},
-                       {"poles", r.poles},
-                       {"zeros", r.zeros},
-                       {"index_sum", r.index_sum},
-                       {"singularities", singular},
-                       {"bad_flips", r.bad_flips},
-                       {"bad_flips_left", r.bad_flips_left},
-                       {"converged", r.converged != 0},
-                       {"peak_memory_bytes", meter_.peak}};
-        if (parameterization_) {
-            const hmf_parameterization& p = *parameterization_;
-            report.set("dilatation_mean", p.dilatation_mean);
-            report.set("dilatation_median", p.dilatation_median);
-            // Not finite where more than a hundredth of the area is degenerate.
-            report.set("dilatation_p99", std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json());
-            report.set("flipped_triangles", p.flipped_triangles);
-            report.set("degenerate_triangles", p.degenerate_triangles);
-            report.set("seam_edges", p.seam_edge_count);
-            report.set("seam_length", p.seam_length);
-            report.set("parameterize_seconds", p.seconds);
-        }
-        if (leaves_ > 0) {
-            Json::Array cylinders;
-            for (uint64_t k = 0; cylinders_ && k < cylinders_->count; ++k) {
-                const hmf_cylinder& c = cylinders_->list[k];
-                cylinders.push_back(Json{{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
-                                         {"height", c.height},
-                                         {"circumference", c.circumference},
-                                         {"modulus", c.modulus},
-                                         {"area", c.area}});
-            }
-            report.set("leaves", leaves_);
-            report.set("cylinders", cylinders);
-        }
+                       {"errors", outcome_.errors}};
+        if (r_.repairs) report.set("repairs", repairs_.sentences());
+        if (is_alone()) {
+            const Json own = components_[0].json(singular_[0]);
+            for (const auto& [key, value] : own.members()) report.set(key, value);
+            Json mesh = *own.find("mesh");
+            mesh.set("components", 1);
+            report.set("mesh", mesh);
+        } else add_totals(report);
+        report.set("total_seconds", seconds);
+        report.set("cpu_seconds", double(std::clock()) / CLOCKS_PER_SEC);
+        report.set("peak_memory_bytes", meter_.peak);
+        if (leaves_ > 0) report.set("leaves", leaves_);
         if (quads_ > 0) report.set("quads", quads_);
         return report;
     }
+
+    // Sums over the components, then their own reports.
+    void add_totals(Json& report) const {
+        Json::Array parts, meshes, singular;
+        double residual_max = 0, residual_mean = 0, vertices = 0;
+        bool converged = true;
+        int32_t class_state = HMF_CLASS_PROVEN;
+        Json method;
+        for (size_t k = 0; k < components_.size(); ++k) {
+            parts.push_back(components_[k].json(singular_[k]));
+            const Json& part = parts.back();
+            meshes.push_back(*part.find("mesh"));
+            if (components_[k].is_refused()) continue;
+            const hmf_report& r = components_[k].report();
+            const double own = meshes.back().find("vertices")->number();
+            residual_max = std::max(residual_max, r.residual_max);
+            residual_mean += own * r.residual_mean;
+            vertices += own;
+            converged = converged && components_[k].is_converged();
+            class_state = less_sure(class_state, r.class_state);
+            method = *part.find("method");
+            const Json::Array& list = part.find("singularities")->elements();
+            singular.insert(singular.end(), list.begin(), list.end());
+        }
+        Json mesh = {{"vertices", f_.positions.size() / 3}, {"edges", f_.values.size()}};
+        for (const char* key : {"triangles", "genus", "marked", "boundaries"}) mesh.set(key, sum(meshes, key));
+        mesh.set("components", components_.size());
+        report.set("mesh", mesh);
+        report.set("method", method);
+        report.set("class", class_name(class_state));
+        report.set("levels", sum_of_levels(parts));
+        report.set("loops", loop_count_);
+        for (const char* key :
+             {"class_repeats", "class_seconds", "build_seconds", "loops_seconds", "solve_seconds", "energy"})
+            report.set(key, sum(parts, key));
+        report.set("residual_max", residual_max);
+        report.set("residual_mean", residual_mean / vertices);
+        for (const char* key : {"poles", "zeros", "index_sum"}) report.set(key, sum(parts, key));
+        report.set("singularities", singular);
+        for (const char* key : {"bad_flips", "bad_flips_left"}) report.set(key, sum(parts, key));
+        report.set("converged", converged);
+        for (const char* key :
+             {"flipped_triangles", "degenerate_triangles", "seam_edges", "seam_length", "parameterize_seconds"})
+            if (const Json total = sum(parts, key); !total.is_null()) report.set(key, total);
+        report.set("components", parts);
+    }
+
+    bool is_alone() const { return components_.size() == 1; }
+
+    static constexpr size_t most_named = 5;
 
     SolveRequest& r_;
     const Options& options_;
@@ -386,22 +533,20 @@ private:
     Outcome outcome_;
     Progress progress_;
     const hmf_control* control_ = nullptr;
-    Meter meter_; // lives longer than all that the library made
-    TriangleMesh mesh_;
-    LoopList read_; // loops of the caller
-    Owned<hmf_hierarchy> hierarchy_;
-    hmf_level_info finest_{};
-    Owned<hmf_loop_set> made_, fine_loops_;
-    hmf_loop_set loops_{}; // those that were used
+    Meter meter_;       // lives longer than all that the library made
+    TriangleMesh mesh_; // of several components, until it is described
+    readers::Repairs repairs_;
+    LoopList read_;               // loops of the caller
+    std::vector<uint32_t> marks_; // in the whole mesh
+    size_t tipped_ = 0;           // components with marks that the library chose
+    std::vector<Component> components_;
+    std::vector<std::vector<size_t>> loop_numbers_; // of the loops of each component, among all
+    size_t loop_count_ = 0;
     bool weights_given_ = false;
-    double build_seconds_ = 0, loops_seconds_ = 0;
-    hmf_status status_ = HMF_OK;
-    Owned<hmf_foliation> foliation_;
-    const hmf_report* report_ = nullptr;
     Foliation f_;
-    Owned<hmf_cylinder_set> cylinders_;
-    Owned<hmf_parameterization> parameterization_;
-    size_t leaves_ = 0, quads_ = 0; // written
+    std::vector<std::vector<hmf_singularity>> singular_; // of each component
+    std::vector<double> uv_;                             // of several components
+    size_t leaves_ = 0, quads_ = 0;                      // written
 };
 
 } // namespace

@@ -61,17 +61,21 @@ void write_loops(const std::string& path, const hmf_loop_set& loops, const std::
     output.close();
 }
 
-void write_history(const std::string& path, const hmf_report& report) {
+void write_history(const std::string& path, const std::vector<const hmf_report*>& reports) {
     static const char* const kinds[] = {"interpolation", "sweep", "linear_solve"};
+    const bool several = reports.size() > 1;
     Output output(path);
-    std::fprintf(output.file(), "seconds,energy,residual_max,level,kind\n");
-    for (uint64_t k = 0; k < report.history_count; ++k) {
-        const hmf_history_entry& entry = report.history[k];
-        std::fprintf(output.file(), "%.9g,%.17g,", entry.seconds, entry.energy);
-        // An empty field where it was not evaluated.
-        if (entry.residual_max >= 0) std::fprintf(output.file(), "%.9g", entry.residual_max);
-        std::fprintf(output.file(), ",%u,%s\n", entry.level, entry.kind < 3 ? kinds[entry.kind] : "other");
-    }
+    std::fprintf(output.file(), "seconds,energy,residual_max,level,kind%s\n", several ? ",component" : "");
+    for (size_t c = 0; c < reports.size(); ++c)
+        for (uint64_t k = 0; reports[c] && k < reports[c]->history_count; ++k) {
+            const hmf_history_entry& entry = reports[c]->history[k];
+            std::fprintf(output.file(), "%.9g,%.17g,", entry.seconds, entry.energy);
+            // An empty field where it was not evaluated.
+            if (entry.residual_max >= 0) std::fprintf(output.file(), "%.9g", entry.residual_max);
+            std::fprintf(output.file(), ",%u,%s", entry.level, entry.kind < 3 ? kinds[entry.kind] : "other");
+            if (several) std::fprintf(output.file(), ",%zu", c);
+            std::fputc('\n', output.file());
+        }
     output.close();
 }
 
@@ -82,8 +86,7 @@ void write_png(const std::string& path, const Image& image) {
     output.close();
 }
 
-void write_textured_obj(const std::string& path, const Foliation& foliation,
-                        const hmf_parameterization& parameterization, double period) {
+void write_textured_obj(const std::string& path, const Foliation& foliation, const double* uv, double period) {
     const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
     Image tile;
     tile.width = tile.height = 256;
@@ -112,7 +115,6 @@ void write_textured_obj(const std::string& path, const Foliation& foliation,
                      foliation.positions[3 * v + 2]);
     // One vt for all corners of a vertex with the same (u, v): a list per vertex.
     constexpr uint32_t none = 0xffffffffu;
-    const double* const uv = parameterization.corner_uv;
     std::vector<uint32_t> head(foliation.positions.size() / 3, none), next, corner_of,
         number(foliation.triangles.size());
     for (size_t k = 0; k < foliation.triangles.size(); ++k) {
@@ -138,11 +140,11 @@ void write_textured_obj(const std::string& path, const Foliation& foliation,
     output.close();
 }
 
-void write_mesh_obj(const std::string& path, const TriangleMesh& mesh) {
+void write_mesh_obj(const std::string& path, const TriangleMesh& mesh, int digits) {
     Output output(path);
     for (size_t v = 0; v < mesh.vertex_count(); ++v)
-        std::fprintf(output.file(), "v %.9g %.9g %.9g\n", mesh.positions[3 * v], mesh.positions[3 * v + 1],
-                     mesh.positions[3 * v + 2]);
+        std::fprintf(output.file(), "v %.*g %.*g %.*g\n", digits, mesh.positions[3 * v], digits,
+                     mesh.positions[3 * v + 1], digits, mesh.positions[3 * v + 2]);
     for (size_t t = 0; t < mesh.triangle_count(); ++t)
         std::fprintf(output.file(), "f %u %u %u\n", mesh.triangles[3 * t] + 1, mesh.triangles[3 * t + 1] + 1,
                      mesh.triangles[3 * t + 2] + 1);

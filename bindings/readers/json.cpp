@@ -70,6 +70,12 @@ const Json::Array& Json::elements() const {
     return array ? *array : none;
 }
 
+const std::vector<Json::Member>& Json::members() const {
+    static const std::vector<Member> none;
+    const Object* const object = std::get_if<Object>(&value_);
+    return object ? object->members : none;
+}
+
 const Json* Json::find(std::string_view name) const {
     const Object* const object = std::get_if<Object>(&value_);
     if (!object) return nullptr;

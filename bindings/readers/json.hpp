@@ -44,6 +44,8 @@ public:
 
     // The elements of an array; of anything else there are none.
     const Array& elements() const;
+    // The members of an object; of anything else there are none.
+    const std::vector<Member>& members() const;
     // A member of an object, or NULL.  Of several with one name the last; takes the logarithm of their number.
     const Json* find(std::string_view name) const;
     // Adds a member, or gives it another value; null becomes an object.

@@ -1,0 +1,276 @@
+#include "component.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "marks.hpp"
+
+namespace cli {
+
+using readers::Json;
+
+namespace {
+
+const char* method_name(int32_t method) {
+    switch (method) {
+    case HMF_METHOD_NEWTON: return "newton";
+    case HMF_METHOD_WHITEHEAD: return "whitehead";
+    case HMF_METHOD_SINGLE_LEVEL: return "single-level";
+    default: return "default";
+    }
+}
+
+} // namespace
+
+const char* class_name(int32_t state) {
+    switch (state) {
+    case HMF_CLASS_PROVEN: return "proven";
+    case HMF_CLASS_CHECKED: return "checked";
+    case HMF_CLASS_LOST: return "lost";
+    default: return "unknown";
+    }
+}
+
+int32_t less_sure(int32_t a, int32_t b) {
+    for (const int32_t state : {HMF_CLASS_LOST, HMF_CLASS_UNKNOWN, HMF_CLASS_CHECKED})
+        if (a == state || b == state) return state;
+    return HMF_CLASS_PROVEN;
+}
+
+bool Component::is_converged() const {
+    const bool takes_residual = report_->method == HMF_METHOD_NEWTON && tolerance_ > 0;
+    return report_->converged != 0 && report_->residual_max >= 0
+        && report_->residual_max <= (takes_residual ? tolerance_ : 1e-8);
+}
+
+void Component::refuse(hmf_status status, const std::string& reason) {
+    status_ = status;
+    refusal_ = subject_ + ": " + reason;
+}
+
+void Component::build(const SolveRequest& request, Meter& meter, const hmf_control* control) {
+    hmf_build_options options = {};
+    options.struct_size = sizeof options;
+    options.ratio = request.ratio;
+    options.mollify = request.mollify;
+    options.coarsest = request.coarsest;
+    options.collapse = request.collapse;
+    options.allocate = Meter::allocate;
+    options.release = Meter::release;
+    options.allocator_user = &meter;
+    const Clock::time_point start = Clock::now();
+    hmf_error error{};
+    hmf_status status = HMF_OK;
+    if (request.marks == "auto") status = suggest_marks(part_.mesh, options, control, marks_, error);
+    options.marked_vertices = marks_.data();
+    options.marked_count = marks_.size();
+    hmf_hierarchy* raw = nullptr;
+    if (status == HMF_OK)
+        status = hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
+                           part_.mesh.triangle_count(), &options, control, &raw, &error);
+    hierarchy_.reset(raw);
+    build_seconds_ = seconds_since(start);
+    if (status != HMF_OK && (alone_ || status < 300 || status >= 400))
+        fail_with(status, error, subject_, repair_advice(status, request.repairs, request.joins));
+    if (status != HMF_OK) {
+        // The sentence of the library has the numbers of this component.
+        std::string reason = hmf_status_string(status);
+        if (error.element == HMF_ELEMENT_TRIANGLE)
+            reason += " (triangle " + std::to_string(whole_triangle(static_cast<uint32_t>(error.index))) + ")";
+        if (error.element == HMF_ELEMENT_VERTEX)
+            reason += " (vertex " + std::to_string(whole_vertex(static_cast<uint32_t>(error.index))) + ")";
+        if (status == HMF_ERROR_MESH_GENUS) reason += "; --marks auto marks vertices of a sphere";
+        return refuse(status, reason + repair_advice(status, request.repairs, request.joins));
+    }
+    check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
+}
+
+size_t Component::genus() const { return hmf_genus(hierarchy_.get()); }
+
+void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) {
+    // Loops of the caller are drawn on the input mesh, and the single-level method knows no other; the library's
+    // own are cheapest where it is coarse.
+    const Clock::time_point start = Clock::now();
+    kind_ = kind;
+    try {
+        made_ = library_loops(fine ? 0 : hmf_level_count(hierarchy_.get()) - 1, control);
+        loops_ = *made_;
+    } catch (const Failure& failure) {
+        if (alone_ || failure.exit_status != EXIT_BAD_INPUT) throw;
+        refuse(genus() == 0 ? HMF_ERROR_MESH_GENUS : HMF_ERROR_MESH_NOT_EMBEDDED,
+               std::string(failure.what()).substr(subject_.size() + 2));
+    }
+    loops_seconds_ = seconds_since(start);
+}
+
+Owned<hmf_loop_set> Component::library_loops(size_t level, const hmf_control* control) const {
+    return make<hmf_loop_set>(subject_, [&](hmf_loop_set** out, hmf_error* error) {
+        return hmf_loops(hierarchy_.get(), level, kind_, control, out, error);
+    });
+}
+
+const hmf_loop_set& Component::fine_loops(const hmf_control* control) {
+    if (loops_.level == 0) return loops_;
+    if (!fine_loops_) fine_loops_ = library_loops(0, control);
+    return *fine_loops_;
+}
+
+void Component::solve(const SolveRequest& request, double time_limit, std::vector<double> weights,
+                      const std::vector<double>* start_values, const hmf_control* control) {
+    hmf_solve_options options = {};
+    options.struct_size = sizeof options;
+    options.method = request.method;
+    options.tolerance = tolerance_ = request.tolerance;
+    options.time_limit = time_limit;
+    has_start_ = start_values != nullptr;
+    Owned<hmf_foliation> start;
+    if (has_start_)
+        start = make<hmf_foliation>(shown(request.start), [&](hmf_foliation** out, hmf_error* e) {
+            return hmf_foliation_create(hierarchy_.get(), 0, start_values->data(), start_values->size(), nullptr, out,
+                                        e);
+        });
+    options.start = start.get();
+    if (read_.count() > 0) loops_ = read_.view();
+    weights_ = std::move(weights);
+    loops_.weights = weights_.data();
+    hmf_foliation* raw = nullptr;
+    hmf_error error{};
+    status_ = hmf_solve(hierarchy_.get(), has_start_ ? nullptr : &loops_, &options, control, &raw, &error);
+    foliation_.reset(raw);
+    const bool of_line =
+        error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size();
+    const std::string line = of_line ? shown(request.loops) + ":" + std::to_string(read_.lines[error.index]) : "";
+    if (status_ >= HMF_ERROR_NULL) {
+        if (of_line) fail_with(status_, error, line);
+        if (!alone_ && status_ == HMF_ERROR_UNSUPPORTED) return refuse(status_, hmf_status_string(status_));
+        fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(request.start) : subject_);
+    }
+    report_ = hmf_foliation_report(foliation_.get());
+    if (!report_) fail_with(HMF_CANCELLED, error, subject_);
+    if (status_ == HMF_OK) return;
+    limit_ = (of_line ? line : subject_) + ": " + limit_sentence(status_, error);
+    if (report_->class_state == HMF_CLASS_LOST) limit_ += "; it is not in the class of the loops";
+}
+
+Foliation Component::describe() {
+    Foliation f;
+    hmf_error error{};
+    size_t count = 0;
+    const double* const values = hmf_foliation_values(foliation_.get(), &count);
+    f.values.assign(values, values + count);
+    f.triangles.resize(3 * finest_.triangle_count);
+    f.triangle_edges.resize(3 * finest_.triangle_count);
+    f.edge_vertices.resize(2 * count);
+    const hmf_hierarchy* const h = hierarchy_.get();
+    check(hmf_level_triangle_vertices(h, 0, f.triangles.data(), f.triangles.size(), &error), error, subject_);
+    check(hmf_level_triangle_edges(h, 0, f.triangle_edges.data(), f.triangle_edges.size(), &error), error, subject_);
+    check(hmf_level_edge_vertices(h, 0, f.edge_vertices.data(), f.edge_vertices.size(), &error), error, subject_);
+    const auto singular = make<hmf_singularity_set>(subject_, [&](hmf_singularity_set** out, hmf_error* e) {
+        return hmf_singularities(foliation_.get(), nullptr, out, e);
+    });
+    f.singular.assign(singular->list, singular->list + singular->count);
+    for (hmf_singularity& s : f.singular)
+        s.element = s.kind == HMF_SINGULAR_TRIANGLE ? whole_triangle(s.element) : whole_vertex(s.element);
+    f.positions = std::move(part_.mesh.positions);
+    return f;
+}
+
+const hmf_cylinder_set* Component::find_cylinders(const hmf_control* control) {
+    if (!cylinders_)
+        cylinders_ = make<hmf_cylinder_set>(subject_, [&](hmf_cylinder_set** out, hmf_error* error) {
+            return hmf_cylinders(foliation_.get(), has_start_ ? nullptr : &loops_, control, out, error);
+        });
+    return cylinders_.get();
+}
+
+const hmf_parameterization* Component::parameterize(const hmf_control* control) {
+    parameterization_ = make<hmf_parameterization>(subject_, [&](hmf_parameterization** out, hmf_error* error) {
+        return hmf_parameterize(foliation_.get(), nullptr, control, out, error);
+    });
+    return parameterization_.get();
+}
+
+Json Component::json(const std::vector<hmf_singularity>& singularities) const {
+    if (is_refused()) {
+        const readers::TriangleMesh& mesh = part_.mesh;
+        const size_t edges = readers::edges_of(mesh).count(), boundaries = readers::boundary_count(mesh);
+        Json counts = {{"vertices", mesh.vertex_count()},
+                       {"edges", edges},
+                       {"triangles", mesh.triangle_count()},
+                       {"boundaries", boundaries}};
+        if (status_ == HMF_ERROR_MESH_GENUS) counts.set("genus", 0);
+        return {{"mesh", counts}, {"class", "none"}, {"status", status_}, {"message", refusal_}};
+    }
+    const hmf_report& r = *report_;
+    Json::Array levels, singular;
+    for (uint64_t k = 0; k < r.level_count; ++k) {
+        const hmf_level_report& level = r.levels[k];
+        levels.push_back(Json{{"vertices", level.vertices},
+                              {"edges", level.edges},
+                              {"nld", level.raised_count},
+                              {"raised_count", level.raised_count},
+                              {"iterations", level.iterations},
+                              {"linear_solves", level.linear_solves},
+                              {"optimize_seconds", level.optimize_seconds},
+                              {"interpolate_seconds", level.interpolate_seconds}});
+    }
+    static const char* const kinds[] = {"", "vertex", "triangle", "cluster"};
+    for (const hmf_singularity& s : singularities)
+        singular.push_back(Json{{"kind", kinds[s.kind & 3]},
+                                {"index", s.index},
+                                {"element", s.element},
+                                {"size", s.size},
+                                {"position", std::vector<double>(s.position, s.position + 3)}});
+    Json report = {{"mesh", Json{{"vertices", finest_.vertex_count},
+                                 {"edges", finest_.edge_count},
+                                 {"triangles", finest_.triangle_count},
+                                 {"genus", genus()},
+                                 {"marked", marks_.size()},
+                                 {"boundaries", 0}}},
+                   {"method", method_name(r.method)},
+                   {"class", class_name(r.class_state)},
+                   {"class_repeats", r.class_repeats},
+                   {"class_seconds", r.class_seconds},
+                   {"levels", levels},
+                   {"loops", loops_.count},
+                   {"build_seconds", build_seconds_},
+                   {"loops_seconds", loops_seconds_},
+                   {"solve_seconds", r.solve_seconds},
+                   {"energy", r.energy},
+                   {"residual_max", r.residual_max},
+                   {"residual_mean", r.residual_mean},
+                   {"poles", r.poles},
+                   {"zeros", r.zeros},
+                   {"index_sum", r.index_sum},
+                   {"singularities", singular},
+                   {"bad_flips", r.bad_flips},
+                   {"bad_flips_left", r.bad_flips_left},
+                   {"converged", is_converged()}};
+    if (parameterization_) {
+        const hmf_parameterization& p = *parameterization_;
+        report.set("dilatation_mean", p.dilatation_mean);
+        report.set("dilatation_median", p.dilatation_median);
+        // Not finite where more than a hundredth of the area is degenerate.
+        report.set("dilatation_p99", std::isfinite(p.dilatation_p99) ? Json(p.dilatation_p99) : Json());
+        report.set("flipped_triangles", p.flipped_triangles);
+        report.set("degenerate_triangles", p.degenerate_triangles);
+        report.set("seam_edges", p.seam_edge_count);
+        report.set("seam_length", p.seam_length);
+        report.set("parameterize_seconds", p.seconds);
+    }
+    if (cylinders_) {
+        Json::Array cylinders;
+        for (uint64_t k = 0; k < cylinders_->count; ++k) {
+            const hmf_cylinder& c = cylinders_->list[k];
+            cylinders.push_back(Json{{"loop", c.loop == HMF_NONE ? Json() : Json(c.loop)},
+                                     {"height", c.height},
+                                     {"circumference", c.circumference},
+                                     {"modulus", c.modulus},
+                                     {"area", c.area}});
+        }
+        report.set("cylinders", cylinders);
+    }
+    return report;
+}
+
+} // namespace cli

@@ -1,0 +1,23 @@
+// What is done to a mesh before it is built: repairs, and the components one by one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "../readers/components.hpp"
+#include "../readers/repair.hpp"
+#include "read_mesh.hpp"
+
+namespace cli {
+
+// Repairs, and says on standard error what was done.
+readers::Repairs repair_mesh(TriangleMesh& mesh, bool join_points, const std::string& mesh_name);
+
+// The components; the only one takes the mesh as it is, whatever is wrong with it, without numbers of vertices and
+// triangles.  Throws Failure where a vertex belongs to none of several.
+std::vector<readers::Component> split_mesh(TriangleMesh& mesh, const std::string& mesh_name);
+
+// In sentences.
+std::string name_of_component(const readers::Component& component, size_t number);
+
+} // namespace cli
