@@ -1,4 +1,5 @@
-// Repairs and components of meshes (bindings/readers): whatever is done to a surface that loses nothing of it is undone.
+// Repairs and components of meshes (bindings/readers): whatever is done to a surface that loses nothing of it is
+// undone.
 #include <components.hpp>
 #include <repair.hpp>
 

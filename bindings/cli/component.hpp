@@ -41,8 +41,8 @@ int32_t less_sure(int32_t a, int32_t b);
 
 class Component {
 public:
-    // subject: in sentences.  alone: the whole mesh, with its vertices and triangles by the same numbers; then it throws
-    // Failure where others are refused.
+    // subject: in sentences.  alone: the whole mesh, with its vertices and triangles by the same numbers; then it
+    // throws Failure where others are refused.
     Component(readers::Component part, std::string subject, bool alone) :
         part_(std::move(part)), subject_(std::move(subject)), alone_(alone) {}
 
