@@ -59,7 +59,7 @@ Options solve_options(SolveRequest& r) {
         Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
         Option{"--save-mesh", &r.save_mesh, "FILE.obj",
-               "the mesh as it was solved, after --repair; all outputs refer to it"}
+               "the mesh as it was solved, after --repair; loops, values and all outputs refer to it"}
             .writes(".obj"),
         Option{"--image", &r.image, "FILE.png", "stripes, zeros blue, poles yellow, loops green"}.writes(".png"),
         Option{"--pattern", Choice{&r.checkerboard, {{"stripes", 0}, {"checkerboard", 1}}}, "stripes|checkerboard",
