@@ -2,7 +2,9 @@
 // foliation, and the assertions that every operation must keep.
 //
 // The surface is a chain of 1 to 3 grid tori, glued at triangles.  Each torus
-// may carry a loop of random weight round its column 0; Whitehead moves under
+// may carry a loop of random weight round its column 0.  Or it is a sphere, a
+// tube with two ends, with a loop round the tube.  Up to 7 vertices are marked,
+// on the sphere at least two on each side of the loop.  Whitehead moves under
 // random weights then spread the foliation.
 #pragma once
 
@@ -50,7 +52,7 @@ public:
     static constexpr uint32_t spare_vertices = 64;
 
     explicit RandomFoliation(Bytes& bytes) : memory_(nullptr, nullptr, nullptr, 0) {
-        const uint32_t tori = 1 + bytes.byte() % 3u;
+        const uint32_t tori = (1 + bytes.byte() % 4u) % 4u; // 0: a sphere
         const uint32_t n = 4 + bytes.byte() % 4u, m = 3 + bytes.byte() % 4u;
         std::vector<std::array<uint32_t, 3>> triangles;
         std::map<std::pair<uint32_t, uint32_t>, int64_t> crossing;
@@ -90,7 +92,10 @@ public:
                     across_[k].push_back({a, c});
                 }
         }
+        if (tori == 0) make_sphere(bytes, n, m, triangles, vertices, crossing);
+        mark(bytes, tori == 0, triangles, vertices, crossing);
         build(triangles, vertices, crossing);
+        f.mesh.marked_count = static_cast<uint32_t>(side_of_mark_.size());
         euler_ = static_cast<int64_t>(vertices) - f.mesh.edge_count + f.mesh.face_count;
         FUZZ_ASSERT(euler_ == 2 - 2 * static_cast<int64_t>(tori));
         FUZZ_ASSERT(check(f.mesh) == nullptr);
@@ -120,9 +125,14 @@ public:
     }
 
     // Necessary for the class, on the connectivity of the start: a closed path
-    // that crosses loop k exactly once is not shorter than its weight.
+    // that crosses loop k exactly once is not shorter than its weight, and no
+    // path between marked vertices on different sides of a loop on the sphere.
     void assert_class() {
         const Mesh& mesh = f.mesh;
+        for (uint32_t a = 0; a < mesh.marked_count && across_.empty(); ++a)
+            for (uint32_t b = 0; b < a; ++b)
+                if (side_of_mark_[a] != side_of_mark_[b])
+                    FUZZ_ASSERT(distance(a, b, std::vector<int8_t>(2 * mesh.edge_count, 0)) >= weight_[0]);
         for (size_t k = 0; k < across_.size(); ++k) {
             std::vector<int8_t> crosses(2 * mesh.edge_count, 0); // per half-edge
             std::vector<uint32_t> start;
@@ -138,12 +148,12 @@ public:
         }
     }
 
-    // No pole, exact triangle inequalities, index sum 2 * chi.
+    // No pole, exact triangle inequalities, index sum 2 * chi - marked vertices.
     void assert_valid() {
         const SingularityCount count = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
         FUZZ_ASSERT(count.broken_triangles == 0);
         FUZZ_ASSERT(count.poles == 0);
-        FUZZ_ASSERT(count.index_sum == 2 * euler_);
+        FUZZ_ASSERT(count.index_sum == 2 * euler_ - f.mesh.marked_count);
         FUZZ_ASSERT(!f.out_of_memory);
     }
 
@@ -162,6 +172,56 @@ public:
 private:
     static std::pair<uint32_t, uint32_t> key(uint32_t a, uint32_t b) {
         return a < b ? std::make_pair(a, b) : std::make_pair(b, a);
+    }
+
+    // Rings of m vertices, n of them, and two vertices at the ends.  The loop
+    // runs between rings 0 and 1.
+    void make_sphere(Bytes& bytes, uint32_t n, uint32_t m, std::vector<std::array<uint32_t, 3>>& triangles,
+                     uint32_t& vertices, std::map<std::pair<uint32_t, uint32_t>, int64_t>& crossing) {
+        const int64_t weight = (1 + static_cast<int64_t>(bytes.below(65536))) << (2 + bytes.byte() % 20u);
+        weight_.push_back(weight);
+        for (uint32_t y = 0; y < m; ++y) {
+            const uint32_t z = (y + 1) % m;
+            triangles.push_back({n * m, y, z});
+            triangles.push_back({n * m + 1, (n - 1) * m + z, (n - 1) * m + y});
+            for (uint32_t x = 0; x + 1 < n; ++x) {
+                triangles.push_back({x * m + y, x * m + m + y, x * m + m + z});
+                triangles.push_back({x * m + y, x * m + m + z, x * m + z});
+            }
+            crossing[key(y, m + y)] = crossing[key(y, m + z)] = weight;
+        }
+        vertices = n * m + 2;
+    }
+
+    // Chooses marked vertices and gives them the first numbers.  On a sphere the
+    // ends of the tube are marked, and one more of each half at least.
+    void mark(Bytes& bytes, bool sphere, std::vector<std::array<uint32_t, 3>>& triangles, uint32_t vertices,
+              std::map<std::pair<uint32_t, uint32_t>, int64_t>& crossing) {
+        std::vector<uint32_t> marked;
+        if (sphere) {
+            const uint32_t ring = static_cast<uint32_t>(crossing.size() / 2); // vertices of ring 0
+            marked = {vertices - 2, vertices - 1, bytes.below(ring), ring + bytes.below(vertices - 2 - ring)};
+            for (const uint32_t v : marked) side_of_mark_.push_back(v == vertices - 2 || v < ring);
+        }
+        for (uint32_t more = bytes.byte() % (sphere ? 4u : 8u); more > 0; --more) {
+            const uint32_t v = bytes.below(vertices);
+            if (std::find(marked.begin(), marked.end(), v) != marked.end()) continue;
+            side_of_mark_.push_back(sphere && (v == vertices - 2 || v < crossing.size() / 2));
+            marked.push_back(v);
+        }
+        std::vector<uint32_t> number(vertices, NONE);
+        uint32_t next = 0;
+        for (const uint32_t v : marked) number[v] = next++;
+        for (uint32_t& v : number)
+            if (v == NONE) v = next++;
+        for (auto& triangle : triangles)
+            for (uint32_t& v : triangle) v = number[v];
+        std::map<std::pair<uint32_t, uint32_t>, int64_t> renumbered;
+        for (const auto& edge : crossing)
+            renumbered[key(number[edge.first.first], number[edge.first.second])] = edge.second;
+        crossing.swap(renumbered);
+        for (auto& edges : across_)
+            for (auto& edge : edges) edge = {number[edge.first], number[edge.second]};
     }
 
     // Shortest way along edges that do not cross; the meshes are small.
@@ -227,7 +287,8 @@ private:
 
     Memory memory_;
     int64_t euler_ = 0;
-    std::vector<int64_t> weight_;                                    // of the loop of each torus
+    std::vector<int64_t> weight_;                                    // of the loop of each torus, or of the sphere
+    std::vector<uint8_t> side_of_mark_;                              // of the loop of the sphere, per marked vertex
     std::vector<std::vector<std::pair<uint32_t, uint32_t>>> across_; // edges that it crosses, all the same way
     std::vector<uint32_t> origin_, next_, face_, out_, stamp_;
     std::vector<int64_t> value_;

@@ -286,6 +286,22 @@ TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
     EXPECT_GT(broken, 0u) << "no step has left the class: the test tests nothing";
 }
 
+// A solve that starts outside of the class cannot come back: it says so.
+TEST(ClassGuard, SaysWhichLoopIsLost) {
+    Start start(pretzel(2, 2), HMF_LOOPS_PANTS);
+    start.load({5, 3, 1});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({5, 4, 1});
+    hmf::SolveOptions options;
+    options.tolerance = 1e-8;
+    hmf::Recorder recorder(false, start.call, 1);
+    EXPECT_EQ(hmf::solve_in_class(start.state, options, start.call, recorder, start.watch), HMF_LIMIT_CLASS);
+    EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
+    EXPECT_EQ(start.watch.lost.loss, hmf::ClassLoss::height);
+    EXPECT_EQ(start.watch.lost.loop, 1u);
+    EXPECT_EQ(start.watch.repeats, start.hierarchy.levels());
+}
+
 // Meshes NAME.obj with NAME.loops.txt (lines `t: triangle triangle ..`) and
 // NAME.weights.txt in the folder HMF_CASES, on which solves once ended in another class.
 TEST(ClassCases, SameEnergyWithEachRatio) {

@@ -45,6 +45,27 @@ def tetrahedron():
     return [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
 
 
+def box(a, b, c):
+    """Vertices and triangles of the surface of a box of a x b x c cubes, a sphere."""
+    points, triangles, size = [], [], (a, b, c)
+    def vertex(*p):
+        if p not in points:
+            points.append(p)
+        return points.index(p)
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for at in (0, size[axis]):
+            for i in range(size[u]):
+                for j in range(size[v]):
+                    square = []
+                    for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                        p = [at] * 3
+                        p[u], p[v] = x, y
+                        square.append(vertex(*p))
+                    triangles += triangles_of([square if at else square[::-1]])
+    return points, triangles
+
+
 def obj_text(points, faces, face_format="{}"):
     lines = ["v %.17g %.17g %.17g" % p for p in points]
     lines += ["f " + " ".join(face_format.format(i + 1) for i in f) for f in faces]
@@ -154,7 +175,7 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead or single-level"])
         for command in ("demo", "info", "solve", "batch"):
             self.assertIn("usage: hmf " + command, self.run_tool(command, "--help").stdout)
-        for option in ("--loops", "--save-loops", "--start", "--conformality", "--size", "default midpoint", "in (0, 1)"):
+        for option in ("--loops", "--save-loops", "--start", "--conformality", "--size", "--marks", "--save-marks", "default auto", "default midpoint", "in (0, 1)"):
             self.assertIn(option, self.run_tool("solve", "-h").stdout)
 
     def test_options_without_effect(self):
@@ -175,6 +196,7 @@ class Usage(Case):
                       ["solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj")],
                       ["solve", self.mesh, "--quads", self.path("q.obj"), "--size", "1e-9"], ["solve", self.mesh, "--ratio", "3"],
                       ["solve", self.write("crossing.obj", obj_text(crossing, self.triangles)), "--loops", "handle"],
+                      ["solve", self.write("sphere.obj", obj_text(*tetrahedron())), "--loops", "handle"], ["solve", self.path("sphere.obj"), "--marks", "none"],
                       ["solve", self.mesh, "--tolerance", "2"], ["solve", self.mesh, "--weights=-1"],
                       ["solve", self.mesh, "--start", self.write("w.csv", "\n".join(l.rsplit(",", 1)[0] + ",0" for l in lines))],
                       ["solve", self.mesh, "--start", self.write("x.csv", "\n".join(l.rsplit(",", 1)[0] + ",%d" % (k % 2) for k, l in enumerate(lines)))]):
@@ -186,6 +208,7 @@ class Usage(Case):
         self.refused(5, "info", self.path("missing.obj"), says=["missing.obj"])
         self.refused(5, "solve", self.mesh, "--loops", self.path("missing.txt"), says=["missing.txt"])
         self.refused(5, "solve", self.mesh, "--loops", "handel", says=["\"handel\"", "neither a kind", "nor a file", "cut, handle, tunnel and pants"])
+        self.refused(5, "solve", self.mesh, "--marks", "non", says=["--marks", "\"non\"", "neither auto nor none nor a file"])
         self.refused(5, "solve", self.mesh, "--values", self.path("no/such/folder.csv"), says=["folder.csv"])
         self.refused(5, "demo", self.mesh, says=["torus.obj"])
         if os.path.exists("/dev/full"):
@@ -204,6 +227,91 @@ class Meshes(Case):
         n = len(self.points)
         self.assertEqual((report["vertices"], report["edges"], report["triangles"], report["genus"]), (n, 3 * n, 2 * n, 1))
         self.assertTrue(report["valid"])
+        self.assertEqual(report["suggested_marks"], [])
+        self.assertNotIn("tips", text)
+
+    def test_info_of_sphere(self):
+        points, triangles = box(12, 3, 3)
+        sphere = self.write("box.obj", obj_text(points, triangles))
+        report = self.counts(sphere)
+        self.assertEqual((report["valid"], report["genus"], report["vertices"]), (True, 0, len(points)))
+        marks = report["suggested_marks"]
+        self.assertEqual(len(set(marks)), len(marks))
+        self.assertTrue(4 <= len(marks) <= 24 and all(0 <= v < len(points) for v in marks))
+        text = self.run_tool("info", sphere).stdout
+        self.assertIn("genus 0", text)
+        self.assertIn("%d vertices, two at each of %d tips" % (len(marks), len(marks) // 2), text)
+        # Two triangles back to back have no four vertices to mark.
+        pillow = self.write("pillow.obj", obj_text(points[:3], [(0, 1, 2), (0, 2, 1)]))
+        for command in ("info", "solve"):
+            self.refused(3, command, pillow, says=["pillow.obj", "genus 0"])
+        # What else is wrong with a mesh that has as many vertices and triangles as a sphere.
+        for name, faces, says in (("turned", triangles[:-1] + [triangles[-1][::-1]], "triangle"), ("triple", triangles[:-1] + triangles[:1], "edge")):
+            path = self.write(name + ".obj", obj_text(points, faces))
+            self.assertIn(says, self.refused(3, "info", path, says=[path]).stderr)
+            self.assertFalse(json.loads(self.refused(3, "info", path, "--json").stdout)["valid"])
+
+    def test_marks(self):
+        points, triangles = box(12, 3, 3)
+        n = len(points)
+        sphere, out = self.write("box.obj", obj_text(points, triangles)), self.path("r.json")
+        saved, loops, values = self.path("saved.txt"), self.path("loops.txt"), self.path("v.csv")
+
+        def report_of(*words):
+            done = self.run_tool("solve", *words, "--report", out)
+            return done.stdout, json.loads(self.read("r.json"))
+
+        # Suggested ones, and the same ones from a file.
+        text, report = report_of(sphere, "--save-marks", saved, "--save-loops", loops, "--values", values)
+        marked = report["mesh"]["marked"]
+        self.assertGreaterEqual(marked, 4)
+        self.assertIn("marked %d vertices, two at each of %d tips" % (marked, marked // 2), text)
+        self.assertEqual((report["mesh"]["genus"], report["poles"], report["index_sum"]), (0, 0, 4 - marked))
+        self.assertEqual((report["class"], report["converged"], report["options"]["marks"]), ("checked", True, "auto"))
+        self.assertIn("class checked", text)
+        head, *lines = self.read("saved.txt").decode().splitlines()
+        self.assertEqual(head, "# %d marked vertices" % marked)
+        self.assertEqual([int(line) for line in lines], json.loads(self.run_tool("info", sphere, "--json").stdout)["suggested_marks"])
+        self.assertEqual(set(map(int, lines)) - {s["element"] for s in report["singularities"] if s["kind"] == "vertex"}, set())
+        text, again = report_of(sphere, "--marks", saved, "--loops", loops, "--save-marks", self.path("again.txt"), "--values", self.path("w.csv"))
+        self.assertNotIn("tips", text)
+        self.assertEqual(self.read("again.txt"), self.read("saved.txt"))
+        self.assertAlmostEqual(again["energy"] / report["energy"], 1, 9)
+        text, again = report_of(sphere, "--start", values)
+        self.assertAlmostEqual(again["energy"] / report["energy"], 1, 9)
+
+        # Marks of the caller, every output.
+        corners = [points.index(p) for p in ((0, 0, 0), (0, 3, 3), (12, 0, 0), (12, 3, 3), (12, 3, 0))]
+        marks = self.write("marks.txt", "# corners\n" + ", ".join(map(str, corners[:4])) + "\r\n\t%d # the last" % corners[4])
+        text, report = report_of(sphere, "--marks", marks, "--loops", "pants", "--image", self.path("i.png"), "--quads", self.path("q.obj"),
+                                 "--obj", self.path("t.obj"), "--leaves", self.path("l.obj"), "--conformality")
+        self.assertNotIn("tips", text)
+        self.assertEqual((report["mesh"]["marked"], report["loops"], report["poles"], report["index_sum"]), (5, 2, 0, -1))
+        self.assertEqual(json.loads(self.run_tool("info", self.path("q.obj"), "--json").stdout)["genus"], 0)
+        self.assertEqual(sorted(c["height"] for c in report["cylinders"]), [1, 1])
+        violet = sum(r > 2 * g and b > 2 * g and b > 0.7 * r for row in pixels_of(self.read("i.png")) for r, g, b in row)
+        self.assertGreater(violet, 500)
+
+        # On other surfaces auto marks none.
+        text, report = report_of(self.mesh, "--save-marks", saved)
+        self.assertEqual((report["mesh"]["marked"], self.read("saved.txt")), (0, b"# 0 marked vertices\n"))
+        self.assertNotIn("marked", text)
+        text, report = report_of(self.mesh, "--marks", saved)
+        self.assertEqual((report["mesh"]["marked"], report["class"]), (0, "proven"))
+        text, report = report_of(self.mesh, "--marks", self.write("one.txt", "7"))
+        self.assertEqual((report["mesh"]["marked"], report["poles"], report["index_sum"], report["class"]), (1, 0, -1, "checked"))
+
+        self.refused(3, "solve", sphere, "--marks", "none", says=["genus 0", "--marks auto"])
+        self.refused(3, "solve", sphere, "--marks", self.write("three.txt", "1 2 3"), says=["3 marked vertices", "--marks auto"])
+        self.refused(3, "solve", sphere, "--loops", "handle", says=["no handles", "--loops cut or --loops pants"])
+        bad = self.path("bad.txt")
+        for content, says in (("1 2 x", "bad.txt:1: \"x\" is not a vertex"), ("1 2\n-3", "bad.txt:2: \"-3\""), ("1 2.5", "\"2.5\""),
+                              ("1 2 3 %d" % n, "vertex %d does not exist; the mesh has %d" % (n, n)), ("1\n2 1", "bad.txt:2: vertex 1 is marked twice, first in line 1"),
+                              ("7 8 7", "vertex 7 is marked twice")):
+            self.write("bad.txt", content)
+            self.refused(3, "solve", sphere, "--marks", bad, says=[says])
+        self.refused(2, "solve", sphere, "--marks", bad, "--save-marks", bad, says=["input"])
+        self.refused(2, "solve", sphere, "--marks", "auto", "--marks", bad, says=["--marks", "twice"])
 
     def test_formats(self):
         n = len(self.points)
@@ -302,9 +410,7 @@ class Meshes(Case):
 
     def test_refused_meshes(self):
         points, triangles = tetrahedron()
-        self.refused(3, "info", self.write("sphere.obj", obj_text(points, triangles)), says=["sphere.obj", "genus 0"])
-        done = self.refused(3, "info", self.path("sphere.obj"), "--json")
-        self.assertFalse(json.loads(done.stdout)["valid"])
+        self.refused(3, "solve", self.write("sphere.obj", obj_text(points, triangles)), "--marks", "none", says=["sphere.obj", "genus 0"])
         t, p = self.triangles, self.points
         n = len(p)
         for name, points, triangles, says in [
@@ -313,6 +419,7 @@ class Meshes(Case):
             path = self.write(name + ".obj", obj_text(points, triangles))
             self.refused(3, "info", path, says=[path, says, "--repair"])
             self.refused(3, "solve", path, says=[path, says, "--repair"])
+            self.assertFalse(json.loads(self.refused(3, "info", path, "--json").stdout)["valid"])
 
 
 class Solve(Case):
@@ -322,7 +429,7 @@ class Solve(Case):
                              "--image", out["i.png"])
         self.assertEqual(done.stderr, "")
         self.assertEqual(len(done.stdout.splitlines()), 1)
-        for word in ("genus 1", "energy", "residual", "zeros", "poles", " s"):
+        for word in ("genus 1", "energy", "residual", "class proven", "zeros", "poles", " s"):
             self.assertIn(word, done.stdout)
         self.run_tool("solve", self.mesh, "--values", out["v.npy"])
 
@@ -352,10 +459,11 @@ class Solve(Case):
         self.assertEqual(set(report), {
             "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
-            "version", "input", "options", "exit_status", "errors", "cpu_seconds", "singularities", "class"})
+            "class", "class_repeats", "class_seconds", "version", "input", "options", "exit_status", "errors", "cpu_seconds", "singularities"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1,
-                                          "components": 1, "boundaries": 0})
-        self.assertEqual(report["class"], "proven")
+                                          "marked": 0, "components": 1, "boundaries": 0})
+        self.assertEqual((report["class"], report["class_repeats"]), ("proven", 0))
+        self.assertTrue(0 < report["class_seconds"] < report["solve_seconds"])
         self.assertEqual((report["loops"], report["poles"], report["index_sum"]), (1, 0, 0))
         self.assertIs(report["converged"], True)
         self.assertGreater(report["energy"], 0)
@@ -397,7 +505,7 @@ class Solve(Case):
         self.assertNotIn("dilatation_mean", found)
         self.assertEqual(found["singularities"], [])
         self.assertEqual(found["options"], {
-            "loops": "cut", "weights": [1], "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
+            "loops": "cut", "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
             "tolerance": 1e-8, "time-limit": None, "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes",
             "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": False})
         # What it says are the defaults gives the same bits.
@@ -412,6 +520,34 @@ class Solve(Case):
         self.run_tool("solve", mesh, "--report", report, "--method", "whitehead")
         found = json.loads(self.read("r.json"))["options"]
         self.assertEqual((found["method"], found["tolerance"]), ("whitehead", 1e-6))
+
+    def test_converged_is_small_residual(self):
+        """Whatever a method measures on the way; the exit status says whether it came to its own end."""
+        seen = set()
+        for words in (["newton"], ["newton", "--tolerance", "1e-3"], ["whitehead"], ["whitehead", "--tolerance", "0.1"], ["single-level"],
+                      ["single-level", "--tolerance", "1e-3"]):
+            self.run_tool("solve", self.mesh, "--report", self.path("r.json"), "--method", *words)
+            found = json.loads(self.read("r.json"))
+            largest = found["options"]["tolerance"] if words[0] == "newton" else 1e-8
+            self.assertIs(found["converged"], found["residual_max"] <= largest, words)
+            self.assertEqual((found["exit_status"], found["class"]), (0, "proven"), words)
+            seen.add((words[0], found["converged"]))
+        self.assertLessEqual({("newton", True), ("whitehead", False), ("single-level", False)}, seen)
+
+    def test_class(self):
+        """From loops, and from values that a solve has written."""
+        values, report = self.path("v.csv"), self.path("r.json")
+        folder = self.path("demo")
+        self.run_tool("demo", folder)
+        with open(os.path.join(folder, "report.json")) as f:
+            self.assertEqual(json.load(f)["class"], "proven")
+        sample = os.path.join(folder, "sample.obj")
+        for method in ("newton", "whitehead"):
+            done = self.run_tool("solve", sample, "--loops", "pants", "--weights", "3,1,2,1,1,5", "--method", method, "--values", values, "--report", report)
+            self.assertIn("class proven", done.stdout)
+            self.assertEqual(json.loads(self.read("r.json"))["class"], "proven")
+        self.run_tool("solve", sample, "--start", values, "--report", report)
+        self.assertEqual(json.loads(self.read("r.json"))["class"], "proven")
 
     def test_failed_output(self):
         """An output that cannot be made does not take the others with it."""
@@ -652,7 +788,7 @@ class Solve(Case):
         self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
         found = json.loads(self.read("r.json").decode())
         self.assertIs(found["converged"], False)
-        self.assertEqual(found["exit_status"], 4)
+        self.assertEqual((found["exit_status"], found["class"]), (4, "proven"))
         done = self.run_tool("solve", mesh, "--method", "single-level", "--tolerance", "1e-15", "--time-limit", "0.02", status=4)
         self.assertNotIn("written", done.stderr)
         self.assertIn("best foliation", done.stderr)
@@ -772,6 +908,7 @@ class Batch(Case):
             rows = self.lines()
             self.assertEqual([r["input"] for r in rows], self.names)
             self.assertEqual([r["exit_status"] for r in rows], [0, 3, 3, 0])
+            self.assertEqual([r["class"] for r in rows], ["proven", "none", "none", "proven"])
             self.assertIn("genus 0", rows[2]["errors"][0])
             self.assertIn("dilatation_mean", rows[0])
             self.assertEqual(rows[0]["options"]["loops"], "tunnel")
@@ -779,6 +916,15 @@ class Batch(Case):
         single = json.loads(self.read("r.json"))
         self.assertEqual(set(rows[0]), set(single))
         self.assertEqual(rows[0]["energy"], single["energy"])
+
+    def test_spheres(self):
+        self.run_tool("batch", self.path("meshes"), "--out", self.out)
+        self.assertEqual([(r["exit_status"], r["class"]) for r in self.lines()], [(0, "proven"), (3, "none"), (0, "checked"), (0, "proven")])
+        self.assertEqual(self.lines()[2]["mesh"]["marked"], 4)
+        os.remove(self.out)
+        self.run_tool("batch", self.path("meshes"), "--out", self.out, "--marks", "none")
+        self.assertEqual([r["exit_status"] for r in self.lines()], [0, 3, 3, 0])
+        self.refused(2, "batch", self.path("meshes"), "--out", self.out, "--save-marks", "m.txt", says=["--save-marks"])
 
     def test_resumes(self):
         self.run_tool("batch", self.path("meshes"), "--out", self.out)
@@ -862,8 +1008,8 @@ class Components(Case):
         return found, json.loads(self.read("alone.json"))
 
     def test_each_as_on_its_own(self):
-        done = self.run_tool("solve", self.scene, "--values", self.path("v.csv"), "--values", self.path("v.npy"), "--report", self.path("r.json"),
-                             "--history", self.path("h.csv"), "--conformality")
+        done = self.run_tool("solve", self.scene, "--marks", "none", "--values", self.path("v.csv"), "--values", self.path("v.npy"),
+                             "--report", self.path("r.json"), "--history", self.path("h.csv"), "--conformality")
         self.assertIn("3 components, 2 solved, genus 2", done.stdout)
         self.assertEqual(len(done.stdout.splitlines()), 1)
         self.assertIn("component 1 (4 triangles, first 1): the mesh has genus 0", done.stderr)
@@ -876,7 +1022,7 @@ class Components(Case):
             expected.update(own)
             energy += found["energy"]
             part = report["components"][k]
-            for key in ("energy", "residual_max", "zeros", "poles", "loops", "method", "converged", "class", "dilatation_mean", "index_sum"):
+            for key in ("energy", "residual_max", "zeros", "poles", "loops", "method", "converged", "class", "class_repeats", "dilatation_mean", "index_sum"):
                 self.assertEqual(part[key], found[key], key)
             self.assertEqual(dict(found["mesh"], components=None), dict(part["mesh"], components=None))
             self.assertEqual([l["edges"] for l in part["levels"]], [l["edges"] for l in found["levels"]])
@@ -884,7 +1030,7 @@ class Components(Case):
         self.assertEqual(values, {**expected, **sphere})
         self.assertEqual(report["energy"], energy)
         self.assertEqual(report["mesh"], {"vertices": len(self.all_points), "edges": len(values), "triangles": len(self.all_triangles), "genus": 2,
-                                          "components": 3, "boundaries": 0})
+                                          "marked": 0, "components": 3, "boundaries": 0})
         self.assertEqual((report["loops"], report["poles"], report["index_sum"], report["converged"], report["class"]), (2, 0, 0, True, "proven"))
         none = report["components"][1]
         self.assertEqual((none["class"], none["status"], none["mesh"]["genus"], none["mesh"]["vertices"]), ("none", 311, 0, 4))
@@ -908,7 +1054,8 @@ class Components(Case):
 
     def test_pictures_and_lines(self):
         out = {name: self.path(name) for name in ("t.obj", "i.png", "l.obj", "q.obj", "r.json", "loops.txt")}
-        self.run_tool("solve", self.scene, "--obj", out["t.obj"], "--image", out["i.png"], "--leaves", out["l.obj"], "--conjugate", "--quads", out["q.obj"],
+        none = ("--marks", "none")
+        self.run_tool("solve", self.scene, *none, "--obj", out["t.obj"], "--image", out["i.png"], "--leaves", out["l.obj"], "--conjugate", "--quads", out["q.obj"],
                       "--report", out["r.json"], "--save-loops", out["loops.txt"], "--weights", "1,2")
         report = json.loads(self.read("r.json"))
         lines = self.read("t.obj").decode().splitlines()
@@ -926,7 +1073,7 @@ class Components(Case):
         self.assertEqual((head, len(loops)), ("# --weights 1,2", 2))
         # The saved loops give the same again, in any order.
         for text, weights in ((loops, "1,2"), (loops[::-1], "2,1")):
-            self.run_tool("solve", self.scene, "--loops", self.write("again.txt", "\n".join(text)), "--weights", weights, "--report", out["r.json"])
+            self.run_tool("solve", self.scene, *none, "--loops", self.write("again.txt", "\n".join(text)), "--weights", weights, "--report", out["r.json"])
             again = json.loads(self.read("r.json"))
             self.assertAlmostEqual(again["energy"] / report["energy"], 1, 9)
             self.assertEqual(again["components"][1]["class"], "none")
@@ -936,14 +1083,53 @@ class Components(Case):
         self.assertIn("no loop lies on it", done.stderr)
         self.assertEqual([c["class"] for c in json.loads(self.read("r.json"))["components"]], ["none", "none", "proven"])
         self.refused(3, "solve", self.scene, "--loops", self.write("two.txt", "\n0 1 %d" % self.first[2]), says=["two.txt:2:", "several components"])
-        self.refused(2, "solve", self.scene, "--weights", "1", says=["1 weights for 2 loops"])
+        self.refused(2, "solve", self.scene, *none, "--weights", "1", says=["1 weights for 2 loops"])
+
+    def test_marks(self):
+        """Each sphere gets marks of its own; those of a file go to the component they lie on."""
+        ball = box(12, 3, 3)
+        self.parts[1] = ball
+        points, triangles = beside(*self.parts)
+        scene, saved = self.write("scene.obj", obj_text(points, triangles)), self.path("saved.txt")
+        done = self.run_tool("solve", scene, "--save-marks", saved, "--values", self.path("v.csv"), "--report", self.path("r.json"), "--image", self.path("i.png"))
+        self.assertIn("3 components, 3 solved, genus 2", done.stdout)
+        self.assertIn("class checked", done.stdout)
+        report = json.loads(self.read("r.json"))
+        self.assertEqual([c["class"] for c in report["components"]], ["proven", "checked", "proven"])
+        own, found = self.alone(1, "--save-marks", self.path("own.txt"))
+        marked = found["mesh"]["marked"]
+        self.assertEqual((report["class"], report["converged"], report["mesh"]["marked"], report["index_sum"]), ("checked", True, marked, 4 - marked))
+        self.assertIn("marked %d vertices, two at each of %d tips" % (marked, marked // 2), done.stdout)
+        values = self.values("v.csv")
+        self.assertEqual({e: values[e] for e in own}, own)
+        marks = [int(line) for line in self.read("saved.txt").decode().splitlines()[1:]]
+        self.assertEqual(marks, [int(line) + self.first[1] for line in self.read("own.txt").decode().splitlines()[1:]])
+        self.assertEqual(json.loads(self.run_tool("info", scene, "--json").stdout)["suggested_marks"], marks)
+        self.run_tool("solve", scene, "--marks", saved, "--report", self.path("again.json"))
+        again = json.loads(self.read("again.json"))
+        self.assertAlmostEqual(again["energy"] / report["energy"], 1, 9)
+        self.assertEqual([c["mesh"]["marked"] for c in again["components"]], [0, marked, 0])
+        # Without a mark on the sphere it has no foliation.
+        done = self.run_tool("solve", scene, "--marks", self.write("one.txt", "5"), "--report", self.path("again.json"))
+        self.assertIn("genus 0", done.stderr)
+        self.assertIn("--marks auto", done.stderr)
+        again = json.loads(self.read("again.json"))
+        self.assertEqual([c["class"] for c in again["components"]], ["checked", "none", "proven"])
+        # Handles are not looked for on a sphere.
+        done = self.run_tool("solve", scene, "--loops", "handle", "--report", self.path("again.json"))
+        self.assertIn("no handles", done.stderr)
+        self.assertEqual([c["class"] for c in json.loads(self.read("again.json"))["components"]], ["proven", "none", "proven"])
 
     def test_none(self):
         points, triangles = beside(tetrahedron(), (self.points, self.triangles[1:]))
         mesh = self.write("none.obj", obj_text(points, triangles))
-        done = self.refused(3, "solve", mesh, says=["none of 2 components", "component 0", "genus 0", "component 1", "boundary"])
+        done = self.refused(3, "solve", mesh, "--marks", "none", says=["none of 2 components", "component 0", "genus 0", "component 1", "boundary"])
         self.assertEqual(len(done.stderr.splitlines()), 1)
-        self.refused(3, "info", mesh, says=["component 0", "genus 0", "boundary", "boundaries     1"])
+        self.assertIn("boundaries     1", self.run_tool("info", mesh).stdout)
+        points, triangles = beside((self.points, self.triangles[2:]), (self.points, self.triangles[1:]))
+        mesh = self.write("open.obj", obj_text(points, triangles))
+        self.refused(3, "solve", mesh, says=["none of 2 components", "component 1", "boundary"])
+        self.refused(3, "info", mesh, says=["component 0", "boundary", "boundaries     2"])
 
     def test_defects_are_named(self):
         points, triangles = beside(self.small, (self.points, self.triangles[1:]))
@@ -1043,7 +1229,10 @@ class Repairs(Case):
         for row in map(json.loads, self.read("o.ndjson").decode().splitlines()):
             self.assertIn(row["exit_status"], (0, 3), row)
             if row["exit_status"] == 0:
-                self.assertEqual((row["poles"], row["class"], row["index_sum"]), (0, "proven", sum(4 - 4 * c["mesh"]["genus"] for c in row.get("components", [row]) if c["class"] != "none")))
+                solved = [c for c in row.get("components", [row]) if c["class"] != "none"]
+                self.assertEqual((row["poles"], row["index_sum"]), (0, sum(4 - 4 * c["mesh"]["genus"] - c["mesh"]["marked"] for c in solved)))
+                for c in solved:
+                    self.assertEqual(c["class"], "checked" if c["mesh"]["marked"] else "proven")
                 self.assertLess(row["residual_max"], 1e-8)
             else:
                 self.assertRegex(row["errors"][0], "genus 0|boundary")

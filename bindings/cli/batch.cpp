@@ -34,7 +34,8 @@ Json failed(const std::string& mesh, int status, const std::string& sentence) {
     return {{"version", version_text()},
             {"input", mesh},
             {"exit_status", status},
-            {"errors", std::vector<std::string>{sentence}}};
+            {"errors", std::vector<std::string>{sentence}},
+            {"class", "none"}};
 }
 
 int status_in(const Json& result) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "marks.hpp"
+
 namespace cli {
 
 using readers::Json;
@@ -20,6 +22,27 @@ const char* method_name(int32_t method) {
 
 } // namespace
 
+const char* class_name(int32_t state) {
+    switch (state) {
+    case HMF_CLASS_PROVEN: return "proven";
+    case HMF_CLASS_CHECKED: return "checked";
+    case HMF_CLASS_LOST: return "lost";
+    default: return "unknown";
+    }
+}
+
+int32_t less_sure(int32_t a, int32_t b) {
+    for (const int32_t state : {HMF_CLASS_LOST, HMF_CLASS_UNKNOWN, HMF_CLASS_CHECKED})
+        if (a == state || b == state) return state;
+    return HMF_CLASS_PROVEN;
+}
+
+bool Component::is_converged() const {
+    const bool takes_residual = report_->method == HMF_METHOD_NEWTON && tolerance_ > 0;
+    return report_->converged != 0 && report_->residual_max >= 0
+        && report_->residual_max <= (takes_residual ? tolerance_ : 1e-8);
+}
+
 void Component::refuse(hmf_status status, const std::string& reason) {
     status_ = status;
     refusal_ = subject_ + ": " + reason;
@@ -36,11 +59,15 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
     options.release = Meter::release;
     options.allocator_user = &meter;
     const Clock::time_point start = Clock::now();
-    hmf_hierarchy* raw = nullptr;
     hmf_error error{};
-    const hmf_status status =
-        hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
-                  part_.mesh.triangle_count(), &options, control, &raw, &error);
+    hmf_status status = HMF_OK;
+    if (request.marks == "auto") status = suggest_marks(part_.mesh, options, control, marks_, error);
+    options.marked_vertices = marks_.data();
+    options.marked_count = marks_.size();
+    hmf_hierarchy* raw = nullptr;
+    if (status == HMF_OK)
+        status = hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
+                           part_.mesh.triangle_count(), &options, control, &raw, &error);
     hierarchy_.reset(raw);
     build_seconds_ = seconds_since(start);
     if (status != HMF_OK && (alone_ || status < 300 || status >= 400))
@@ -52,6 +79,7 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
             reason += " (triangle " + std::to_string(whole_triangle(static_cast<uint32_t>(error.index))) + ")";
         if (error.element == HMF_ELEMENT_VERTEX)
             reason += " (vertex " + std::to_string(whole_vertex(static_cast<uint32_t>(error.index))) + ")";
+        if (status == HMF_ERROR_MESH_GENUS) reason += "; --marks auto marks vertices of a sphere";
         return refuse(status, reason + repair_advice(status, request.repairs, request.joins));
     }
     check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
@@ -69,7 +97,8 @@ void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) 
         loops_ = *made_;
     } catch (const Failure& failure) {
         if (alone_ || failure.exit_status != EXIT_BAD_INPUT) throw;
-        refuse(HMF_ERROR_MESH_NOT_EMBEDDED, std::string(failure.what()).substr(subject_.size() + 2));
+        refuse(genus() == 0 ? HMF_ERROR_MESH_GENUS : HMF_ERROR_MESH_NOT_EMBEDDED,
+               std::string(failure.what()).substr(subject_.size() + 2));
     }
     loops_seconds_ = seconds_since(start);
 }
@@ -91,7 +120,7 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
     hmf_solve_options options = {};
     options.struct_size = sizeof options;
     options.method = request.method;
-    options.tolerance = request.tolerance;
+    options.tolerance = tolerance_ = request.tolerance;
     options.time_limit = time_limit;
     has_start_ = start_values != nullptr;
     Owned<hmf_foliation> start;
@@ -108,14 +137,19 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
     hmf_error error{};
     status_ = hmf_solve(hierarchy_.get(), has_start_ ? nullptr : &loops_, &options, control, &raw, &error);
     foliation_.reset(raw);
+    const bool of_line =
+        error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size();
+    const std::string line = of_line ? shown(request.loops) + ":" + std::to_string(read_.lines[error.index]) : "";
     if (status_ >= HMF_ERROR_NULL) {
-        if (error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size())
-            fail_with(status_, error, shown(request.loops) + ":" + std::to_string(read_.lines[error.index]));
+        if (of_line) fail_with(status_, error, line);
         if (!alone_ && status_ == HMF_ERROR_UNSUPPORTED) return refuse(status_, hmf_status_string(status_));
         fail_with(status_, error, has_start_ && status_ >= 500 && status_ < 600 ? shown(request.start) : subject_);
     }
     report_ = hmf_foliation_report(foliation_.get());
     if (!report_) fail_with(HMF_CANCELLED, error, subject_);
+    if (status_ == HMF_OK) return;
+    limit_ = (of_line ? line : subject_) + ": " + limit_sentence(status_, error);
+    if (report_->class_state == HMF_CLASS_LOST) limit_ += "; it is not in the class of the loops";
 }
 
 Foliation Component::describe() {
@@ -191,9 +225,12 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                                  {"edges", finest_.edge_count},
                                  {"triangles", finest_.triangle_count},
                                  {"genus", genus()},
+                                 {"marked", marks_.size()},
                                  {"boundaries", 0}}},
                    {"method", method_name(r.method)},
-                   {"class", r.class_state == HMF_CLASS_PROVEN ? "proven" : "unknown"},
+                   {"class", class_name(r.class_state)},
+                   {"class_repeats", r.class_repeats},
+                   {"class_seconds", r.class_seconds},
                    {"levels", levels},
                    {"loops", loops_.count},
                    {"build_seconds", build_seconds_},
@@ -208,7 +245,7 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                    {"singularities", singular},
                    {"bad_flips", r.bad_flips},
                    {"bad_flips_left", r.bad_flips_left},
-                   {"converged", r.converged != 0}};
+                   {"converged", is_converged()}};
     if (parameterization_) {
         const hmf_parameterization& p = *parameterization_;
         report.set("dilatation_mean", p.dilatation_mean);

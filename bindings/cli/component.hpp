@@ -35,6 +35,10 @@ struct Meter {
     }
 };
 
+// Of a report: proven, checked, unknown or lost; none: there is no foliation.  Of several the one least sure.
+const char* class_name(int32_t state);
+int32_t less_sure(int32_t a, int32_t b);
+
 class Component {
 public:
     // subject: in sentences.  alone: the whole mesh, vertices and triangles by the same numbers; then it throws Failure
@@ -44,6 +48,8 @@ public:
 
     // --- In this order; throw Failure ---
 
+    // Those of a file; else the library's are taken, where they are asked for.
+    void take_marks(std::vector<uint32_t> marks) { marks_ = std::move(marks); }
     void build(const SolveRequest& request, Meter& meter, const hmf_control* control);
     // kind: HMF_LOOPS_*.
     void make_loops(int32_t kind, bool fine, const hmf_control* control);
@@ -66,6 +72,7 @@ public:
     uint32_t whole_vertex(uint32_t v) const { return alone_ ? v : part_.vertices[v]; }
     uint32_t whole_triangle(uint32_t t) const { return alone_ ? t : part_.triangles[t]; }
     size_t genus() const;
+    const std::vector<uint32_t>& marks() const { return marks_; }
     uint64_t edge_count() const { return finest_.edge_count; }
 
     const hmf_loop_set& loops() const { return loops_; }
@@ -74,6 +81,10 @@ public:
     const hmf_foliation* foliation() const { return foliation_.get(); }
     hmf_status status() const { return status_; }
     const hmf_report& report() const { return *report_; }
+    // Why it ended early, with what it is about.
+    const std::string& limit() const { return limit_; }
+    // Whether the result is as close to the minimum as it says, whatever the method measures on the way.
+    bool is_converged() const;
     double build_seconds() const { return build_seconds_; }
     double loops_seconds() const { return loops_seconds_; }
     // In the numbering of level 0, singularities in that of the whole mesh; without the loop weights.  Takes the
@@ -92,16 +103,18 @@ private:
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;
 
     readers::Component part_;
-    std::string subject_, refusal_;
+    std::string subject_, refusal_, limit_;
     bool alone_;
     int32_t kind_ = 0;
     hmf_status status_ = HMF_OK;
     Owned<hmf_hierarchy> hierarchy_;
     hmf_level_info finest_{};
+    std::vector<uint32_t> marks_;
     LoopList read_; // loops of the caller
     Owned<hmf_loop_set> made_, fine_loops_;
     hmf_loop_set loops_{}; // those that were used
     std::vector<double> weights_;
+    double tolerance_ = 0; // that was asked for
     bool has_start_ = false;
     double build_seconds_ = 0, loops_seconds_ = 0;
     Owned<hmf_foliation> foliation_;

@@ -17,7 +17,7 @@ static const char* element_name(int32_t element) {
 }
 
 static ExitStatus exit_status_of(hmf_status status) {
-    if (status >= HMF_LIMIT_ITERATIONS && status <= HMF_CANCELLED) return EXIT_LIMIT;
+    if (status >= HMF_LIMIT_ITERATIONS && status <= HMF_LIMIT_CLASS) return EXIT_LIMIT;
     if (status >= 300 && status < 600) return EXIT_BAD_INPUT;
     if (status == HMF_ERROR_UNSUPPORTED) return EXIT_BAD_INPUT;
     if (status == HMF_ERROR_OPTIONS) return EXIT_USAGE;
@@ -28,11 +28,15 @@ static ExitStatus exit_status_of(hmf_status status) {
 static std::string in_words_of_tool(std::string message) {
     static const std::pair<std::string, std::string> words[] = {
         {"set mollify in the build options", "give --mollify 1e-5"},
+        {"Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "Give --loops cut or --loops pants"},
         {"use HMF_LOOPS_CUT or HMF_LOOPS_PANTS", "give --loops cut or --loops pants"},
         {"Improve the values with hmf_relax", "Give --method newton, or a smaller --tolerance"},
         {"Improve them with hmf_relax", "Give --method newton, or a smaller --tolerance"},
         {"; hmf_singularities lists them", ""},
         {"Start from hmf_initialize or a result of hmf_solve", "Give a file that --values has written"},
+        {"Mark four vertices or more", "Give --marks auto, or a file of four vertices or more"},
+        {"; report->class_state tells whether the values are in it", ""},
+        {"Try another ratio", "Give another --ratio"},
         {"edge_length", "--size"}};
     for (const auto& [library, tool] : words)
         if (const size_t at = message.find(library); at != std::string::npos) message.replace(at, library.size(), tool);
@@ -77,6 +81,15 @@ void fail_with(hmf_status status, const hmf_error& error, const std::string& sub
     }
     if (!advice.empty() && sentence.back() == '.') sentence.pop_back();
     throw Failure(exit_status_of(status), sentence + advice);
+}
+
+std::string limit_sentence(hmf_status status, const hmf_error& error) {
+    if (status == HMF_CANCELLED) return "interrupted";
+    std::string sentence = hmf_status_string(status);
+    // Of the other limits the status says it all; here the error names the loop.
+    if (status == HMF_LIMIT_CLASS && error.status == status) sentence += ": " + in_words_of_tool(error.message);
+    while (sentence.back() == '.') sentence.pop_back();
+    return sentence;
 }
 
 } // namespace cli

@@ -30,4 +30,7 @@ struct Failure : std::runtime_error {
 // they were given, or do not help.
 std::string repair_advice(hmf_status status, bool repairs, bool joins);
 
+// Why a solve with a foliation ended early.
+std::string limit_sentence(hmf_status status, const hmf_error& error);
+
 } // namespace cli

@@ -7,6 +7,7 @@
 
 #include "../readers/json.hpp"
 #include "library.hpp"
+#include "marks.hpp"
 #include "progress.hpp"
 #include "split_mesh.hpp"
 
@@ -22,6 +23,7 @@ struct Finding {
     hmf_error error{};
     size_t genus = 0;
     uint64_t edges = 0, negative = 0; // negative: edges that are not Delaunay
+    std::vector<uint32_t> marks;      // that the library suggests
 };
 
 Finding look_at(const TriangleMesh& mesh, const std::string& mesh_name, const hmf_control* control) {
@@ -31,8 +33,12 @@ Finding look_at(const TriangleMesh& mesh, const std::string& mesh_name, const hm
     options.coarsest = mesh.vertex_count();
     hmf_hierarchy* raw = nullptr;
     Finding found;
-    found.status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                             &options, control, &raw, &found.error);
+    found.status = suggest_marks(mesh, options, control, found.marks, found.error);
+    options.marked_vertices = found.marks.data();
+    options.marked_count = found.marks.size();
+    if (found.status == HMF_OK)
+        found.status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, control, &raw, &found.error);
     const Owned<hmf_hierarchy> hierarchy(raw);
     if (found.status != HMF_OK) {
         if (found.status < 300 || found.status >= 400) fail_with(found.status, found.error, mesh_name);
@@ -122,6 +128,7 @@ void info(const InfoRequest& request) {
         if (found.status == HMF_OK) {
             row.set("genus", found.genus);
             line = "genus " + std::to_string(found.genus);
+            if (!found.marks.empty()) line += ", " + std::to_string(found.marks.size() / 2) + " tips to mark";
         } else {
             const std::string advice = repair_advice(found.status, request.repairs, request.joins);
             row.set("status", found.status);
@@ -133,6 +140,7 @@ void info(const InfoRequest& request) {
             total.edges += edges;
             total.genus += found.genus;
             total.negative += found.negative;
+            for (const uint32_t v : found.marks) total.marks.push_back(parts[k].vertices[v]);
             lines.push_back(name_of_component(parts[k], k) + ": " + line);
         }
         good += found.status == HMF_OK;
@@ -153,6 +161,7 @@ void info(const InfoRequest& request) {
             report.set("edges", total.edges);
             report.set("triangles", triangles);
             report.set("genus", total.genus);
+            report.set("suggested_marks", total.marks);
             report.set("non_delaunay_edges", total.negative);
             report.set("min_angle", q.least_angle);
             report.set("max_angle", q.largest_angle);
@@ -172,8 +181,13 @@ void info(const InfoRequest& request) {
     if (!request.json) {
         if (alone) std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), total.genus);
         else
-            std::printf("%s: %zu components, %zu of them closed oriented manifolds of genus 1 and more, genus %zu\n",
-                        mesh_name.c_str(), parts.size(), good, total.genus);
+            std::printf("%s: %zu components, %zu of them closed oriented manifolds, genus %zu\n", mesh_name.c_str(),
+                        parts.size(), good, total.genus);
+        if (!total.marks.empty())
+            std::printf(
+                "  to mark        %zu vertices, two at each of %zu tips; hmf solve marks them unless it is told "
+                "others\n",
+                total.marks.size(), total.marks.size() / 2);
         std::printf("  vertices       %zu\n", vertices);
         std::printf("  edges          %llu\n", static_cast<unsigned long long>(total.edges));
         std::printf("  triangles      %zu\n", triangles);

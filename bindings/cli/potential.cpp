@@ -67,12 +67,12 @@ public:
             if (p_.piece[t] == Piece::tripod) visit(t);
         std::vector<uint8_t> is_zero(f_.positions.size() / 3, 0);
         for (const hmf_singularity& s : f_.singular)
-            if (s.index < 0 && s.kind != HMF_SINGULAR_TRIANGLE) is_zero[s.element] = 1;
+            if (s.index <= 0 && s.kind != HMF_SINGULAR_TRIANGLE) is_zero[s.element] = 1;
         for (uint32_t t = 0; t < p_.u.size(); ++t)
             for (unsigned c = 0; c < 3; ++c)
                 if (is_zero[f_.triangles[3 * t + c]] && !seen_[t]) seed(t, c);
         flood();
-        // Genus 1 without zeros: any base will do.
+        // Genus 1 without zeros and marked vertices: any base will do.
         for (uint32_t t = 0; t < p_.u.size(); ++t)
             if (!seen_[t] && p_.piece[t] == Piece::linear) {
                 seed(t, 0);

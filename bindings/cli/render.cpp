@@ -39,7 +39,7 @@ Vec unit(Vec a) {
 
 using Colour = Vec; // linear light
 constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02},
-    GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42};
+    VIOLET{0.45, 0.05, 0.55}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42};
 
 // Principal axes of the points, the smallest first, by Jacobi rotations.
 std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
@@ -530,7 +530,6 @@ Image render(const Foliation& foliation, const Potential& potential, const doubl
     for (size_t k = foliation.triangles.size(); k-- > 0;) corner_of[foliation.triangles[k]] = k;
     const auto to_view = [&](Vec n) { return Vec{dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)}; };
     for (const hmf_singularity& s : foliation.singular) {
-        if (s.index == 0) continue;
         Vec place, outward;
         if (s.kind == HMF_SINGULAR_TRIANGLE) {
             for (size_t k = 3 * size_t(s.element); k < 3 * size_t(s.element) + 3; ++k) {
@@ -541,7 +540,7 @@ Image render(const Foliation& foliation, const Potential& potential, const doubl
             place = seen[s.element];
             outward = to_view(normals[corner_of[s.element]]);
         }
-        draw_button(canvas, place, unit(outward), 0.0105 * size, s.index < 0 ? BLUE : YELLOW);
+        draw_button(canvas, place, unit(outward), 0.0105 * size, s.index < 0 ? BLUE : s.index > 0 ? YELLOW : VIOLET);
     }
     return canvas.resolve(0.05 * size);
 }

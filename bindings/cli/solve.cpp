@@ -10,6 +10,7 @@
 #include "component.hpp"
 #include "leaves.hpp"
 #include "loop_lines.hpp"
+#include "marks.hpp"
 #include "output.hpp"
 #include "read_mesh.hpp"
 #include "read_values.hpp"
@@ -85,6 +86,7 @@ private:
         if (repairs_.count() > 0 && r_.save_mesh.empty() && !outputs_of(options_).empty())
             std::fprintf(stderr, "%s: the outputs refer to the repaired mesh; --save-mesh FILE.obj writes it\n",
                          name_.c_str());
+        if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
         if (kind_ != 0 || has_start_) return;
         try {
             read_ = read_loops(r_.loops, mesh_.vertex_count(), mesh_.triangle_count());
@@ -121,6 +123,7 @@ private:
         }
         attempt("--save-mesh", !r_.save_mesh.empty(), [&] { write_mesh_obj(r_.save_mesh, mesh_, 17); });
         split();
+        take_marks();
         take_loops();
         uint64_t coarsest = r_.coarsest;
         size_t done = 0;
@@ -128,10 +131,28 @@ private:
             const hmf_control* const control = share("build", 0, 0.35, done, c);
             if (c.is_refused()) continue;
             c.build(r_, meter_, control);
-            if (!c.is_refused()) coarsest = std::max<uint64_t>(coarsest, 40 * c.genus());
+            if (c.is_refused()) continue;
+            coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
+            if (r_.marks != "auto") continue;
+            for (const uint32_t v : c.marks()) marks_.push_back(c.whole_vertex(v));
+            tipped_ += !c.marks().empty();
         }
         r_.coarsest = coarsest;
         refuse_if_none();
+    }
+
+    // Gives each marked vertex of the caller to its component.
+    void take_marks() {
+        if (marks_.empty()) return;
+        if (is_alone()) return components_[0].take_marks(marks_);
+        std::vector<uint8_t> is_marked(mesh_.vertex_count(), 0);
+        for (const uint32_t v : marks_) is_marked[v] = 1;
+        for (Component& c : components_) {
+            std::vector<uint32_t> own;
+            for (uint32_t v = 0; v < c.mesh().vertex_count(); ++v)
+                if (is_marked[c.whole_vertex(v)]) own.push_back(v);
+            c.take_marks(std::move(own));
+        }
     }
 
     // Gives each loop of the caller to its component.
@@ -266,8 +287,7 @@ private:
             progress_.clear();
             outcome_.exit_status = EXIT_LIMIT;
             const bool written = !outputs_of(options_).empty();
-            outcome_.errors.push_back(c.subject() + ": "
-                                      + (c.status() == HMF_CANCELLED ? "interrupted" : hmf_status_string(c.status()))
+            outcome_.errors.push_back(c.limit()
                                       + (written ? "; the best foliation so far was written"
                                                  : "; the numbers are those of the best foliation so far"));
         }
@@ -374,6 +394,7 @@ private:
             for (const Component& c : components_) reports.push_back(c.is_refused() ? nullptr : &c.report());
             write_history(r_.history, reports);
         });
+        attempt("--save-marks", !r_.save_marks.empty(), [&] { write_marks(r_.save_marks, marks_); });
         attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
         control_ = progress_.part("leaves", 0, 1);
         const bool pictured = !r_.image.empty() || !r_.obj.empty();
@@ -423,12 +444,15 @@ private:
         if (!is_alone())
             summary += std::to_string(components_.size()) + " components, "
                      + std::to_string(components_.size() - outcome_.notes.size()) + " solved, ";
-        char line[240];
+        char line[300];
         std::snprintf(line, sizeof line,
-                      "genus %.0f, %zu edges, %zu loops, energy %.10g, residual %.2g, %.0f zeros, %.0f poles, %.2f s",
+                      "genus %.0f, %zu edges, %zu loops, energy %.10g, residual %.2g, class %s, %.0f zeros, %.0f "
+                      "poles, %.2f s",
                       number(*json.find("mesh"), "genus"), f_.values.size(), loop_count_, number(json, "energy"),
-                      number(json, "residual_max"), number(json, "zeros"), number(json, "poles"), seconds);
+                      number(json, "residual_max"), json.find("class")->text()->c_str(), number(json, "zeros"),
+                      number(json, "poles"), seconds);
         outcome_.summary = summary + line;
+        if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_);
     }
 
     Json report_json(double seconds) const {
@@ -457,7 +481,8 @@ private:
     void add_totals(Json& report) const {
         Json::Array parts, meshes, singular;
         double residual_max = 0, residual_mean = 0, vertices = 0;
-        bool converged = true, proven = true;
+        bool converged = true;
+        int32_t class_state = HMF_CLASS_PROVEN;
         Json method;
         for (size_t k = 0; k < components_.size(); ++k) {
             parts.push_back(components_[k].json(singular_[k]));
@@ -469,21 +494,22 @@ private:
             residual_max = std::max(residual_max, r.residual_max);
             residual_mean += own * r.residual_mean;
             vertices += own;
-            converged = converged && r.converged != 0;
-            proven = proven && r.class_state == HMF_CLASS_PROVEN;
+            converged = converged && components_[k].is_converged();
+            class_state = less_sure(class_state, r.class_state);
             method = *part.find("method");
             const Json::Array& list = part.find("singularities")->elements();
             singular.insert(singular.end(), list.begin(), list.end());
         }
         Json mesh = {{"vertices", f_.positions.size() / 3}, {"edges", f_.values.size()}};
-        for (const char* key : {"triangles", "genus", "boundaries"}) mesh.set(key, sum(meshes, key));
+        for (const char* key : {"triangles", "genus", "marked", "boundaries"}) mesh.set(key, sum(meshes, key));
         mesh.set("components", components_.size());
         report.set("mesh", mesh);
         report.set("method", method);
-        report.set("class", proven ? "proven" : "unknown");
+        report.set("class", class_name(class_state));
         report.set("levels", sum_of_levels(parts));
         report.set("loops", loop_count_);
-        for (const char* key : {"build_seconds", "loops_seconds", "solve_seconds", "energy"})
+        for (const char* key :
+             {"class_repeats", "class_seconds", "build_seconds", "loops_seconds", "solve_seconds", "energy"})
             report.set(key, sum(parts, key));
         report.set("residual_max", residual_max);
         report.set("residual_mean", residual_mean / vertices);
@@ -513,7 +539,9 @@ private:
     Meter meter_;       // lives longer than all that the library made
     TriangleMesh mesh_; // of several components, until it is described
     readers::Repairs repairs_;
-    LoopList read_; // loops of the caller
+    LoopList read_;               // loops of the caller
+    std::vector<uint32_t> marks_; // in the whole mesh
+    size_t tipped_ = 0;           // components with marks that the library chose
     std::vector<Component> components_;
     std::vector<std::vector<size_t>> loop_numbers_; // of the loops of each component, among all
     size_t loop_count_ = 0;

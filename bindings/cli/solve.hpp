@@ -15,6 +15,7 @@ struct SolveRequest {
     std::string mesh;
     std::string loops = "cut";   // cut, handle, tunnel, pants, or a file
     std::vector<double> weights; // of the loops; empty: all 1
+    std::string marks = "auto";  // auto, none, or a file
     std::string start;           // values to start from instead of loops; empty: none
     int32_t method = HMF_METHOD_DEFAULT;
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
@@ -23,7 +24,7 @@ struct SolveRequest {
     uint64_t coarsest = 1000;
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, quads, obj, save_loops, save_mesh;
+    std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0; // of leaves, of quads
     bool conjugate = false;       // leaves across as well
     int32_t checkerboard = 0;     // in the picture, instead of stripes
@@ -38,7 +39,7 @@ Option join_option(bool& target);
 // What a run has to say; all outputs are written.
 struct Outcome {
     ExitStatus exit_status = EXIT_SOLVED;
-    std::string summary;             // one line
+    std::string summary;             // one line, and one of the vertices that were marked
     bool uses_stdout = false;        // for an output
     std::vector<std::string> notes;  // a sentence each: components without a foliation
     std::vector<std::string> errors; // a sentence each: the limit that ended it, outputs that could not be made

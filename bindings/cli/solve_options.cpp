@@ -20,11 +20,16 @@ Options solve_options(SolveRequest& r) {
         repair_option(r.repairs),
         join_option(r.joins),
         Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
-               "cut: as many as the genus, together they cut the surface into one planar piece;\n"
-               "handle, tunnel: such that bound inside, outside; pants: 3 genus - 3 that leave pairs of pants;\n"
+               "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
+               "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
+               "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
                "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
             .reads(""),
         Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"},
+        Option{"--marks", &r.marks, "auto|none|FILE",
+               "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else none;\n"
+               "or FILE: vertex indices from 0"}
+            .reads(""),
         Option{"--start", &r.start, "FILE.csv|FILE.npy",
                "values of --values to start from, instead of loops: the class is theirs"}
             .reads(".csv .npy")
@@ -42,7 +47,8 @@ Options solve_options(SolveRequest& r) {
                        {"qslim", HMF_COLLAPSE_QSLIM}}},
                "midpoint|endpoint|qslim", "how the hierarchy is made"},
         Option{"--ratio", &r.ratio, "X", "edges of a level / edges of the finer one"}.in("[0.05, 0.95]"),
-        Option{"--coarsest", &r.coarsest, "N", "vertices of the coarsest level, at least 40 genus"}.in("[1, inf)"),
+        Option{"--coarsest", &r.coarsest, "N", "vertices of the coarsest level, at least 40 genus + 10 marked"}.in(
+            "[1, inf)"),
         Option{"--mollify", &r.mollify, "X",
                "accept triangles without area: margin of the triangle inequalities,\n"
                "in mean edge lengths, e.g. 1e-5"}
@@ -61,7 +67,10 @@ Options solve_options(SolveRequest& r) {
         Option{"--save-mesh", &r.save_mesh, "FILE.obj",
                "the mesh as it was solved, after --repair; loops, values and all outputs refer to it"}
             .writes(".obj"),
-        Option{"--image", &r.image, "FILE.png", "stripes, zeros blue, poles yellow, loops green"}.writes(".png"),
+        Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
+        Option{"--image", &r.image, "FILE.png",
+               "stripes, zeros blue, marked vertices violet, poles yellow, loops green"}
+            .writes(".png"),
         Option{"--pattern", Choice{&r.checkerboard, {{"stripes", 0}, {"checkerboard", 1}}}, "stripes|checkerboard",
                "of the picture; squares are (u, v)"}
             .requires_one_of("--image"),

@@ -124,7 +124,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
-#define HMF_ERROR_MESH_GENUS 311 /* genus 0: a sphere carries no measured foliation */
+#define HMF_ERROR_MESH_GENUS 311 /* genus 0 with fewer than four marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 
 /* loops and weights */
@@ -219,7 +219,8 @@ typedef struct hmf_build_options {
     uint32_t struct_size;
     int32_t collapse;            /* HMF_COLLAPSE_* */
     double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
-    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default 1000, at least 40 * genus */
+    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default 1000, at least 40 * genus +
+                                    10 * marked_count */
     uint64_t memory_limit;       /* bytes in use at any time, 0 = none; also bounds each later call on the hierarchy */
     hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
     hmf_release_fn release;
@@ -229,6 +230,9 @@ typedef struct hmf_build_options {
                                     edges of level 0 get longer by the least amount, the same for all, with which every
                                     triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
                                     weights of level 0 change; meshes that keep the margin anyway stay as they are */
+    const uint32_t *marked_vertices; /* vertices that may carry a pole; a sphere needs four or more.  They never move
+                                    and are no poles of the report; indices add up to 4 - 4 * genus - marked_count */
+    uint64_t marked_count;
 } hmf_build_options;
 
 /* An immutable hierarchy of triangle meshes. */
@@ -238,7 +242,8 @@ typedef struct hmf_hierarchy hmf_hierarchy;
 typedef struct hmf_foliation hmf_foliation;
 
 /*
- * Validates a closed, connected, oriented manifold mesh of genus 1 or more,
+ * Validates a closed, connected, oriented manifold mesh of genus 1 or more, or
+ * of genus 0 with four or more marked vertices,
  * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).
  *
  *   positions   vertex_count x 3, any unit; see options->position_stride
@@ -252,6 +257,26 @@ typedef struct hmf_foliation hmf_foliation;
 HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const uint32_t *triangles,
                              size_t triangle_count, const hmf_build_options *options, const hmf_control *control,
                              hmf_hierarchy **out, hmf_error *error);
+
+/* Vertices that hmf_suggest_marks proposes, in one block. */
+typedef struct hmf_mark_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t count;
+    const uint32_t *vertices;    /* count, at most 24 */
+} hmf_mark_set;
+
+/*
+ * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
+ * each limb, so that loops go round the limbs, at least four and at most 24.
+ * None for genus 1 and more.  The same input gives the same marks.
+ *
+ * Of the options, position_stride, mollify and the memory count.  Free with
+ * hmf_free.  Errors: as hmf_build.
+ */
+HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_count, const uint32_t *triangles,
+                                     size_t triangle_count, const hmf_build_options *options,
+                                     const hmf_control *control, hmf_mark_set **out, hmf_error *error);
 
 /* Gives a hierarchy back; NULL is allowed.  Its memory is freed with the last
    of its foliations. */
@@ -279,7 +304,7 @@ typedef struct hmf_level_info {
 /* Number of levels, at least 1; 0 for NULL. */
 HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
 
-/* Genus of the surface, at least 1; 0 for NULL. */
+/* Genus of the surface; 0 for NULL. */
 HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
 
 /* Counts of one level. */
@@ -318,10 +343,12 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 #define HMF_LOOP_VERTICES 2      /* consecutive vertices share an edge; the last and the first as well */
 
 /* Which loops to make. */
-#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece */
+#define HMF_LOOPS_CUT 1          /* genus many, together they cut the surface into one planar piece; genus 0: round
+                                    pairs of marked vertices */
 #define HMF_LOOPS_HANDLE 2       /* a cut system whose loops bound inside the surface: they go round the handles */
 #define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
-#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 (genus 1: one), together they cut the surface into pairs of pants */
+#define HMF_LOOPS_PANTS 4        /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
+                                    surface into pairs of pants */
 
 /* A set of closed curves on a level, as flat arrays. */
 typedef struct hmf_loop_set {
@@ -448,6 +475,7 @@ typedef struct hmf_history_entry {
 #define HMF_CLASS_UNKNOWN 0 /* not looked at: hmf_relax, cancelled, or values at the start that no loops have */
 #define HMF_CLASS_PROVEN 1
 #define HMF_CLASS_LOST 2    /* never with HMF_OK */
+#define HMF_CLASS_CHECKED 3 /* the heights are the weights; with marked vertices classes are not compared */
 
 /* What hmf_solve and hmf_relax tell of a foliation. */
 typedef struct hmf_report {
@@ -462,7 +490,7 @@ typedef struct hmf_report {
     double residual_mean;
     uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
     uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
-    int64_t index_sum;           /* 4 - 4 * genus */
+    int64_t index_sum;           /* 4 - 4 * genus - marked vertices */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
     uint64_t bad_flips_left;     /* and did */
     double solve_seconds;
@@ -544,7 +572,7 @@ HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_contr
 
 typedef struct hmf_singularity {
     int32_t kind;                /* HMF_SINGULAR_* */
-    int32_t index;               /* < 0 a zero of order -index, > 0 a pole */
+    int32_t index;               /* < 0 a zero of order -index, > 0 a pole, 0 a marked vertex that is no zero */
     uint32_t element;
     uint32_t size;               /* vertices of a cluster, else 1 */
     double position[3];          /* of the vertex; the middle of the triangle; the mean of the cluster */

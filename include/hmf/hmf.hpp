@@ -147,6 +147,7 @@ struct BuildOptions {
     hmf_release_fn release = nullptr;
     void* allocator_user = nullptr;
     double mollify = 0;
+    Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
 
 class Foliation;
@@ -301,6 +302,8 @@ inline hmf_build_options raw(const BuildOptions& options) {
     all.release = options.release;
     all.allocator_user = options.allocator_user;
     all.mollify = options.mollify;
+    all.marked_vertices = options.marked_vertices.data();
+    all.marked_count = options.marked_vertices.size();
     return all;
 }
 
@@ -501,6 +504,21 @@ public:
 
     Hierarchy(Hierarchy&&) = default;
     Hierarchy& operator=(Hierarchy&&) = default;
+
+    /* hmf_suggest_marks */
+    static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
+                                               const BuildOptions& options = {},
+                                               const ProgressFunction& progress = nullptr) {
+        check_triples(positions.size(), "positions", "vertex");
+        check_triples(triangles.size(), "triangles", "triangle");
+        const hmf_build_options all = detail::raw(options);
+        const auto set =
+            detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+                return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(),
+                                         triangles.size() / 3, &all, control, out, error);
+            });
+        return {set->vertices, set->vertices + set->count};
+    }
 
     /* hmf_memory_estimate */
     static uint64_t memory_estimate(std::size_t vertex_count, std::size_t triangle_count,

@@ -1,5 +1,6 @@
 // hmf.h: build.
-#include "entry.hpp"
+#include "../hierarchy/suggest_marks.hpp"
+#include "result.hpp"
 
 #include <new>
 
@@ -14,8 +15,16 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
     if (all.coarsest) options.coarsest = all.coarsest;
     options.mollify = all.mollify;
     options.position_stride = all.position_stride;
+    options.marked_vertices = all.marked_vertices;
+    options.marked_count = all.marked_count;
     return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
         && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release;
+}
+
+hmf_status refuse_build_options(Call& call) {
+    return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                     "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
+                     "is in [0.05, 0.95], mollify in [0, 0.1], allocate and release come together.");
 }
 
 } // namespace
@@ -38,10 +47,7 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
             return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
                              "out is NULL. Give the address of a hierarchy pointer.");
         if (!given.usable) return unusable_options("hmf_control", call);
-        if (!readable)
-            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                             "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
-                             "is in [0.05, 0.95], mollify in [0, 0.1], allocate and release come together.");
+        if (!readable) return refuse_build_options(call);
         void* block = own.take(sizeof(hmf_hierarchy));
         if (!block) return call.out_of_memory();
         *out = new (block) hmf_hierarchy(all.allocate, all.release, all.allocator_user, all.memory_limit);
@@ -57,6 +63,32 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
         call.tick(1);
     }
     return status;
+}
+
+hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const uint32_t* triangles,
+                             size_t triangle_count, const hmf_build_options* options, const hmf_control* control,
+                             hmf_mark_set** out, hmf_error* error) {
+    if (out) *out = nullptr;
+    const Control given(control);
+    hmf_build_options all;
+    BuildOptions build;
+    const bool readable = read_build_options(options, all, build);
+    if (!readable) all.allocate = nullptr, all.release = nullptr;
+    hmf_hierarchy h(all.allocate, all.release, all.allocator_user, all.memory_limit);
+    Call call(h.memory, error, given.given.progress, given.given.progress_user);
+    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
+    if (!given.usable) return unusable_options("hmf_control", call);
+    if (!readable) return refuse_build_options(call);
+    Array<uint32_t> found;
+    if (suggest_marks(h, positions, vertex_count, static_cast<size_t>(build.position_stride), triangles, triangle_count,
+                      build, call, found))
+        return call.status();
+    hmf_mark_set set{sizeof(hmf_mark_set), 0, found.size(), nullptr};
+    ResultBlock block;
+    block.array(set, set.vertices, found.size(), found.data());
+    *out = block.make(set, h, call);
+    if (*out) call.tick(1);
+    return call.status();
 }
 
 void hmf_destroy(hmf_hierarchy* hierarchy) {

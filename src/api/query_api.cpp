@@ -152,6 +152,11 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     uint64_t found = 0;
     for (uint32_t v = 0; v < n; ++v) found += indices.index_at(v) != 0;
     for (uint32_t t = 0; t < m; ++t) found += indices.at_face[t] != 0;
+    const Mesh& mesh = state.foliation.mesh;
+    const auto is_single_mark = [&](uint32_t v) { // in no zero
+        return mesh.is_marked(indices.internal(v)) && indices.at_vertex[indices.cluster[indices.internal(v)]] == 0;
+    };
+    for (uint32_t v = 0; v < n && mesh.marked_count > 0; ++v) found += is_single_mark(v);
 
     hmf_singularity_set counts{sizeof(hmf_singularity_set), 0, n, m, found, nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
@@ -185,6 +190,11 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
         if (index == 0) continue;
         list[at] = {HMF_SINGULAR_TRIANGLE, index, t, 1, {0, 0, 0}};
         places.of_face(side[t], list[at++].position);
+    }
+    for (uint32_t v = 0; v < n && mesh.marked_count > 0; ++v) {
+        if (!is_single_mark(v)) continue;
+        list[at] = {HMF_SINGULAR_VERTEX, 0, v, 1, {0, 0, 0}};
+        places.of_vertex(indices.internal(v), list[at++].position);
     }
     *out = made;
     return entry.end();

@@ -20,6 +20,7 @@ Cluster explore_cluster(Foliation& f, uint32_t vertex, uint32_t without, uint32_
     for (size_t at = 0; at < f.members.size(); ++at) {
         const uint32_t v = f.members[at];
         if (v == target) result.reached = true;
+        result.marked += mesh.is_marked(v);
         const uint32_t first = mesh.out[v];
         uint32_t h = first;
         do {
@@ -62,7 +63,7 @@ bool is_plain_and_regular(const Foliation& f, uint32_t v) {
         closed += f.at(h) + f.at(last) == f.at(across);
         h = twin(last);
     } while (h != first);
-    return closed == 2;
+    return closed == 2 && !f.mesh.is_marked(v);
 }
 
 } // namespace
@@ -102,7 +103,7 @@ SingularityCount count_singularities(Foliation& f, int32_t* vertex_index, uint32
         }
         const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
         if (f.out_of_memory) return count;
-        const int64_t index = 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners);
+        const int64_t index = cluster.index();
         count.index_sum += index;
         if (index > 0) count.poles += static_cast<uint64_t>(index);
         if (index < 0) count.zeros += static_cast<uint64_t>(-index);

@@ -4,7 +4,8 @@
 //      |/ \|           falls into parts.  A part that is a disk and has nothing
 //      P   |           but S round it would be left as a pole (v ahead of it is
 //      |0  |           in S, too): it is pushed, it moves along by the same mu.
-//      v --+           Any other part stays where it is.
+//      v --+           Any other part stays where it is, and so does every part
+//                      with a marked vertex.
 //
 // Both kinds of move are one: a set of vertices at one point of the tree moves
 // into one direction S.  Each half-edge of the set adds -mu to its edge if it
@@ -93,7 +94,7 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
             if (!passes(end)) continue;
             const Cluster part = explore_cluster(f, neighbour, NONE, v, NONE, 2, star.budget);
             if (f.out_of_memory) return false;
-            if (part.closed_corners >= 2) continue;
+            if (part.closed_corners >= 2 || part.marked > 0) continue;
             if (!part.complete) {
                 known = false;
                 continue;

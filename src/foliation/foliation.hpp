@@ -16,11 +16,21 @@
 // cluster is walked like the link of a vertex; its directions in the tree are
 // the runs between closed corners:
 //
-//     index = 2 * (vertices - zero edges + zero triangles) - closed corners
+//     index = 2 * (vertices - zero edges + zero triangles) - marked vertices - closed corners
 //
 // where a closed corner has two non-zero sides.  Regular: 0, zero: < 0,
 // pole: > 0.  Summed with -1 for each tripod (triangle without closed corner)
-// this gives 2 * chi of the surface ([W] Eq. 1 and 3 in this form).
+// this gives 2 * chi - marked vertices of the surface ([W] Eq. 1 and 3 in this
+// form).
+//
+// A marked vertex p may carry a pole: a prong alone, with cone angle pi.  It is
+// a cone of order 2: in the universal cover of this orbifold the half turn about
+// p acts on the tree.  No loop goes round p alone, so that the half turn fixes
+// one point of the tree and no direction at it.  Hence
+//   - the image of p never moves, and its pulls are balanced whatever they are;
+//   - with one closed corner p is regular; it cannot be without any;
+//   - a cluster with a marked vertex is no plain disk.  Directions that the way
+//     round it joins are different ones: the half turn exchanges them.
 #pragma once
 
 #include "../base/memory.hpp"
@@ -47,9 +57,13 @@ struct Foliation {
 struct Cluster {
     int64_t euler = 0; // vertices - zero edges + zero triangles; valid if complete
     uint32_t closed_corners = 0;
+    uint32_t marked = 0;   // marked vertices
     bool complete = false; // false: stopped at a limit
     bool reached = false;  // the vertex `target` belongs to the cluster
-    bool is_pole() const { return complete && euler == 1 && closed_corners < 2; }
+    // Valid if complete.
+    bool is_disk() const { return euler == 1 && marked == 0; }
+    int64_t index() const { return 2 * euler - marked - closed_corners; }
+    bool is_pole() const { return complete && index() > 0; }
 };
 
 // Collects the cluster of a vertex into foliation.members.
@@ -86,7 +100,8 @@ void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, Transport
 // If the cluster of a vertex is an extremum (a disk with all else in one
 // direction), moves it there until it has a second one.  false: the values
 // are no distances in a tree (one closed corner separates a direction from
-// itself), which a step that went too far can cause.
+// itself, or a marked vertex has none), which a step that went too far can
+// cause.
 bool settle_extremum(Foliation& foliation, uint32_t vertex);
 
 // Undoes a collapse on mesh and foliation: the new vertex starts where the

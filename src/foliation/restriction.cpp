@@ -57,9 +57,13 @@ void move_along(Foliation& f, uint32_t g, RestrictionScratch& scratch) {
 
 } // namespace
 
-void collapse_foliation(Foliation& f, const Collapse& c, RestrictionScratch& scratch) {
+void move_to_end(Foliation& f, uint32_t h, RestrictionScratch& scratch) {
     // Each move lands on a branch point, on a neighbour, or arrives.
-    while (f.at(c.h) > 0 && !f.out_of_memory) move_along(f, twin(c.h), scratch);
+    while (f.at(h) > 0 && !f.out_of_memory) move_along(f, h, scratch);
+}
+
+void collapse_foliation(Foliation& f, const Collapse& c, RestrictionScratch& scratch) {
+    move_to_end(f, twin(c.h), scratch);
     collapse(f.mesh, c.h);
 }
 

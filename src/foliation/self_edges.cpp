@@ -20,7 +20,7 @@
 //       v--0--v
 //
 // If w belongs to the cluster, look at its part without v.  Only a disk without
-// closed corners fits into an annulus.  It hangs on v in several places, between
+// closed corners and marked vertices fits into an annulus.  It hangs on v in several places, between
 // edges from v to itself or values of its own; each place knows whether v
 // goes the same way there as in the others, from the sides next to it or from
 // edges that are decided.
@@ -73,7 +73,8 @@ private:
     // The part without v behind side t, in all places where it hangs on v.
     void look_at_part(uint32_t t) {
         const Cluster part = explore_cluster(f_, target(t), NONE, v_, NONE, 1, star_.budget);
-        bool fits = part.closed_corners == 0 && (!part.complete || part.euler == 1), has_values = false;
+        bool fits = part.closed_corners == 0 && part.marked == 0 && (!part.complete || part.euler == 1),
+             has_values = false;
         for (uint32_t s = 0; s < degree_; ++s)
             if (is_part(s) && f_.stamp[target(s)] == f_.epoch) way(s) = OPEN;
         for (uint32_t s = 0; s < degree_ && part.complete; ++s) {

@@ -17,7 +17,7 @@
 // are different directions and the formula holds.  If x is i (both corners at
 // i closed: "case 4" of the paper) they are different directions exactly if
 // the boundary of the cluster of i has another closed corner, or the cluster
-// has topology.  Otherwise j alone lies on one side of the cluster and all
+// has topology or a marked vertex.  Otherwise j alone lies on one side of the cluster and all
 // else in one direction R.  Then the cluster is first moved into R up to the
 // next branch point of the tree, a Whitehead move of the whole cluster.  There
 // it has a further direction, and the formula holds.  The neighbours that it
@@ -74,7 +74,7 @@ bool settle_extremum(Foliation& f, uint32_t vertex) {
         const Cluster cluster = explore_cluster(f, vertex, NONE, NONE, NONE, 2, 0);
         if (f.out_of_memory) return false;
         if (!cluster.is_pole()) return true;
-        if (cluster.closed_corners == 1) return false;
+        if (cluster.closed_corners == 1 || cluster.marked > 0) return false;
         advance_cluster(f, NONE);
     }
     return false;
@@ -98,7 +98,7 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
                 const uint32_t v = mesh.origin[ij ^ end], other = mesh.origin[ij ^ end ^ 1];
                 const Cluster cluster = explore_cluster(f, v, edge, NONE, other, 1, 0);
                 if (f.out_of_memory) return;
-                if (!cluster.complete || cluster.reached || cluster.euler != 1) continue;
+                if (!cluster.complete || cluster.reached || !cluster.is_disk()) continue;
                 // The edge stays behind: it grows from zero.
                 f.value[edge] = 0;
                 advance_cluster(f, ij ^ end);
@@ -114,7 +114,7 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
             if (closed_end == NONE) break;
             const Cluster cluster = explore_cluster(f, mesh.origin[closed_end], NONE, NONE, NONE, 3, 0);
             if (f.out_of_memory) return;
-            if (!cluster.complete || cluster.euler != 1) break;
+            if (!cluster.complete || !cluster.is_disk()) break;
             advance_cluster(f, closed_end);
         }
         moved = true;

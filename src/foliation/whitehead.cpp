@@ -9,13 +9,14 @@
 //
 // Directions are runs of sides between closed corners.  If v belongs to a
 // cluster, two runs are one direction when the walk round the cluster's
-// boundary from one to the other meets no closed corner and goes round a disk.
+// boundary from one to the other meets no closed corner and goes round a disk
+// without marked vertices.
 //
 // Legal is a move up to the first closed corner or the first neighbour in S:
 // there the vertex lands exactly, and what it finds there (a branch of the
 // tree, or a neighbour, with which it then forms a cluster) decides how it
 // goes on.  A vertex may leave its cluster, but must not leave a pole behind:
-// what would be one moves along (cluster_move.cpp).
+// what would be one moves along (cluster_move.cpp).  Marked vertices never move.
 #include "whitehead.hpp"
 
 #include <cmath>
@@ -164,6 +165,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
             const Cluster part =
                 explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
+            if (part.marked > 0) continue; // different directions
             if (!part.complete) {
                 star.decided = false;
                 continue;
@@ -238,6 +240,7 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
+    if (f.mesh.is_marked(v)) return false;
     bool moved = false;
     // Each round lands on a branch or a neighbour and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
@@ -301,6 +304,7 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
 double pull_floor(double total, uint32_t vertex_count) { return 0.01 * 2 * total / static_cast<double>(vertex_count); }
 
 double residual_at(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor, Star& star) {
+    if (f.mesh.is_marked(v)) return 0; // balanced by the half turn
     const uint32_t sweep_budget = star.budget;
     star.budget = NONE; // every direction is decided here
     read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);

@@ -14,6 +14,7 @@
 #include "hierarchy.hpp"
 
 #include "../mesh/intrinsic.hpp"
+#include "../mesh/marked_vertices.hpp"
 #include "../mesh/validate.hpp"
 #include "../mesh/weights.hpp"
 #include "delaunay.hpp"
@@ -32,7 +33,9 @@ struct Schedule {
     uint64_t vertices, edges; // of the coarsest level to aim for
 
     Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
-        vertices = options.coarsest > 40 * genus ? options.coarsest : 40 * genus;
+        const uint64_t least = 40 * genus + 10 * options.marked_count; // ten for each zero
+        vertices = options.coarsest > least ? options.coarsest : least;
+        if (vertices < 4) vertices = 4;
         if (vertices > NONE / 3) vertices = NONE / 3;
         edges = 3 * vertices + 6 * genus - 6;
     }
@@ -117,9 +120,13 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     hmf_status status =
         order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
     if (!status)
+        status = put_marked_first(options_.marked_vertices, options_.marked_count, vertex_count, h_.vertex_internal,
+                                  input_position_, call_);
+    if (!status)
         status = order_triangles(h_.triangle_vertices, triangle_count, h_.vertex_internal, vertex_count,
                                  h_.triangle_edges, ordered, call_);
     if (status) return status;
+    h_.input.marked_count = static_cast<uint32_t>(options_.marked_count);
     if (!take_mesh(arena, vertex_count_, edge_count_, face_count_, h_.input)
         || !work_.allocate(h_.memory, h_.input, options_.collapse == HMF_COLLAPSE_QSLIM))
         return call_.out_of_memory();
@@ -129,10 +136,11 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
-    if (h_.genus == 0)
-        return call_.fail(
-            HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
-            "The surface is a sphere, which carries no measured foliation. Use a surface of genus 1 or more.");
+    if (h_.genus == 0 && options_.marked_count < 4 && !options_.sphere_allowed)
+        return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
+                          "The surface is a sphere (genus 0) with %u marked vertices, which carries no measured "
+                          "foliation. Mark four vertices or more, or use a surface of genus 1 or more.",
+                          static_cast<unsigned>(options_.marked_count));
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
     status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, work_.link.data(), call_);
     if (status) return status;
@@ -176,6 +184,7 @@ hmf_status Builder::coarsen() {
     flips_.start(h_.memory);
     numberings_.start(h_.memory);
     Level level;
+    level.mesh.marked_count = h_.input.marked_count;
     level.mesh.vertex_count = vertex_count_;
     level.mesh.edge_count = edge_count_;
     level.mesh.face_count = face_count_;
@@ -208,6 +217,7 @@ hmf_status Builder::coarsen() {
         if (status) return status;
         finer.flip_end = flips_.size();
         level = Level{};
+        level.mesh.marked_count = h_.input.marked_count;
         level.mesh.vertex_count = work_.mesh.vertex_count;
         level.mesh.edge_count = work_.mesh.edge_count;
         level.mesh.face_count = work_.mesh.face_count;
@@ -363,7 +373,7 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
 
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options) {
     const uint64_t V = vertex_count, F = triangle_count, E = F + F / 2;
-    const uint64_t genus = E > V + F ? (2 + E - V - F) / 2 : 1;
+    const uint64_t genus = 2 + E > V + F ? (2 + E - V - F) / 2 : 0;
     const Schedule schedule(options, genus);
     // Edges of all coarse levels together; a level that gets stuck is almost
     // as large as the finer one.

@@ -8,6 +8,8 @@
 //       v
 //   level 1 -> level 2 -> ... -> coarsest
 //
+// Marked vertices come first in every level: no collapse removes or moves them.
+//
 // Level 0 stores the intrinsic triangulation; Hierarchy::input is the mesh of
 // the caller in the same (internal) numbering.  Applying intrinsic_flips to
 // it in order gives levels[0].mesh; unflipping backwards returns.
@@ -23,9 +25,12 @@ namespace hmf {
 struct BuildOptions {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     double ratio = 0.5;
-    uint64_t coarsest = 1000;     // vertices; build_hierarchy raises it to 40 * genus
-    uint64_t position_stride = 0; // bytes from one vertex to the next, 0 = packed
-    double mollify = 0;           // margin of the triangle inequalities on level 0, in mean edge lengths
+    uint64_t coarsest = 1000;                  // vertices; build_hierarchy raises it to 40 * genus + 10 * marked_count
+    uint64_t position_stride = 0;              // bytes from one vertex to the next, 0 = packed
+    double mollify = 0;                        // margin of the triangle inequalities on level 0, in mean edge lengths
+    const uint32_t* marked_vertices = nullptr; // in the caller's numbers
+    uint64_t marked_count = 0;
+    bool sphere_allowed = false; // although nothing can be solved on it
 };
 
 struct Level {

@@ -10,6 +10,9 @@
 // A first round keeps the mesh in good shape (no vertex of high degree, no
 // triangle that turns over); if that does not reach the target, the next
 // round only asks for the link condition.
+//
+// A marked vertex is the end that stays, and keeps its place; an edge between
+// two of them is never collapsed.
 #include "simplify.hpp"
 
 #include "../base/prefetch.hpp"
@@ -113,9 +116,25 @@ Placement place_on_planes(const WorkMesh& work, uint32_t v, uint32_t w) {
     return result;
 }
 
+// A marked vertex stays where it is.
+Placement place_on_mark(const WorkMesh& work, int32_t strategy, uint32_t v, uint32_t w) {
+    Placement result;
+    const double *i = work.at(v), *j = work.at(w), *mark = work.mesh.is_marked(v) ? i : j;
+    for (int c = 0; c < 3; ++c) result.position[c] = mark[c];
+    result.cost = squared_distance(i, j);
+    if (strategy != HMF_COLLAPSE_QSLIM) return result;
+    Quadric q = work.quadrics[v];
+    add(q, work.quadrics[w]);
+    double place[3];
+    for (int c = 0; c < 3; ++c) place[c] = mark[c] - work.centre[c];
+    result.cost = value(q, place);
+    return result;
+}
+
 // Where the merged vertex of an edge goes, and what the collapse costs.
 inline Placement place(const WorkMesh& work, int32_t strategy, uint32_t h) {
     const uint32_t v = work.mesh.origin[h], w = work.mesh.target(h);
+    if (work.mesh.is_marked(v) || work.mesh.is_marked(w)) return place_on_mark(work, strategy, v, w);
     if (strategy == HMF_COLLAPSE_QSLIM) return place_on_planes(work, v, w);
     Placement result;
     const double *i = work.at(v), *j = work.at(w);
@@ -158,10 +177,12 @@ private:
     uint32_t list_ = NONE, far_ = NONE, near_ = NONE;
 };
 
-// The half-edge of an edge that a collapse keeps the origin of: the end with
-// more neighbours, so that less is renamed.
+// The half-edge of an edge that a collapse keeps the origin of: a marked end,
+// or the one with more neighbours, so that less is renamed.
 uint32_t directed(const WorkMesh& work, uint32_t edge) {
     const uint32_t h = 2 * edge;
+    if (work.mesh.is_marked(work.mesh.origin[h])) return h;
+    if (work.mesh.is_marked(work.mesh.target(h))) return twin(h);
     return work.degree[work.mesh.target(h)] > work.degree[work.mesh.origin[h]] ? twin(h) : h;
 }
 
@@ -298,6 +319,7 @@ hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target
             }
             if (work.removed(e)) continue;
             const uint32_t h = directed(work, e);
+            if (mesh.is_marked(mesh.target(h))) continue; // both ends
             const Placement placement = place(work, strategy, h);
             const uint32_t bucket = BucketQueue::bucket(placement.cost);
             if (bucket > now) {

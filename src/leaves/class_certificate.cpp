@@ -53,9 +53,14 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
     offset_.start(call.memory);
     if (cylinders.build(f, nullptr, nullptr, quiet)) return is_memory(quiet.status()) ? call.out_of_memory() : HMF_OK;
     const size_t n = cylinders.list.size();
+    heights_only_ = f.mesh.marked_count > 0;
     if (!loop_.allocate(call.memory, n) || !offset_.push(0)) return call.out_of_memory();
     for (uint32_t c = 0; c < n; ++c) {
         loop_[c] = c;
+        if (heights_only_) {
+            if (!height_.push(cylinders.list[c].height)) return call.out_of_memory();
+            continue;
+        }
         if (!boundary_walk(f.mesh, words, cylinders.graph, cylinders.list[c].lower, walk, call.memory))
             return call.out_of_memory();
         for (const uint32_t spoke : walk)
@@ -97,6 +102,29 @@ bool ClassReference::agrees(const Array<int64_t>& weights) const {
     return true;
 }
 
+// Each height of the reference once; false: out of memory.
+bool ClassReference::heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call,
+                                       ClassResult& result) const {
+    const size_t n = height_.size();
+    Array<uint8_t> taken;
+    if (!taken.allocate_filled(call.memory, cylinders.list.size(), 0)) return false;
+    for (size_t c = 0; c < n; ++c) {
+        size_t d = 0;
+        while (d < taken.size() && (taken[d] || cylinders.list[d].height != height_[c] * finer)) ++d;
+        if (d < taken.size()) {
+            taken[d] = 1;
+            continue;
+        }
+        result.loss = ClassLoss::height;
+        result.loop = loop_[c];
+        result.wanted = static_cast<double>(height_[c]);
+        return true;
+    }
+    if (taken.size() == n) result.state = ClassState::checked;
+    else result.loss = ClassLoss::leaves;
+    return true;
+}
+
 hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
                                    Call& call, ClassResult& result) const {
     result = {};
@@ -104,13 +132,14 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
     Call quiet(call.memory, nullptr, nullptr, nullptr);
     Cylinders cylinders;
     hmf_status status = HMF_OK;
-    // All zeros are there if the sum of their indices is twice the Euler characteristic.
+    // All zeros are there if their indices have the sum that Poincare and Hopf ask for.
     const int64_t chi =
         static_cast<int64_t>(f.mesh.vertex_count) - f.mesh.edge_count + static_cast<int64_t>(f.mesh.face_count);
-    if (zeros.known) {
+    const int64_t whole = 2 * chi - static_cast<int64_t>(f.mesh.marked_count);
+    if (zeros.known && !heights_only_) {
         status = cylinders.build(f, zeros, quiet);
         int64_t sum = 0;
-        if (!is_memory(status) && (has_pole(cylinders.graph, sum) || sum != 2 * chi)) {
+        if (!is_memory(status) && (has_pole(cylinders.graph, sum) || sum != whole)) {
             Call again(call.memory, nullptr, nullptr, nullptr);
             status = cylinders.build(f, nullptr, nullptr, again);
         }
@@ -121,10 +150,11 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
     result.crossings = cylinders.graph.crossings.size();
     result.state = ClassState::lost;
     int64_t sum = 0;
-    if (status != HMF_OK || has_pole(cylinders.graph, sum) || sum != 2 * chi) {
+    if (status != HMF_OK || has_pole(cylinders.graph, sum) || sum != whole) {
         result.loss = ClassLoss::leaves;
         return HMF_OK;
     }
+    if (heights_only_) return heights_are_there(cylinders, finer, call, result) ? HMF_OK : call.out_of_memory();
     // Each loop and its cylinder.
     const size_t n = height_.size(), m = cylinders.list.size();
     Array<uint32_t> of_loop;

@@ -17,6 +17,9 @@
 //             (quad_system.hpp).  It is the walk of the loop of that height
 //
 // The cost is that of the critical leaves: some thousand of a million edges.
+//
+// With marked vertices two curves may be homotopic on the surface and not round
+// the marks; there only the heights are compared.
 #pragma once
 
 #include "../homotopy/edge_words.hpp"
@@ -29,6 +32,7 @@ enum class ClassState : uint8_t { // as HMF_CLASS_*
     unknown,                      // not looked at, or there is nothing to compare with
     proven,                       // heights and classes of all cylinders are those of the loops
     lost,                         // they are not
+    checked,                      // the heights are; the classes are not looked at (marked vertices)
 };
 
 enum class ClassLoss : uint8_t {
@@ -50,7 +54,7 @@ struct ClassResult {
 class ClassReference {
 public:
     // From a foliation that is known to belong to the loops, as the initial one
-    // is, with the walks of the edges of its mesh.  HMF_OK and known() false:
+    // is, with the walks of the edges of its mesh (not read with marked vertices).  HMF_OK and known() false:
     // its leaves do not bound cylinders, as of values that come from no loops.
     hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
     bool known() const { return !height_.empty(); }
@@ -68,6 +72,9 @@ public:
                        ClassResult& result) const;
 
 private:
+    bool heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call, ClassResult& result) const;
+
+    bool heights_only_ = false;
     Array<int64_t> height_;
     Array<uint32_t> loop_;
     Array<uint64_t> offset_; // of the canonical walks

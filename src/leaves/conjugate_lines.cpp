@@ -187,7 +187,8 @@ hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* positi
     uint32_t number = 0;
     for (const Sector& s : graph.sectors) {
         const bool prong = g.at(g.mesh.rotate_ccw(s.last)) > 0 && g.corner2(s.last) == 0;
-        if (!prong || graph.zeros[s.zero].index >= 0) continue;
+        const Zero& zero = graph.zeros[s.zero];
+        if (!prong || zero.index > 0 || (zero.index == 0 && !g.mesh.is_marked(zero.element))) continue;
         hmf_line line{};
         line.kind = HMF_LINE_CRITICAL;
         line.cylinder = line.begin_zero = line.end_zero = HMF_NONE;

@@ -7,6 +7,9 @@ namespace hmf {
 
 namespace {
 
+// In place of an index: the cluster is on the list.
+constexpr int32_t LISTED = INT32_MIN;
+
 // The next half-edge that is not zero round the boundary of a cluster,
 // counter-clockwise; closed: a closed corner lies between.
 uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
@@ -116,8 +119,8 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
     for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
         const uint32_t v = vertex_order ? vertex_order[i] : i, lowest = cluster[v];
         const int32_t index = at_vertex[lowest];
-        if (index == 0) continue;
-        at_vertex[lowest] = 0; // once
+        if (index == 0 || index == LISTED) continue;
+        at_vertex[lowest] = LISTED;
         const int64_t euler = explore_cluster(f, v, NONE, NONE, NONE, 0, 0).euler;
         if (f.out_of_memory || !add_zero_at(f, v, index, euler)) return call.out_of_memory();
     }
@@ -128,7 +131,71 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
         if (at_face[t] == 0) continue;
         if (!add_tripod(f, side_of_face[t], at_face[t])) return call.out_of_memory();
     }
+    return mesh.marked_count > 0 ? find_marked(f, vertex_order, at_vertex.data(), cluster.data(), call) : HMF_OK;
+}
+
+// Marked vertices whose cluster has index 0: one with one closed corner, or two without any.
+hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
+                                      const uint32_t* cluster, Call& call) {
+    const size_t first = zeros.size();
+    for (uint32_t i = 0; i < f.mesh.vertex_count; ++i) {
+        const uint32_t v = vertex_order ? vertex_order[i] : i;
+        if (f.mesh.is_marked(v) && at_vertex[cluster[v]] == 0 && !zeros.push({false, v, 0, 1}))
+            return call.out_of_memory();
+    }
+    const size_t end = zeros.size();
+    for (size_t z = first; z < end; ++z) {
+        const uint32_t v = zeros[z].element;
+        size_t other = first;
+        while (other < end && (other == z || cluster[zeros[other].element] != cluster[v])) ++other;
+        if (other < z) continue; // has been with the other one
+        bool done = false;
+        if (other < end && !add_sectors_of_pair(f, static_cast<uint32_t>(z), static_cast<uint32_t>(other), done))
+            return call.out_of_memory();
+        if (done) continue;
+        explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+        if (f.out_of_memory) return call.out_of_memory();
+        for (uint32_t u : f.members)
+            if (!add_sectors_of_vertex(f, static_cast<uint32_t>(z), u)) return call.out_of_memory();
+    }
     return HMF_OK;
+}
+
+// The circle round a cluster with two marked vertices: a sector at each, if both
+// lie on it.  Else it is not done, and the circle is one sector without prong.
+bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done) {
+    const uint32_t ends[2] = {zeros[zero].element, zeros[other_zero].element};
+    uint32_t from[2] = {NONE, NONE};
+    for (int k = 0; k < 2; ++k) {
+        const uint32_t first = f.mesh.out[ends[k]];
+        uint32_t h = first;
+        do {
+            // The first one behind a zero edge.
+            if (f.at(h) > 0 && (from[k] == NONE || f.at(f.mesh.rotate_cw(h)) == 0)) from[k] = h;
+            h = f.mesh.rotate_ccw(h);
+        } while (h != first);
+    }
+    const uint32_t before = static_cast<uint32_t>(sectors.size());
+    if (from[0] == NONE || from[1] == NONE) return true;
+    done = true;
+    bool closed = false;
+    uint32_t g = from[0];
+    do {
+        if (!at_vertex_.set(g, BETWEEN)) return false;
+        g = next_round(f, g, closed);
+    } while (g != from[0]);
+    for (uint32_t k = 0; k < 2; ++k) {
+        const uint32_t s = before + k;
+        if (!sectors.push({k == 0 ? zero : other_zero, s, s, NONE, NONE, NONE})) return false;
+        g = from[k];
+        do {
+            if (!at_vertex_.set(g, s)) return false;
+            sectors[s].last = g;
+            const uint32_t ahead = f.mesh.rotate_ccw(g);
+            g = f.at(ahead) > 0 ? ahead : NONE;
+        } while (g != NONE && g != from[k]);
+    }
+    return true;
 }
 
 // The circles of the cluster's boundary on which half-edges of the vertex lie.
@@ -186,7 +253,10 @@ uint32_t CriticalGraph::sector_at(const Foliation& f, const Crossing& c) const {
         const uint32_t s = at_tripod_.find(h);
         if (s != NONE) return s;
     }
-    if (c.at == width(f, h) - 1) return at_vertex_.find(twin(h));
+    if (c.at == width(f, h) - 1) {
+        const uint32_t s = at_vertex_.find(twin(h));
+        if (s < BETWEEN) return s;
+    }
     return NONE;
 }
 

@@ -1,6 +1,8 @@
-// The critical graph: the zeros of a foliation and the leaves between them.
+// The critical graph: the zeros of a foliation, its marked vertices, and the
+// leaves between them.
 //
-// A zero of order m has m + 2 prongs and as many sectors between them.  In each
+// A zero of order m has m + 2 prongs and as many sectors between them, a marked
+// vertex that is no zero has one of both (foliation.hpp).  In each
 // sector a leaf passes half a unit away.  Such a boundary leaf goes on along a
 // prong, past the next zero, and so on, until it closes: it runs round one side
 // of the critical graph, which lies on its left, and bounds a cylinder on its right.
@@ -14,6 +16,14 @@
 // So the sectors that boundary leaves pass one after the other tell how prongs
 // are joined to arcs (saddle connections), without following a leaf that hits
 // anything.  The arc itself lies half a unit left of the boundary leaf.
+//
+// Two marked vertices may have the same image.  All that their cluster is then
+// is the arc between them, which a closed leaf goes round (if both lie on its
+// boundary; else it has one sector and no prong):
+//
+//        .------------------.          its sectors are those half-edges of the
+//       (  p ------------ q  )         circle that start at p and at q
+//        '------------------'
 #pragma once
 
 #include "../base/sparse_map.hpp"
@@ -24,8 +34,8 @@ namespace hmf {
 struct Zero {
     bool tripod;
     uint32_t element; // vertex (of a cluster the first in the given order); tripod: a half-edge of it
-    int32_t index;
-    int64_t euler; // of its cluster; 1 is a disk
+    int32_t index;    // 0: a marked vertex, which is the element
+    int64_t euler;    // of its cluster; 1 is a disk
 };
 
 struct Sector {
@@ -75,7 +85,8 @@ public:
     Array<Mark> marks; // ascending on each edge
 
     // vertex_order, face_order: internal numbers in the order in which zeros
-    // are listed; NULL: as they are.  Without a zero (genus 1) one closed leaf
+    // are listed, and behind them the marked vertices that are none; NULL: as
+    // they are.  Without any of these (genus 1) one closed leaf
     // of the torus counts as critical, with a boundary leaf on either side.
     hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     // The same, where the zeros are known.
@@ -107,15 +118,19 @@ private:
     bool add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
     bool add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
     hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
+                           const uint32_t* cluster, Call& call);
     bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
+    bool add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
     bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
     hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
     hmf_status pair_arcs(Call& call);
     bool sort_marks(const Foliation& f, Memory& memory);
 
-    SparseMap at_vertex_, at_tripod_; // half-edge to sector
-    SparseMap marked_;                // edge to its number among those with marks
-    Array<uint32_t> mark_offset_;     // of these, and the end
+    static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices
+    SparseMap at_vertex_, at_tripod_;             // half-edge to sector
+    SparseMap marked_;                            // edge to its number among those with marks
+    Array<uint32_t> mark_offset_;                 // of these, and the end
     Array<uint32_t> circle_;
     uint64_t crossing_limit_ = 0;
 };

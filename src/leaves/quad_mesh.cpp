@@ -1,7 +1,15 @@
 // Quads by cylinders.  Every cylinder is a grid of rows (leaves at equal
 // distances) and columns; along the critical graph the grids share the points
 // that divide its arcs.  So the mesh is closed, oriented and manifold whatever
-// the numbers are, and a zero with k prongs has 2k edges, all others 4.
+// the numbers are, and a zero with k prongs has 2k edges, all others 4.  A marked
+// vertex with one prong is left out, since two edges make poor quads:
+//
+//     x---b---y        x---b---y
+//     |   |   |        |       |       one quad over the tip, with a and b, which
+//     |   P   |   ->   |       |       lie on both sides of it, as corners; these
+//     |  / \  |         \     /        have three edges then
+//     a     a              a           (both sides of the arc are one)
+//
 //
 //     Z---+---+---Z---+--       lower boundary leaf ->   (arcs, columns)
 //     |   |   |   |   |
@@ -151,7 +159,7 @@ public:
                 if (a < graph_.arcs[a].twin && !place_arc(a)) return call_.out_of_memory();
         for (uint32_t c = 0; c < cylinders_.list.size(); ++c)
             if (fill(c)) return call_.status();
-        return HMF_OK;
+        return f_.mesh.marked_count == 0 || leave_tips_out() ? HMF_OK : call_.out_of_memory();
     }
 
 private:
@@ -168,7 +176,62 @@ private:
                                   "Zero %u goes round a part of the surface with a handle that no leaf crosses. Give "
                                   "loops for all handles.",
                                   static_cast<unsigned>(z));
+        for (const Boundary& b : graph_.boundaries)
+            if (b.arcs_begin == b.arcs_end && !graph_.zeros.empty())
+                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                                  "A leaf goes round several marked vertices at one place, which no leaf tells apart. "
+                                  "Give loops between them.");
         return HMF_OK;
+    }
+
+    // Vertices with two quads.
+    bool leave_tips_out() {
+        const uint32_t n = vertex_count();
+        const size_t quads = out_.quads.size() / 4;
+        Array<uint32_t> uses, first, number;
+        if (!uses.allocate_filled(call_.memory, n, 0u) || !first.allocate_filled(call_.memory, n, NONE)
+            || !number.allocate(call_.memory, n))
+            return false;
+        for (const uint32_t v : out_.quads) ++uses[v];
+        for (uint32_t v = 0; v < n; ++v) number[v] = uses[v] == 2 ? NONE : v;
+        for (size_t q = 0; q < quads; ++q)
+            for (size_t k = 0; k < 4; ++k) {
+                uint32_t* const quad = &out_.quads[4 * q];
+                const uint32_t v = quad[k];
+                if (v == NONE || number[v] != NONE) continue;
+                if (first[v] == NONE) {
+                    first[v] = static_cast<uint32_t>(q);
+                    continue;
+                }
+                uint32_t* const other = &out_.quads[4 * size_t{first[v]}];
+                size_t at = 0;
+                while (other[at] != v) ++at;
+                // From v: b, x, a in the other one, a, y, b here.
+                const uint32_t b = other[(at + 1) % 4], a = quad[(k + 1) % 4], y = quad[(k + 2) % 4];
+                const bool fits = quad[(k + 3) % 4] == b && other[(at + 3) % 4] == a && other[(at + 2) % 4] != y
+                               && uses[a] > 3 && uses[b] > 3;
+                if (!fits) {
+                    number[v] = v;
+                    continue;
+                }
+                --uses[a];
+                --uses[b];
+                other[at] = y;
+                for (size_t i = 0; i < 4; ++i) quad[i] = NONE;
+                break;
+            }
+        uint32_t kept = 0;
+        for (uint32_t v = 0; v < n; ++v) {
+            if (number[v] == NONE) continue;
+            for (size_t c = 0; c < 3; ++c) out_.positions[size_t{3} * kept + c] = out_.positions[size_t{3} * v + c];
+            number[v] = kept++;
+        }
+        while (out_.positions.size() > size_t{3} * kept) out_.positions.pop();
+        size_t to = 0;
+        for (size_t i = 0; i < 4 * quads; ++i)
+            if (out_.quads[i] != NONE) out_.quads[to++] = number[out_.quads[i]];
+        while (out_.quads.size() > to) out_.quads.pop();
+        return true;
     }
 
     // v along the boundary leaf, and of the zeros that it passes.

@@ -21,7 +21,8 @@ namespace hmf {
 namespace {
 
 // Fewer would join the same two vertices twice: points within an arc keep its
-// ends apart, and two of them those of an arc from a zero to itself.
+// ends apart, and two of them those of an arc from a zero to itself.  An arc
+// between two marked vertices gives one point at each end to a quad over its end.
 constexpr int64_t LEAST_ROWS = 3, LEAST_COLUMNS = 2, LEAST_ON_LOOP = 3;
 constexpr double MOST = 1 << 24;
 
@@ -59,8 +60,9 @@ public:
     }
 
     static int64_t least(const CriticalGraph& graph, uint32_t a) {
-        return graph.sectors[graph.arcs[a].from].zero == graph.sectors[graph.arcs[a].to].zero ? LEAST_ON_LOOP
-                                                                                              : LEAST_COLUMNS;
+        const Zero &from = graph.zeros[graph.sectors[graph.arcs[a].from].zero],
+                   &to = graph.zeros[graph.sectors[graph.arcs[a].to].zero];
+        return &from == &to || (from.index == 0 && to.index == 0) ? LEAST_ON_LOOP : LEAST_COLUMNS;
     }
 
 private:

@@ -89,8 +89,7 @@ void Annulus::close_up(uint32_t a) {
         if (b == a || border_[b].after == a) return;
         const uint32_t link_a = border_[a].link, link_b = border_[b].link;
         const Place place_a = copies_[link_a / 4].side[link_a % 4], place_b = copies_[link_b / 4].side[link_b % 4];
-        if (place_b.half_edge != twin(place_a.half_edge) || place_b.position != 0
-            || place_a.position != count(place_a.half_edge))
+        if (place_b.half_edge != twin(place_a.half_edge) || place_b.position != 0 || !ends_at_plain_vertex(place_a))
             return;
         int turns = 0;
         uint32_t at = link_a;
@@ -118,7 +117,7 @@ void Annulus::close_up(uint32_t a) {
 bool Annulus::find_same(uint32_t a) {
     const uint32_t b = border_[a].after, link_a = border_[a].link, link_b = border_[b].link;
     const Place place = copies_[link_a / 4].side[link_a % 4];
-    if (a == b || place.position != count(place.half_edge)) return true;
+    if (a == b || !ends_at_plain_vertex(place)) return true;
     size_t degree = 0;
     uint32_t h = twin(place.half_edge);
     do {

@@ -10,7 +10,8 @@
 //    ----\-/----+                  -----\|/
 //         v                              v
 //
-// so that turns round a vertex do not count, and turns round the strip do.
+// so that turns round a vertex do not count, and turns round the strip do.  They
+// stay apart at a marked vertex, since loops must not be pulled over it.
 // A loop with a finger round some vertices comes back into the region where
 // the finger began: two copies of the strip are the same region of the cover,
 // and a link without length joins them.
@@ -69,6 +70,10 @@ private:
         uint32_t from, stamp; // from: 4 * copy + side
     };
 
+    // The sides of the strip that begin at the end of this one may be the same segments again.
+    bool ends_at_plain_vertex(Place p) const {
+        return p.position == count(p.half_edge) && !mesh_.is_marked(mesh_.target(p.half_edge));
+    }
     uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
     Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
     bool add_copy(Place entry, double distance);

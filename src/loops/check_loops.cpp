@@ -6,7 +6,8 @@
 //     trace the multicurve that has them, and compare: its components must be
 //     the loops.
 // (b) Cut along it.  A piece of Euler characteristic 1 is a disk and its loop
-//     trivial; one of characteristic 0 is an annulus:
+//     trivial, if at most one marked vertex is inside; one of characteristic 0
+//     without marked vertices is an annulus:
 //
 //      loop c  (   annulus   )  loop d      c and d are freely homotopic,
 //                                           unless c = d (on a torus)
@@ -117,12 +118,13 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
 hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<uint32_t>& loop_of, Call& call) {
     Memory& memory = call.memory;
     CutSurface cut;
-    Array<uint32_t> parent, component_of, border;
+    Array<uint32_t> parent, component_of, border, marks;
     Array<int64_t> euler;
     const size_t n = loop_of.size();
     if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count)
         || !component_of.allocate(memory, n) || !border.allocate_filled(memory, cut.region_count, NONE)
-        || !euler.allocate_filled(memory, cut.region_count, int64_t{0}))
+        || !euler.allocate_filled(memory, cut.region_count, int64_t{0})
+        || !marks.allocate_filled(memory, cut.region_count, 0u))
         return call.out_of_memory();
     if (!call.tick(0, true)) return cancelled(call);
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
@@ -132,8 +134,10 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         // The segment that begins at the vertex is the first or last of its edge.
         const uint32_t h = mesh.out[v], e = edge_of(h);
-        ++euler[find_root(parent.data(),
-                          cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}])];
+        const uint32_t piece =
+            find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}]);
+        ++euler[piece];
+        marks[piece] += mesh.is_marked(v);
     }
     if (!call.tick(0, true)) return cancelled(call);
     for (size_t k = 0; k < n; ++k) component_of[loop_of[k]] = static_cast<uint32_t>(k);
@@ -145,11 +149,19 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
             for (uint32_t side = 0; side < 2; ++side) {
                 const uint32_t piece =
                     find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + j + side}]);
-                if (round == 0 && euler[piece] == 1)
+                if (round == 0 && euler[piece] == 1 && marks[piece] == 0)
                     return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
-                                     "Loop %llu bounds a disk. Give one that goes round a handle.",
+                                     mesh.marked_count == 0
+                                         ? "Loop %llu bounds a disk. Give one that goes round a handle."
+                                         : "Loop %llu bounds a disk without marked vertices. Give one that goes round "
+                                           "a handle or at least two marked vertices.",
                                      static_cast<Long>(c));
-                if (round == 0 || euler[piece] != 0) continue;
+                if (round == 0 && euler[piece] == 1 && marks[piece] == 1)
+                    return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
+                                     "Loop %llu goes round a single marked vertex. Give one that goes round a handle "
+                                     "or at least two marked vertices.",
+                                     static_cast<Long>(c));
+                if (round == 0 || euler[piece] != 0 || marks[piece] != 0) continue;
                 if (border[piece] == NONE) border[piece] = static_cast<uint32_t>(c);
                 else if (border[piece] != c)
                     return call.fail(

@@ -33,9 +33,14 @@ hmf_status cut_system(const Mesh& mesh, const double* position, const Restrictio
 // homology.
 hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
 
-// 3 genus - 3 disjoint loops (one for genus 1), pairwise not freely homotopic:
-// they cut the surface into pairs of pants.  The first are a cut system.
+// 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
+// pairwise not freely homotopic: they cut the surface into pairs of pants, whose
+// boundaries are loops and marked vertices.  The first are a cut system.
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out);
+
+// On a sphere: loops each round two marked vertices that are close, and no
+// vertex in two of them; as many as there are, but one for four vertices.
+hmf_status mark_loops(const Mesh& mesh, const double* position, Call& call, Loops& out);
 
 // Shortens simple disjoint loops within their classes, but those before
 // `first`; they stay disjoint, in their order and with their directions.
@@ -64,7 +69,8 @@ struct GivenLoops {
     const uint32_t* elements;
 };
 
-// Simple, disjoint, essential, pairwise not freely homotopic; each defect
+// Simple, disjoint, essential, pairwise not freely homotopic (as on the surface
+// without its marked vertices, and none goes round one of them only); each defect
 // with its status and the number of the loop, a crossing with an element where
 // the loops meet, if they are given.
 hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given = nullptr);

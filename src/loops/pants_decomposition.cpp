@@ -1,6 +1,6 @@
-// A pants decomposition: a cut system leaves a sphere with 2 genus holes.  As
-// long as it has more than three, two of them that are close are taken off by
-// a loop round both:
+// A pants decomposition: a cut system leaves a sphere with 2 genus holes, and
+// marked vertices are holes as well.  As long as it has more than three, two of
+// them that are close are taken off by a loop round both:
 //
 //          ______________           The new loop runs along A, over to B,
 //         /  __      __  \          along B and back, with A, the way and B
@@ -9,7 +9,10 @@
 //         \______________/          least is taken.  Then it is shortened.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
-// essential, and parallel to no other loop.
+// essential, and parallel to no other loop.  To run along a marked vertex is to
+// cross each of its edges.
+//
+// Joining nothing but marked vertices gives loops round pairs of them.
 #include "../base/disjoint_sets.hpp"
 #include "../base/nearest_first.hpp"
 #include "cut_surface.hpp"
@@ -24,17 +27,18 @@ namespace {
 
 class Pants {
 public:
-    Pants(const Mesh& mesh, const double* position, Loops& loops, Call& call) :
-        mesh_(mesh), position_(position), loops_(loops), call_(call), memory_(call.memory) {}
+    Pants(const Mesh& mesh, const double* position, bool marks_only, Loops& loops, Call& call) :
+        mesh_(mesh), position_(position), marks_only_(marks_only), loops_(loops), call_(call), memory_(call.memory) {}
 
     hmf_status run() {
         if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count))
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
-        const size_t genus = loops_.count();
-        while (loops_.count() + 3 < 3 * genus) {
-            if (!call_.tick(static_cast<double>(loops_.count()) / (3.0 * static_cast<double>(genus)), true))
+        const size_t holes = 3 * loops_.count() + mesh_.marked_count; // wanted are 3 less
+        const size_t wanted = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
+        while (loops_.count() < wanted) {
+            if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
                 return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
             if (!cut() || !spread()) return call_.out_of_memory();
             if (!choose())
@@ -49,6 +53,7 @@ public:
 
 private:
     // A side of a loop (2 * component, + 1 for the right one), after one of its crossings: the region there.
+    // Marked vertices follow as further sides; the crossing is a half-edge out of it then.
     struct Seed {
         uint32_t side, crossing, region;
     };
@@ -61,14 +66,44 @@ private:
             return false;
         const size_t n = loops_.count();
         if (!piece_.allocate(memory_, cut_.region_count) || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
-            || !around_.allocate_filled(memory_, n, 0.0))
+            || !around_.allocate_filled(memory_, 2 * n + mesh_.marked_count, 0.0))
             return false;
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
         for (size_t s = 0; s < cut_.segment_count; ++s)
             unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
-        for (size_t k = 0; k < n; ++k)
+        for (size_t k = 0; k < n; ++k) {
             for (uint64_t i = curves_.components.offsets[k]; i < curves_.components.offsets[k + 1]; ++i)
-                around_[k] += length_[edge_of(curves_.components.crossings[i])];
+                around_[2 * k] += length_[edge_of(curves_.components.crossings[i])];
+            around_[2 * k + 1] = around_[2 * k];
+        }
+        return true;
+    }
+
+    bool add_seed(uint32_t side, uint32_t crossing, uint32_t region, bool& counted) {
+        if (!counted) ++holes_[find_root(piece_.data(), region)];
+        counted = true;
+        if (marks_only_ && side < 2 * curves_.components.count()) return true;
+        const uint32_t seed = static_cast<uint32_t>(seeds_.size());
+        if (!seeds_.push({side, crossing, region})) return false;
+        if (seed_[region] == NONE) {
+            seed_[region] = seed;
+            distance_[region] = 0;
+        } else if (seeds_[seed_[region]].side != side) {
+            return pairs_.push({seed_[region], seed});
+        }
+        return true;
+    }
+
+    // The regions round a marked vertex.
+    bool seed_mark(uint32_t v) {
+        bool counted = false;
+        uint32_t h = mesh_.out[v];
+        do {
+            const uint32_t e = edge_of(h), segment = cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
+            const uint32_t side = 2 * static_cast<uint32_t>(curves_.components.count()) + v;
+            if (!add_seed(side, h, cut_.region[2 * size_t{segment} + (h & 1u)], counted)) return false;
+            h = mesh_.rotate_ccw(h);
+        } while (h != mesh_.out[v]);
         return true;
     }
 
@@ -93,20 +128,13 @@ private:
                     const uint32_t q = right ? p : p + 1;
                     const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
                     const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
-                    const uint32_t seed = static_cast<uint32_t>(seeds_.size());
-                    if (!seeds_.push({2 * k + right, static_cast<uint32_t>(i - first), r})) return false;
-                    if (!counted[right]) ++holes_[find_root(piece_.data(), r)];
-                    counted[right] = true;
-                    if (seed_[r] == NONE) {
-                        seed_[r] = seed;
-                        distance_[r] = 0;
-                    } else if (seeds_[seed_[r]].side != seeds_[seed].side) {
-                        if (!pairs_.push({seed_[r], seed})) return false;
-                    }
+                    if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
                 }
                 curves_.step(mesh_, h, p);
             }
         }
+        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
+            if (!seed_mark(v)) return false;
         // Only in pieces that are no pants yet.  No way that is left is shorter
         // than the next distance: stop where that cannot make a loop shorter than
         // the best one yet.
@@ -114,7 +142,7 @@ private:
         for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
             const uint32_t r = seeds_[seed].region;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double around = around_[seeds_[seed].side / 2];
+            const double around = around_[seeds_[seed].side];
             if (around < least) least = around;
             if (seed_[r] == seed && !heap_.push({0, r})) return false;
         }
@@ -142,7 +170,7 @@ private:
     }
 
     double estimate(uint32_t a, uint32_t b, double way) const {
-        return around_[seeds_[a].side / 2] + around_[seeds_[b].side / 2] + 2 * way;
+        return around_[seeds_[a].side] + around_[seeds_[b].side] + 2 * way;
     }
 
     // The pair of holes, and the link that their way crosses in the middle
@@ -170,8 +198,17 @@ private:
         return best < HUGE_VAL;
     }
 
-    // Once along the loop of a seed, with the loop on the right.
+    // Once along the loop or round the marked vertex of a seed, with it on the right.
     bool go_round(Array<uint32_t>& walk, uint32_t seed) const {
+        if (seeds_[seed].side >= 2 * curves_.components.count()) {
+            const uint32_t first_out = seeds_[seed].crossing;
+            uint32_t h = first_out;
+            do {
+                if (!walk.push(h)) return false;
+                h = mesh_.rotate_cw(h);
+            } while (h != first_out);
+            return true;
+        }
         const uint32_t k = seeds_[seed].side / 2, right = seeds_[seed].side & 1u, i = seeds_[seed].crossing;
         const uint64_t first = curves_.components.offsets[k], n = curves_.components.offsets[k + 1] - first;
         for (uint64_t t = 0; t < n; ++t) {
@@ -214,6 +251,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
+    const bool marks_only_;
     Loops& loops_;
     Call& call_;
     Memory& memory_;
@@ -221,7 +259,7 @@ private:
     Multicurve curves_;
     CutSurface cut_;
     Array<uint32_t> piece_, holes_; // per region; number of holes at the root of a piece
-    Array<double> around_;          // length per component
+    Array<double> around_;          // length per side; of a marked vertex 0
     Array<Seed> seeds_;
     Array<Pair> pairs_;      // that meet in one region
     Array<double> distance_; // per region
@@ -236,7 +274,15 @@ private:
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out) {
     const hmf_status status = cut_system(mesh, position, nullptr, call, out);
     if (status) return status;
-    Pants pants(mesh, position, out, call);
+    Pants pants(mesh, position, false, out, call);
+    return pants.run();
+}
+
+hmf_status mark_loops(const Mesh& mesh, const double* position, Call& call, Loops& out) {
+    out.offsets.start(call.memory);
+    out.crossings.start(call.memory);
+    if (!out.offsets.push(0)) return call.out_of_memory();
+    Pants pants(mesh, position, true, out, call);
     return pants.run();
 }
 

@@ -16,7 +16,8 @@
 //        a| \ (fan begins here)
 //
 // so paths that touch at vertices or share edges without crossing are pushed
-// apart, and those that cross still do.
+// apart, and those that cross still do.  A path through a marked vertex is
+// refused: on which side of it the loop goes makes a difference.
 //
 // At last an edge that is crossed back and forth at once is not crossed.
 #include "loops.hpp"
@@ -181,6 +182,12 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                 return call.fail(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c,
                                  "Element %llu of loop %llu is no %s of the level, which has %llu.",
                                  static_cast<Long>(i - first), static_cast<Long>(c), word, static_cast<Long>(limit));
+        for (uint64_t i = first; i < end && !triangles; ++i)
+            if (mesh.is_marked(elements[i]))
+                return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, c,
+                                 "Element %llu of loop %llu is a marked vertex, which loops go round. Give a path that "
+                                 "passes it on one side.",
+                                 static_cast<Long>(i - first), static_cast<Long>(c));
         for (uint64_t i = first; i < end; ++i) {
             if (i % 8192 == 0 && !call.tick(0, true))
                 return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");

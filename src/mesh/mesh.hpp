@@ -30,6 +30,9 @@ struct Mesh {
     uint32_t* next = nullptr;   // 2 * edge_count
     uint32_t* face = nullptr;   // 2 * edge_count
     uint32_t* out = nullptr;    // vertex_count: any half-edge that starts at the vertex
+    uint32_t marked_count = 0;  // vertices 0 .. marked_count - 1 are marked (foliation.hpp)
+
+    bool is_marked(uint32_t v) const { return v < marked_count; }
 
     uint32_t prev(uint32_t h) const { return next[next[h]]; }
     uint32_t target(uint32_t h) const { return origin[twin(h)]; }

@@ -12,6 +12,9 @@
 // + vertices of the interior) is 1.  Then it is joined to its neighbour, which
 // may become such a piece.  Edges inside of a monogon bound monogons, so that
 // this finds all of them, in linear time.
+//
+// A marked vertex inside counts as a hole: the value of an edge round it is
+// twice the distance of v from it (foliation.hpp).
 #include "monogon.hpp"
 
 #include "../base/disjoint_sets.hpp"
@@ -65,7 +68,7 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
             }
         }
     for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        if (self_edges[v] == 0) ++piece[find_root(parent.data(), mesh.face[mesh.out[v]])].euler;
+        if (self_edges[v] == 0 && !mesh.is_marked(v)) ++piece[find_root(parent.data(), mesh.face[mesh.out[v]])].euler;
     for (uint32_t f = 0; f < mesh.face_count; ++f)
         if (parent[f] == f && piece[f].sides == 1 && piece[f].euler == 1 && !queue.push(f)) return false;
     for (size_t i = 0; i < queue.size(); ++i) {
@@ -80,7 +83,7 @@ bool Monogons::find(const Mesh& mesh, Memory& memory) {
         outer.euler += inner.euler - 1;
         outer.edge ^= e;
         --outer.sides;
-        if (--self_edges[v] == 0) ++outer.euler;
+        if (--self_edges[v] == 0 && !mesh.is_marked(v)) ++outer.euler;
         if (outer.sides == 1 && outer.euler == 1 && !queue.push(other)) return false;
     }
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {

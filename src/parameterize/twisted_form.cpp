@@ -14,7 +14,14 @@
 // No other triangle notices: at a closed corner of i one side grows as the
 // other shrinks, at an open one both change alike.  So a regular vertex serves
 // as the place of one zero; which tripod takes which corner is a matching.
+//
+// At a marked vertex the chart comes back with the opposite sign, as round a
+// pole.  A zero that shares its place with one gets a vertex of its own: the
+// nearest neighbour moves there, so that both are one cluster, with as many
+// vertices as are wanted.
 #include "twisted_form.hpp"
+
+#include "../foliation/restriction.hpp"
 
 #include <cmath>
 
@@ -48,6 +55,7 @@ public:
         tripod_.start(memory_);
         corner_.start(memory_);
         queue_.start(memory_);
+        if (mesh_.marked_count > 0 && !part_zeros_from_marks()) return call_.out_of_memory();
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
             || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m)
             || !du_.value.allocate(memory_, m))
@@ -104,7 +112,7 @@ private:
             closed += f_.corner2(h) == 0 && f_.at(mesh_.prev(h)) != 0;
             h = mesh_.rotate_ccw(h);
         } while (h != first);
-        return closed == 2;
+        return closed == 2 && !mesh_.is_marked(v);
     }
 
     // A corner for each tripod, no vertex twice: the nearest that is free,
@@ -193,6 +201,34 @@ private:
         return true;
     }
 
+    // Vertices without mark for all zeros of a cluster with marks.
+    bool part_zeros_from_marks() {
+        RestrictionScratch scratch;
+        if (!scratch.allocate(memory_)) return false;
+        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
+            for (;;) {
+                const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
+                if (f_.out_of_memory) return false;
+                const int64_t plain = static_cast<int64_t>(f_.members.size()) - cluster.marked;
+                if (plain + cluster.index() >= 0) break;
+                uint32_t nearest = NONE; // half-edge into the cluster
+                for (const uint32_t u : f_.members) {
+                    const uint32_t first = mesh_.out[u];
+                    uint32_t h = first;
+                    do {
+                        if (f_.at(h) > 0 && (nearest == NONE || f_.at(h) < f_.at(nearest))
+                            && is_regular(mesh_.target(h)))
+                            nearest = twin(h);
+                        h = mesh_.rotate_ccw(h);
+                    } while (h != first);
+                }
+                if (nearest == NONE) break;
+                move_to_end(f_, nearest, scratch);
+                if (f_.out_of_memory) return false;
+            }
+        return true;
+    }
+
     // corner: its origin is the regular vertex that moves.
     void move_to_branch_point(uint32_t corner) {
         const int64_t a = f_.corner2(corner) / 2;
@@ -221,9 +257,12 @@ private:
             if (seen_[v] != unseen || !has_zero_edge(v)) continue;
             const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
             if (f_.out_of_memory) return false;
-            const int64_t index = 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners);
-            const size_t size = f_.members.size();
-            for (const uint32_t u : f_.members) closed[u] = closed_corners(u);
+            const int64_t index = cluster.index();
+            const size_t size = f_.members.size() - cluster.marked;
+            for (const uint32_t u : f_.members) {
+                closed[u] = closed_corners(u);
+                odd[u] = mesh_.is_marked(u);
+            }
             size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
             if (zeros > size) zeros = size - (zeros - size) % 2;
             for (size_t z = 0; z < zeros; ++z) {

@@ -14,16 +14,18 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
     zeros.tripods.start(call.memory);
     unit = unit_of_values;
     // Room for the finest level.
-    if (!words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory)) return call.out_of_memory();
+    const bool walks = mesh.marked_count == 0;
+    if (walks && !words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
+        return call.out_of_memory();
     if (reference.take(state.foliation, words, call)) return call.status();
     if (reference.known()) {
-        if (loops) {
+        if (loops && walks) {
             if (reference.number_by_class(mesh, words, *loops, call)) return call.status();
         } else if (!weights.empty()) {
             reference.number_by_weight(weights);
         }
         started = weights.empty() || reference.agrees(weights);
-        if (started) state.words = &words;
+        if (started && walks) state.words = &words;
     }
     seconds += call.seconds() - begin;
     return HMF_OK;
@@ -67,7 +69,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     recorder.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
-    if (!watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
+    if (state.words && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
         return call.out_of_memory();
     SolveOptions careful = options;
     careful.guarded = true;

@@ -345,6 +345,11 @@ private:
         return walk_plain_star(f_.value, &w_.rings.side[begin], w_.rings.offset[v + 1] - begin, visit);
     }
 
+    // Of a vertex without zero edges.
+    int32_t index_of(uint32_t v, uint32_t closed) const {
+        return 2 - static_cast<int32_t>(f_.mesh.is_marked(v)) - static_cast<int32_t>(closed);
+    }
+
     enum class Shape : uint8_t { sound, misplaced, extremum, has_zero, broken };
 
     // sound: as regular, or as singular, as before the step.
@@ -357,9 +362,9 @@ private:
         });
         if (broken) return Shape::broken;
         if (closed != NONE)
-            return closed < 2                                          ? Shape::extremum
-                 : 2 - static_cast<int32_t>(closed) == model_.index[v] ? Shape::sound
-                                                                       : Shape::misplaced;
+            return index_of(v, closed) > 0                ? Shape::extremum
+                 : index_of(v, closed) == model_.index[v] ? Shape::sound
+                                                          : Shape::misplaced;
         for (uint32_t t = 0; t < degree; ++t)
             if (f_.corner2(side[t].half_edge) < 0) return Shape::broken;
         return Shape::has_zero;
@@ -467,13 +472,13 @@ private:
         const uint32_t before = f_.epoch;
         return check_suspects([&](uint32_t v) {
             const uint32_t closed = count_closed(v, [](uint32_t, uint32_t, int64_t, int64_t, int64_t) {});
-            if (closed != NONE) return 2 - static_cast<int32_t>(closed) == expected[v];
+            if (closed != NONE) return index_of(v, closed) == expected[v];
             if (f_.stamp[v] > before) return true;
             const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
             if (f_.out_of_memory) return false;
             int64_t sum = 0;
             for (uint32_t u : f_.members) sum += expected[u];
-            return 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners) == sum;
+            return cluster.index() == sum;
         });
     }
 

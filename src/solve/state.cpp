@@ -19,6 +19,7 @@ void State::load(size_t at, Side which) {
     mesh.vertex_count = from.vertex_count;
     mesh.edge_count = from.edge_count;
     mesh.face_count = from.face_count;
+    mesh.marked_count = from.marked_count;
     mesh.origin = origin_.data();
     mesh.next = next_.data();
     mesh.face = face_.data();

@@ -106,8 +106,11 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
             tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
         });
     if (closed == NONE) return false;
-    index[v] = 2 - static_cast<int32_t>(closed);
-    if (closed == 2) {
+    const bool marked = f.mesh.is_marked(v);
+    index[v] = 2 - marked - static_cast<int32_t>(closed);
+    if (marked && closed == 1) {
+        hold(rings, v);
+    } else if (closed == 2 && !marked) {
         const bool turned = agreement < 0;
         const double excess = pull - 2 * pull_of_second, scale = pull > floor ? pull : floor;
         add_residual((excess < 0 ? -excess : excess) / scale);
@@ -131,8 +134,13 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
 }
 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
-    rests[v] = 1;
     resting.push(v);
+    hold(rings, v);
+}
+
+// Rests, and its neighbours may pass it.
+void TwistedModel::hold(const Rings& rings, uint32_t v) {
+    rests[v] = 1;
     right[v] = row_scale[v] = 0;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
 }
@@ -140,15 +148,16 @@ void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
 // The cluster of v, which has zero edges.
 void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
     const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-    const bool regular =
-        cluster.complete && cluster.closed_corners == 2 * cluster.euler && (cluster.euler == 0 || cluster.euler == 1);
+    const bool balanced = cluster.complete && cluster.index() == 0;
+    const bool regular = balanced && cluster.marked == 0;
     const bool turned = regular && sign_regular_cluster(f, weight, sign.data()) < 0;
     for (uint32_t u : f.members) {
         special_.push(u);
         find_tripods(f, rings, u);
         index[u] = 0;
         if (!regular) {
-            set_at_rest(rings, u);
+            if (balanced) hold(rings, u);
+            else set_at_rest(rings, u);
             continue;
         }
         rests[u] = 0;
@@ -163,7 +172,7 @@ void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
         right[u] = b;
         row_scale[u] = static_cast<float>(1 / (pull > floor ? pull : floor));
     }
-    index[v] = static_cast<int32_t>(2 * cluster.euler) - static_cast<int32_t>(cluster.closed_corners);
+    index[v] = static_cast<int32_t>(cluster.index());
 }
 
 void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {

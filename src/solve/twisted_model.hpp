@@ -9,10 +9,13 @@
 //
 // and the energy sum alpha F'^2 is quadratic in d.  Zero edges inside a
 // regular cluster get opposite signs at their two ends: F' = |d_i - d_j|.
-// Vertices of other clusters (zeros) rest.  The model is exact while
+// Vertices of other clusters (zeros) rest.  Marked vertices never move, and
+// those that share a regular cluster with one rest for this step, as the signs
+// change when one goes round a marked vertex.  Their neighbours may pass them:
+// the value is the distance before and after.  The model is exact while
 //
 //     s d_v <= a_v        at every corner of a tripod: stop at its branch point
-//     s d_v <= F_vm       at every neighbour m that rests: stop there
+//     s d_v <= F_vm       at every neighbour m of a zero, which rests: stop there
 //
 // and no vertex becomes an extremum of the local potential.  A vertex that
 // stops at a branch point rests there in its turn: its neighbours must not
@@ -28,7 +31,7 @@ struct TwistedModel {
     uint32_t count = 0;      // unknowns: one per vertex; the entries of those that rest are 0
     Array<int8_t> sign;      // per half-edge; 0 where the origin rests
     Array<uint8_t> rests;    // per vertex
-    Array<uint32_t> resting; // the vertices that rest
+    Array<uint32_t> resting; // those of them that no neighbour may pass: zeros
     Array<uint32_t> tripod;  // a half-edge of each, before the step
     Array<int32_t> index;    // per vertex, before the step; a cluster's at one of its vertices
     double energy = 0;       // before the step, in squared units
@@ -79,6 +82,7 @@ private:
         if (r > residual_max) residual_max = r;
     }
     void find_tripods(Foliation& f, const Rings& rings, uint32_t v);
+    void hold(const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
     bool at_bound(uint32_t k) const {

@@ -1,0 +1,265 @@
+// Where to mark a sphere: tips of limbs are the maxima of the mean distance to
+// all of the surface.
+//
+//        _____            A maximum counts by its persistence: how deep one has
+//       /     \__/\       to go down from it on the way to a higher one.  What
+//      | body     limb    remains after small ones are left out are limbs.
+//       \_____/--\/       At least two tips: the highest, and what is farthest
+//                         from it.
+//
+// Leaves go round a limb if a loop does, and that must have two marked vertices
+// on its far side.  So each tip gets a pair: the ends of a diameter of a small
+// disk round it, which does not reach far down a thin limb.
+//
+// All of this on a coarse level, made by collapses to end points: its vertices
+// are vertices of the caller.
+#include "suggest_marks.hpp"
+
+#include "../base/disjoint_sets.hpp"
+#include "../base/nearest_first.hpp"
+#include "../loops/heap_sort.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr uint64_t VERTICES = 4000;    // of the level that is looked at
+constexpr uint32_t BASES = 32;         // points that distances are taken to
+constexpr double PERSISTENCE = 0.08;   // least, in mean distances
+constexpr size_t MOST_TIPS = 12;       // those of largest persistence
+constexpr double DISK_AREA = 4e-3;     // of the whole surface
+constexpr double DISK_SHAPE = 1.2;     // area of the disk / square of its radius, least
+constexpr uint32_t DISK_VERTICES = 10; // at least
+
+struct Tip {
+    uint32_t vertex;
+    double persistence;
+};
+
+class Suggestion {
+public:
+    Suggestion(const Mesh& mesh, const double* position, Call& call) :
+        mesh_(mesh), position_(position), call_(call), memory_(call.memory) {}
+
+    bool find(Array<uint32_t>& marks) {
+        const uint32_t n = mesh_.vertex_count;
+        heap_.start(memory_);
+        order_.start(memory_);
+        tips_.start(memory_);
+        marks.start(memory_);
+        if (!length_.allocate(memory_, mesh_.edge_count) || !area_.allocate_filled(memory_, n, 0.0)
+            || !distance_.allocate(memory_, n) || !nearest_.allocate_filled(memory_, n, HUGE_VAL)
+            || !height_.allocate_filled(memory_, n, 0.0) || !used_.allocate_filled(memory_, n, uint8_t{0})
+            || !order_.reserve(n))
+            return false;
+        measure();
+        if (!measure_heights() || !find_tips() || !add_far_tip()) return false;
+        for (const Tip& tip : tips_)
+            if (!add_pair(tip.vertex, marks)) return false;
+        while (marks.size() < 4) // a mesh of a few vertices
+            if (!add(first_unused(), marks)) return false;
+        return true;
+    }
+
+private:
+    void measure() {
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            double square = 0;
+            for (size_t c = 0; c < 3; ++c) {
+                const double d =
+                    position_[size_t{3} * mesh_.origin[2 * e] + c] - position_[size_t{3} * mesh_.origin[2 * e + 1] + c];
+                square += d * d;
+            }
+            length_[e] = std::sqrt(square);
+        }
+        whole_ = 0;
+        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
+            const double *p = at(mesh_.origin[h]), *q = at(mesh_.target(h)), *r = at(mesh_.origin[mesh_.prev(h)]);
+            const double a[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, b[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+            const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+            const double third = std::sqrt(x * x + y * y + z * z) / 6;
+            area_[mesh_.origin[h]] += third;
+            whole_ += third;
+        }
+    }
+
+    const double* at(uint32_t v) const { return position_ + size_t{3} * v; }
+
+    // Dijkstra from a vertex within `allowed` (NULL: everywhere): distance_, HUGE_VAL
+    // where it does not come; order_: as they were reached.  Ends with the vertex
+    // for which enough(v) holds, and returns the last one.
+    template <class Enough>
+    bool search(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
+        for (double& d : distance_) d = HUGE_VAL;
+        order_.clear();
+        heap_.clear();
+        distance_[from] = 0;
+        if (!heap_.push({0, from})) return false;
+        while (!heap_.empty()) {
+            const NearestFirst::Entry entry = heap_.pop();
+            const uint32_t v = entry.item;
+            if (entry.distance > distance_[v]) continue;
+            order_.push(v); // within the reserve: each vertex once
+            last = v;
+            if (enough(v)) break;
+            const uint32_t first = mesh_.out[v];
+            uint32_t h = first;
+            do {
+                const uint32_t w = mesh_.target(h);
+                const double d = entry.distance + length_[edge_of(h)];
+                if (d < distance_[w] && (!allowed || allowed[w])) {
+                    distance_[w] = d;
+                    if (!heap_.push({d, w})) return false;
+                }
+                h = mesh_.rotate_ccw(h);
+            } while (h != first);
+        }
+        return true;
+    }
+
+    bool search(uint32_t from, const uint8_t* allowed, uint32_t& last) {
+        return search(from, allowed, last, [](uint32_t) { return false; });
+    }
+
+    // Mean distance to bases that are far from each other.
+    bool measure_heights() {
+        uint32_t base = 0;
+        if (!search(0, nullptr, base)) return false;
+        for (uint32_t b = 0; b < BASES; ++b) {
+            uint32_t last = 0;
+            if (!call_.tick(0.5 + 0.01 * b) || !search(base, nullptr, last)) return false;
+            for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+                height_[v] += distance_[v] / BASES;
+                if (distance_[v] < nearest_[v]) nearest_[v] = distance_[v];
+                if (nearest_[v] > nearest_[base]) base = v;
+            }
+        }
+        double sum = 0;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) sum += area_[v] * height_[v];
+        least_ = whole_ > 0 ? PERSISTENCE * sum / whole_ : 0;
+        return true;
+    }
+
+    // From the highest vertex down; a component of what has been passed knows its highest one.
+    bool find_tips() {
+        const uint32_t n = mesh_.vertex_count;
+        Array<uint32_t> falling, part, top;
+        Array<uint8_t> passed;
+        if (!falling.allocate(memory_, n) || !part.allocate(memory_, n) || !top.allocate(memory_, n)
+            || !passed.allocate_filled(memory_, n, uint8_t{0}))
+            return false;
+        const auto higher = [this](uint32_t a, uint32_t b) {
+            return height_[a] != height_[b] ? height_[a] > height_[b] : a < b;
+        };
+        for (uint32_t v = 0; v < n; ++v) falling[v] = part[v] = top[v] = v;
+        heap_sort(falling.data(), n, higher);
+        for (const uint32_t v : falling) {
+            passed[v] = 1;
+            const uint32_t first = mesh_.out[v];
+            uint32_t h = first;
+            do {
+                const uint32_t w = mesh_.target(h);
+                if (passed[w]) {
+                    const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
+                    const uint32_t x = top[a], y = top[b];
+                    if (a != b) {
+                        const uint32_t ends = higher(x, y) ? y : x, stays = higher(x, y) ? x : y;
+                        const double persistence = height_[ends] - height_[v];
+                        if (persistence > least_ && !tips_.push({ends, persistence})) return false;
+                        unite(part.data(), a, b);
+                        top[find_root(part.data(), a)] = stays;
+                    }
+                }
+                h = mesh_.rotate_ccw(h);
+            } while (h != first);
+        }
+        if (!tips_.push({falling[0], HUGE_VAL})) return false;
+        heap_sort(tips_.data(), tips_.size(), [](const Tip& a, const Tip& b) {
+            return a.persistence != b.persistence ? a.persistence > b.persistence : a.vertex < b.vertex;
+        });
+        while (tips_.size() > MOST_TIPS) tips_.pop();
+        return true;
+    }
+
+    bool add_far_tip() {
+        uint32_t last = 0;
+        if (tips_.size() > 1) return true;
+        return search(tips_[0].vertex, nullptr, last) && tips_.push({last, 0});
+    }
+
+    bool add(uint32_t v, Array<uint32_t>& marks) {
+        if (v == NONE || used_[v]) return true;
+        used_[v] = 1;
+        return marks.push(v);
+    }
+
+    uint32_t first_unused() const {
+        uint32_t v = 0;
+        while (used_[v]) ++v;
+        return v;
+    }
+
+    // The ends of a diameter of the disk round the tip, found by going to the
+    // farthest vertex and back.
+    bool add_pair(uint32_t tip, Array<uint32_t>& marks) {
+        double area = 0;
+        uint32_t ends[2] = {tip, tip}, reached = 0;
+        if (!search(tip, nullptr, ends[0], [&](uint32_t v) {
+                area += area_[v];
+                const double r = distance_[v];
+                return ++reached >= DISK_VERTICES && (area > DISK_AREA * whole_ || area < DISK_SHAPE * r * r);
+            }))
+            return false;
+        Array<uint8_t> disk;
+        if (!disk.allocate_filled(memory_, mesh_.vertex_count, uint8_t{0})) return false;
+        for (const uint32_t v : order_) disk[v] = !used_[v];
+        if (!disk[ends[0]]) return true;
+        if (!search(ends[0], disk.data(), ends[1]) || !search(ends[1], disk.data(), ends[0])) return false;
+        if (ends[0] == ends[1]) return true;
+        return add(ends[0], marks) && add(ends[1], marks);
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    Call& call_;
+    Memory& memory_;
+    Array<double> length_;                             // per edge
+    Array<double> area_, distance_, nearest_, height_; // per vertex
+    Array<uint8_t> used_;
+    Array<uint32_t> order_;
+    Array<Tip> tips_;
+    NearestFirst heap_;
+    double whole_ = 0, least_ = 0;
+};
+
+} // namespace
+
+hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
+                         const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
+                         Array<uint32_t>& marks) {
+    BuildOptions coarse;
+    coarse.collapse = HMF_COLLAPSE_ENDPOINT;
+    coarse.ratio = 0.25;
+    coarse.coarsest = VERTICES;
+    coarse.mollify = options.mollify;
+    coarse.sphere_allowed = true;
+    if (build_hierarchy(h, positions, vertex_count, stride, triangles, triangle_count, coarse, call))
+        return call.status();
+    marks.start(call.memory);
+    if (h.genus > 0) return HMF_OK;
+    const size_t coarsest = h.level_count - 1;
+    const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
+    Suggestion suggestion(mesh, h.levels[coarsest].position, call);
+    if (!suggestion.find(marks))
+        return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
+                                : call.out_of_memory();
+    Array<uint32_t> caller;
+    if (!caller.allocate(call.memory, vertex_count)) return call.out_of_memory();
+    for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;
+    for (uint32_t& v : marks) v = caller[v];
+    return HMF_OK;
+}
+
+} // namespace hmf
