@@ -7,6 +7,7 @@
 # the exit code is 0 only if nothing failed.  Builds lie in build/<preset>.
 #
 # Environment: HMF_MESHES  folder of OBJ meshes (default ../shared/meshes)
+#              HMF_SURFACES  folder of other OBJ meshes: holes, shells, spheres (default ../shared/surfaces)
 #              JOBS        parallel jobs (default: number of cores)
 set -u
 cd "$(dirname "$0")"
@@ -266,6 +267,10 @@ mkdir -p "$results"
 if [ -z "${HMF_MESHES:-}" ] && [ -d ../shared/meshes ]; then
     HMF_MESHES=$(cd ../shared/meshes && pwd)
     export HMF_MESHES
+fi
+if [ -z "${HMF_SURFACES:-}" ] && [ -d ../shared/surfaces ]; then
+    HMF_SURFACES=$(cd ../shared/surfaces && pwd)
+    export HMF_SURFACES
 fi
 for name in ${*:-$default_variants}; do
     echo "=== $name"

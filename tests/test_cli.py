@@ -1194,6 +1194,9 @@ class Repairs(Case):
         self.repaired(soup, [(k, k + 1, k + 2) for k in range(0, len(soup), 3)],
                       "joined %d vertices with others at the same points" % (len(soup) - n), options=["--join-points"])
         # Nothing to do changes nothing.
+        mesh = self.write("again.obj", obj_text(p, t + t[:1]))
+        done = self.run_tool("solve", mesh, "--repair", "--values", self.path("v.csv"))
+        self.assertIn("the outputs refer to the repaired mesh; --save-mesh", done.stderr)
         done = self.run_tool("solve", self.mesh, "--repair", "--values", self.path("v.csv"))
         self.assertEqual(self.read("v.csv"), expected)
         self.assertIn("nothing to repair", done.stderr)

@@ -1,4 +1,4 @@
-// Repairs and components of meshes (bindings/readers): whatever is done to a surface that loses nothing of it is undone.
+// Repairs and components of meshes (bindings/readers): what is done to a surface and loses nothing of it is undone.
 #include <components.hpp>
 #include <repair.hpp>
 

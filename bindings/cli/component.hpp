@@ -41,8 +41,8 @@ int32_t less_sure(int32_t a, int32_t b);
 
 class Component {
 public:
-    // subject: in sentences.  alone: the whole mesh, with its vertices and triangles by the same numbers; then it throws
-    // Failure where others are refused.
+    // subject: in sentences.  alone: the whole mesh, vertices and triangles by the same numbers; then it throws Failure
+    // where others are refused.
     Component(readers::Component part, std::string subject, bool alone) :
         part_(std::move(part)), subject_(std::move(subject)), alone_(alone) {}
 
@@ -53,7 +53,7 @@ public:
     void build(const SolveRequest& request, Meter& meter, const hmf_control* control);
     // kind: HMF_LOOPS_*.
     void make_loops(int32_t kind, bool fine, const hmf_control* control);
-    // lines of the file that the loops come from, one per loop.
+    // Loops of the caller instead, by the numbers of this component.
     void take_loops(LoopList loops) { read_ = std::move(loops); }
     // weights: one for each of its loops.  start: values to start from instead of loops, else NULL.
     void solve(const SolveRequest& request, double time_limit, std::vector<double> weights,

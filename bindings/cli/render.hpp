@@ -19,8 +19,8 @@ struct Image {
 // Period of the stripes: about 22 pairs along the size of the object.
 double pattern_period(const Foliation& foliation, const Potential& potential);
 
-// corner_uv: squares of the (u, v) of each corner in place of the stripes; NULL: stripes.  Components without a foliation
-// are grey.
+// corner_uv: squares of the (u, v) of each corner in place of the stripes; NULL: stripes.  Components without a
+// foliation are grey.
 Image render(const Foliation& foliation, const Potential& potential, const double* corner_uv,
              const std::vector<Line>& loops);
 

@@ -83,6 +83,9 @@ private:
     void read() {
         mesh_ = read_mesh(r_.mesh);
         if (r_.repairs) repairs_ = repair_mesh(mesh_, r_.joins, name_);
+        if (repairs_.count() > 0 && r_.save_mesh.empty() && !outputs_of(options_).empty())
+            std::fprintf(stderr, "%s: the outputs refer to the repaired mesh; --save-mesh FILE.obj writes it\n",
+                         name_.c_str());
         if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
         if (kind_ != 0 || has_start_) return;
         try {

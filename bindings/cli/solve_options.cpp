@@ -65,7 +65,7 @@ Options solve_options(SolveRequest& r) {
         Option{"--history", &r.history, "FILE.csv", "energy and residual over time"}.writes(".csv"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
         Option{"--save-mesh", &r.save_mesh, "FILE.obj",
-               "the mesh as it was solved, after --repair; all outputs refer to it"}
+               "the mesh as it was solved, after --repair; loops, values and all outputs refer to it"}
             .writes(".obj"),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
         Option{"--image", &r.image, "FILE.png",

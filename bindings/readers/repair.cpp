@@ -202,28 +202,24 @@ private:
             const uint32_t edge = next.back();
             next.pop_back();
             std::vector<uint32_t>& waiting = crowded[edge];
-            bool found = true;
-            while (found) {
-                found = false;
-                for (size_t i = 0; i < waiting.size() && !found; ++i) {
-                    const uint32_t a = waiting[i], ends[] = {corner_[a], corner_[next_corner(a)]};
-                    for (const uint32_t vertex : ends) {
-                        const uint32_t b = end_of_fan(a, vertex);
-                        if (b == a || edge_of[b] != edge) continue;
-                        for (const uint32_t side : {a, b})
-                            for (const uint32_t end : ends) {
-                                const uint32_t other = edge_of[end_of_fan(side, end)];
-                                if (other != NONE && other != edge) next.push_back(other);
-                            }
-                        make_neighbours(a, b, patches);
-                        edge_of[a] = edge_of[b] = NONE;
-                        waiting.erase(std::find(waiting.begin(), waiting.end(), b));
-                        waiting.erase(std::find(waiting.begin(), waiting.end(), a));
-                        found = true;
-                        break;
-                    }
+            for (const uint32_t a : waiting) {
+                const uint32_t ends[] = {corner_[a], corner_[next_corner(a)]};
+                for (const uint32_t vertex : ends) {
+                    if (edge_of[a] == NONE) break;
+                    const uint32_t b = end_of_fan(a, vertex);
+                    if (b == a || edge_of[b] != edge) continue;
+                    for (const uint32_t side : {a, b})
+                        for (const uint32_t end : ends) {
+                            const uint32_t other = edge_of[end_of_fan(side, end)];
+                            if (other != NONE && other != edge) next.push_back(other);
+                        }
+                    make_neighbours(a, b, patches);
+                    edge_of[a] = edge_of[b] = NONE;
                 }
             }
+            waiting.erase(
+                std::remove_if(waiting.begin(), waiting.end(), [&](uint32_t side) { return edge_of[side] == NONE; }),
+                waiting.end());
         }
     }
 
