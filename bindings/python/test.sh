@@ -7,6 +7,7 @@
 # a copy of the repository.  Lines begin with ok, not ok, skip.
 #
 # Environment: HMF_BINDING_WORK  folder for all of it (default build/python of the repository)
+#              HMF_PYTHON_OTHERS  packages to try it with (default all; "": none, their tests skip)
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -17,11 +18,21 @@ venv=$work/venv
 python=$venv/bin/python
 log=$work/log
 failed=0
+others=${HMF_PYTHON_OTHERS-trimesh meshio pyvista polyscope libigl dask distributed ray[data]}
 
 # What is not ours: without a network there is nothing to test.
 make_environment() {
     { [ -x "$python" ] || python3 -m venv "$venv"; } &&
         "$venv/bin/pip" install -q build scikit-build-core cffi numpy pytest hypothesis mypy matplotlib tqdm
+}
+
+# Each by itself: where there is no wheel, the tests of that package skip.
+install_others() {
+    local name
+    for name in $others; do
+        timeout 200 "$venv/bin/pip" install -q --only-binary :all: "$name" > "$work/others.log" 2>&1 ||
+            echo "skip python with-$name (skipped: no wheel)"
+    done
 }
 
 install_package() {
@@ -57,7 +68,7 @@ END_OF_PROGRAM
 
 run_pytest() {
     # Away from the sources: the installed package is tested.
-    (cd "$work" && timeout 400 "$python" -m pytest -q -c "$here/pyproject.toml" --rootdir "$here" -p no:cacheprovider \
+    (cd "$work" && timeout 500 "$python" -m pytest -q -c "$here/pyproject.toml" --rootdir "$here" -p no:cacheprovider \
         --junit-xml "$work/results.xml" "$here/tests") > "$work/pytest.log" 2>&1
     local code=$?
     if [ -s "$work/results.xml" ]; then print_results "$work/results.xml"; fi
@@ -76,15 +87,15 @@ run_readme() {
     (cd "$root" && git ls-files -z --cached --others --exclude-standard | tar c --null -T - --ignore-failed-read) | tar x -C "$copy"
     awk '/^```sh$/ { on = 1; next } /^```/ { if (on) exit } on' "$here/README.md" > "$work/readme.sh"
     awk '/^```python$/ { on = 1; next } /^```/ { if (on) exit } on' "$here/README.md" > "$work/readme.py"
-    if cmp -s "$work/readme.py" "$here/examples/stripes.py"; then
+    if cmp -s "$work/readme.py" "$here/examples/first.py"; then
         echo "ok python readme-shows-the-example"
     else
         echo "not ok python readme-shows-the-example"
-        diff "$work/readme.py" "$here/examples/stripes.py"
+        diff "$work/readme.py" "$here/examples/first.py"
         failed=1
     fi
     if (cd "$copy" && timeout 300 bash -eu "$work/readme.sh") > "$work/readme.log" 2>&1 &&
-        [ "$(head -c 4 "$copy/stripes.png" | tail -c 3)" = PNG ]; then
+        [ "$(head -c 4 "$copy/first.png" | tail -c 3)" = PNG ]; then
         echo "ok python readme"
     else
         echo "not ok python readme"
@@ -124,6 +135,7 @@ if ! prepare; then
 fi
 touch "$work/installed"
 echo "ok python install"
+install_others
 run_pytest
-if [ -f "$here/examples/stripes.py" ]; then run_readme; fi
+if [ -f "$here/examples/first.py" ]; then run_readme; fi
 exit $failed

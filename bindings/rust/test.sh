@@ -12,7 +12,7 @@ work=$(cd "$work" && pwd)
 export CARGO_TARGET_DIR=$work/target CARGO_TERM_COLOR=never CARGO_BUILD_JOBS=${JOBS:-$(nproc)}
 failed=0
 
-same_bits() { cargo run --quiet --release --locked -p hmf --example same_bits; }
+same_bits() { cargo run --quiet --release --locked -p foliations --example same_bits; }
 
 why_not() { # prints why the tests cannot run
     local minor
@@ -45,16 +45,16 @@ has() { # component, command
 
 documentation() { RUSTDOCFLAGS="-D warnings" cargo doc --quiet --locked --no-deps; }
 
-# The package of hmf-sys holds the sources of the library, and builds from them alone.
+# The package of foliations-sys holds the sources of the library, and builds from them alone.
 packages() {
     local files
-    cargo package --list --allow-dirty --locked -p hmf > "$work/hmf.list" &&
-        cargo package --list --allow-dirty --locked -p hmf-sys > "$work/hmf-sys.list" || return 1
+    cargo package --list --allow-dirty --locked -p foliations > "$work/foliations.list" &&
+        cargo package --list --allow-dirty --locked -p foliations-sys > "$work/foliations-sys.list" || return 1
     for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h "$root"/include/hmf/uses.h; do
-        grep -qxF "core/${files#"$root"/}" "$work/hmf-sys.list" || { echo "the package lacks $files"; return 1; }
+        grep -qxF "core/${files#"$root"/}" "$work/foliations-sys.list" || { echo "the package lacks $files"; return 1; }
     done
-    grep -qx LICENSE "$work/hmf-sys.list" && grep -qx LICENSE "$work/hmf.list" && grep -qx README.md "$work/hmf.list" &&
-        cargo package --allow-dirty --locked -p hmf-sys
+    grep -qx LICENSE "$work/foliations-sys.list" && grep -qx LICENSE "$work/foliations.list" && grep -qx README.md "$work/foliations.list" &&
+        cargo package --allow-dirty --locked -p foliations-sys
 }
 
 # The first sh block of the README, beside what a clean clone would hold.
@@ -69,7 +69,7 @@ readme() {
     else
         (cd "$root" && tar -c --exclude=./build .) | tar -x -C "$folder/hmf"
     fi
-    awk '/^```sh$/ { on = 1; next } /^```/ { if (on) exit } on' hmf/README.md > "$folder/steps.sh"
+    awk '/^```sh$/ { on = 1; next } /^```/ { if (on) exit } on' foliations/README.md > "$folder/steps.sh"
     # The foliation of genus 2 has zeros of orders that add up to 4; where they
     # lie depends on the loops.
     grep -q 'cargo run' "$folder/steps.sh" && (cd "$folder" && sh -e steps.sh) > "$folder/printed.txt" &&
@@ -89,9 +89,9 @@ fi
 
 has fmt rustfmt && check fmt cargo fmt --check
 has clippy clippy && check clippy cargo clippy --quiet --locked --all-targets -- -D warnings
-check bindings-match-header cargo test --quiet --locked -p hmf-sys -- --nocapture
-check tests cargo test --quiet --locked --release -p hmf --lib --tests --examples
-check doc-tests cargo test --quiet --locked --release -p hmf --doc
+check bindings-match-header cargo test --quiet --locked -p foliations-sys -- --nocapture
+check tests cargo test --quiet --locked --release -p foliations --lib --tests --examples
+check doc-tests cargo test --quiet --locked --release -p foliations --doc
 check documentation documentation
 check packages packages
 check readme readme

@@ -1,5 +1,5 @@
 // A module worker that builds hierarchies and solves, posts progress and can be
-// stopped.  In a page of your own, import from 'hmf' instead.
+// stopped.  In a page of your own, import from 'foliations' instead.
 //
 // It takes
 //     { type: 'open', mesh, positions, triangles, flag }

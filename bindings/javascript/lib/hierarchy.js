@@ -6,7 +6,7 @@ import { choice, described, indices, numbers, optionsOf, realNumber, wholeNumber
 import { makeLoops, writeLoops } from './loops.js';
 import { OPTIMIZE_OPTIONS, writeOptions } from './solve.js';
 
-const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'progress'];
+const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'markedVertices', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
 /** A hierarchy and its foliations in the memory of the module. */
@@ -39,7 +39,22 @@ function writeBuildOptions(frame, options) {
     if (options.coarsest !== undefined) fields.coarsest = wholeNumber(options.coarsest, 'coarsest');
     if (options.mollify !== undefined) fields.mollify = realNumber(options.mollify, 'mollify');
     if (options.memoryLimit !== undefined) fields.memory_limit = wholeNumber(options.memoryLimit, 'memoryLimit');
+    if (options.markedVertices !== undefined) {
+        fields.marked_count = indices(options.markedVertices, 'markedVertices').length;
+        fields.marked_vertices = frame.copy(Uint32Array, options.markedVertices);
+    }
     return frame.structure('hmf_build_options', fields);
+}
+
+/** Positions, triangles and options of a build, checked; work(frame, ...parameters) gives them to hmf_build or hmf_suggest_marks. */
+function withMesh(module, positions, triangles, options, work) {
+    numbers(positions, 'positions', { group: 3 });
+    indices(triangles, 'triangles', { group: 3 });
+    const given = optionsOf(options, 'options', BUILD_OPTIONS);
+    return withFrame(module, given, frame => {
+        const settings = writeBuildOptions(frame, given), points = frame.copy(Float64Array, positions), corners = frame.copy(Uint32Array, triangles);
+        return work(frame, points, positions.length / 3, corners, triangles.length / 3, settings);
+    });
 }
 
 /** Runs work(frame) with the progress function of options, and gives back what it took. */
@@ -65,21 +80,24 @@ export function memoryEstimate(module, vertexCount, triangleCount, options) {
         Number(BigInt.asUintN(64, module.invoke('hmf_memory_estimate', vertexCount, triangleCount, writeBuildOptions(frame, given)))));
 }
 
+export function suggestMarks(module, positions, triangles, options) {
+    return withMesh(module, positions, triangles, options, (frame, ...mesh) => {
+        const result = frame.result('hmf_suggest_marks', ...mesh);
+        return frame.arrays('hmf_mark_set', result, { vertices: frame.read('hmf_mark_set', result).count }).vertices;
+    });
+}
+
 export class Hierarchy {
     #held;
     #busy = false;
     #levels;
 
     constructor(module, positions, triangles, options) {
-        numbers(positions, 'positions', { group: 3 });
-        indices(triangles, 'triangles', { group: 3 });
-        const given = optionsOf(options, 'options', BUILD_OPTIONS);
         this.#held = new Held(module, 0);
         forgotten.register(this, { held: this.#held }, this);
         try {
-            withFrame(module, given, frame => {
-                const settings = writeBuildOptions(frame, given), points = frame.copy(Float64Array, positions), corners = frame.copy(Uint32Array, triangles);
-                const { address } = frame.make('hmf_build', points, positions.length / 3, corners, triangles.length / 3, settings);
+            withMesh(module, positions, triangles, options, (frame, ...mesh) => {
+                const { address } = frame.make('hmf_build', ...mesh);
                 this.#held.address = address;
                 const count = module.invoke('hmf_level_count', address);
                 this.#levels = Object.freeze(Array.from({ length: count }, (_, index) => {

@@ -1,3 +1,3 @@
-/** For bundlers that turn `import address from 'hmf/hmf.wasm'` into an address. */
+/** For bundlers that turn `import address from 'foliations/hmf.wasm'` into an address. */
 declare const address: string;
 export default address;

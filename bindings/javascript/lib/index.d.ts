@@ -31,6 +31,12 @@ export interface Hmf {
     readonly Hierarchy: new (positions: Numbers, triangles: Numbers, options?: BuildOptions) => Hierarchy;
     /** Upper bound of the bytes that building a hierarchy uses at its peak; 0 if the counts are unusable. */
     memoryEstimate(vertexCount: number, triangleCount: number, options?: BuildOptions): number;
+    /**
+     * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
+     * each limb, so that loops go round the limbs, at least four and at most 24.
+     * None for genus 1 and more.
+     */
+    suggestMarks(positions: Numbers, triangles: Numbers, options?: BuildOptions): Uint32Array;
     /** A short English text for any status. */
     statusText(status: number): string;
     /** "HMF_ERROR_MESH_BOUNDARY" and so on, as in hmf.h. */
@@ -70,13 +76,19 @@ export interface BuildOptions extends ProgressOptions {
      * every triangle inequality holds by a margin of mollify * mean length.
      */
     mollify?: number;
+    /**
+     * Vertices that may carry a pole; a sphere needs four or more (see
+     * `suggestMarks`).  They never move and are no poles of the report.
+     */
+    markedVertices?: Numbers;
     /** Bytes in use at any time, also in later calls with the hierarchy; default 0, no limit. */
     memoryLimit?: number;
 }
 
 /**
- * A closed, connected, oriented triangle mesh of genus 1 or more, with its
- * coarser levels.  It may be used for any number of solves.
+ * A closed, connected, oriented triangle mesh of genus 1 or more, or of genus 0
+ * with four or more marked vertices, with its coarser levels.  It may be used for
+ * any number of solves.
  *
  * It and its foliations hold memory of WebAssembly until `dispose()`; `using`
  * works as well.  A hierarchy that is forgotten is freed at some later time.
@@ -133,10 +145,11 @@ export interface Level {
 }
 
 /**
- * "cut": genus many loops that together cut the surface into one planar piece;
+ * "cut": genus many loops that together cut the surface into one planar piece, on
+ * a sphere round pairs of marked vertices;
  * "handle", "tunnel": the same, but bounding inside, or outside, the surface,
- * which must not meet itself; "pants": 3 genus - 3 loops (genus 1: one) that
- * cut it into pairs of pants.
+ * which must not meet itself; "pants": 3 genus - 3 + marked vertices loops (genus 1
+ * without those: one) that cut it into pairs of pants.
  */
 export type LoopsKind = "cut" | "handle" | "tunnel" | "pants";
 
@@ -340,6 +353,7 @@ export interface Line {
 }
 
 export interface Singularities {
+    /** Vertices and clusters, then triangles, each by number; then the marked vertices that are no zeros. */
     list: Singularity[];
     /** Index of each vertex; of a cluster at its lowest vertex. */
     vertexIndex: Int32Array;
@@ -352,7 +366,7 @@ export interface Singularities {
 export interface Singularity {
     /** cluster: vertices joined by edges of value 0. */
     kind: "vertex" | "triangle" | "cluster";
-    /** Below 0: a zero of order -index; above 0: a pole. */
+    /** Below 0: a zero of order -index; above 0: a pole; 0: a marked vertex that is no zero. */
     index: number;
     /** The vertex, the triangle, or the lowest vertex of the cluster. */
     element: number;
@@ -363,7 +377,7 @@ export interface Singularity {
 }
 
 export interface Report {
-    /** "HMF_OK", or why the optimisation ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_CANCELLED". */
+    /** "HMF_OK", or why the optimisation ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_LIMIT_CLASS" (no step that stays in the class of the loops reaches the minimum), "HMF_CANCELLED". */
     status: string;
     method: string;
     converged: boolean;
@@ -373,13 +387,25 @@ export interface Report {
     residualMean: number;
     poles: number;
     zeros: number;
-    /** 4 - 4 * genus */
+    /** 4 - 4 * genus - marked vertices */
     indexSum: number;
     badFlips: number;
     badFlipsLeft: number;
     solveSeconds: number;
     /** Of the call, without the hierarchy. */
     peakMemoryBytes: number;
+    /**
+     * Do the values belong to the loops?  "proven", exactly: one cylinder of closed
+     * leaves for each loop, as high as its weight, and freely homotopic to it;
+     * "checked": the heights are the weights (with marked vertices classes are not
+     * compared); "lost": never with "HMF_OK"; "unknown": not looked at, as in
+     * `relax`, cancelled, or a start with values that no loops have.
+     */
+    classState: "unknown" | "proven" | "lost" | "checked";
+    /** Levels that were solved once more, as the first result had left the class. */
+    classRepeats: number;
+    /** For the certificate, part of `solveSeconds`. */
+    classSeconds: number;
     /** Finest first. */
     levels: LevelReport[];
     /** In order of time. */

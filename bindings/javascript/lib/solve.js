@@ -3,6 +3,7 @@ import { namesOf, statusName } from './error.js';
 import { choice, realNumber, wholeNumber } from './arguments.js';
 
 const methods = namesOf('HMF_METHOD_');
+const classStates = namesOf('HMF_CLASS_').byValue;
 const historyKinds = ['interpolation', 'sweep', 'linear-solve'];
 
 export const OPTIMIZE_OPTIONS = ['method', 'tolerance', 'timeLimit', 'iterationLimit', 'progress'];
@@ -28,6 +29,7 @@ export function readReport(frame, foliation, status) {
         status: statusName(status),
         method: methods.byValue.get(report.method) ?? `method ${report.method}`,
         converged: report.converged !== 0,
+        classState: classStates.get(report.classState) ?? `class ${report.classState}`,
         levels: frame.list('hmf_level_report', levels, level_count),
         history: frame.list('hmf_history_entry', history, history_count).map(entry => ({
             ...entry,

@@ -31,6 +31,11 @@ test('defects of meshes', () => {
     const defect = refused(build(mesh => ({ ...mesh, triangles: mesh.triangles.slice(0, -3) })), 'HMF_ERROR_MESH_BOUNDARY', 'triangle');
     assert.equal(defect.status, 305);
     refused(build(() => octahedron()), 'HMF_ERROR_MESH_GENUS', null);
+    const marked = markedVertices => () => { const { positions, triangles } = octahedron(); new hmf.Hierarchy(positions, triangles, { markedVertices }); };
+    refused(marked([0, 1, 2]), 'HMF_ERROR_MESH_GENUS', null);
+    assert.equal(refused(marked([0, 1, 2, 4, 2]), 'HMF_ERROR_OPTIONS', 'vertex').index, 2);
+    assert.equal(refused(marked([0, 1, 2, 6]), 'HMF_ERROR_MESH_INDEX', null).index, 3);
+    assert.throws(marked([-1]), TypeError);
     refused(build(() => twoTori()), 'HMF_ERROR_MESH_COMPONENTS', 'triangle');
     refused(build(() => ({ positions: new Float64Array(0), triangles: new Uint32Array(0) })), 'HMF_ERROR_MESH_COUNTS', null);
     assert.equal(refused(build(mesh => { mesh.triangles[4] = 99; }), 'HMF_ERROR_MESH_INDEX', 'triangle').index, 1);
@@ -145,6 +150,7 @@ test('each call that can be long reports, and can be cancelled', () => {
     const loops = hierarchy.loops({ kind: 'tunnel', level: 0 }), foliation = hierarchy.solve({ loops }), start = hierarchy.initialize(loops);
     const calls = {
         build: options => new hmf.Hierarchy(positions, triangles, options).dispose(),
+        suggestMarks: options => hmf.suggestMarks(positions, triangles, options),
         loops: options => hierarchy.loops({ kind: 'tunnel', level: 0, ...options }),
         initialize: options => hierarchy.initialize(loops, options),
         foliation: options => hierarchy.foliation(foliation.values, options),

@@ -53,6 +53,7 @@ test('many good calls', () => {
     });
     lasting.dispose();
     flat(200, () => {
+        hmf.suggestMarks(positions, triangles);
         const hierarchy = new hmf.Hierarchy(positions, triangles);
         const foliation = hierarchy.solve();
         foliation.singularities();

@@ -38,7 +38,7 @@ test('the first steps do what README.md says', () => {
 test('the calls that README.md lists exist', () => {
     const part = readme.slice(readme.indexOf('## What there is'), readme.indexOf('## In the browser')), [, calls] = /^```js\n([\s\S]*?)^```$/m.exec(part);
     const here = join(folder, 'clone', 'bindings', 'javascript');
-    writeFileSync(join(here, 'calls.js'), `import { load } from 'hmf';
+    writeFileSync(join(here, 'calls.js'), `import { load } from 'foliations';
 import { pretzel } from './examples/shapes.js';
 const { positions, triangles } = pretzel(3, 3);
 ${calls}
@@ -62,5 +62,5 @@ test('npm pack makes a package with everything in it', () => {
     shell(`npm install --offline --no-audit --no-fund ${JSON.stringify(join(here, filename))}`, project);
     writeFileSync(join(project, 'example.js'), example);
     assert.equal(shell('node example.js', project), output);
-    assert.deepEqual(readdirSync(join(project, 'node_modules')).filter(name => !name.startsWith('.')), ['hmf']);
+    assert.deepEqual(readdirSync(join(project, 'node_modules')).filter(name => !name.startsWith('.')), ['foliations']);
 });

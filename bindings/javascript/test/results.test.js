@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { before, test } from 'node:test';
 import { load } from '../lib/index.js';
 import { pretzel, torus } from '../examples/shapes.js';
-import { brokenTriangles, cotangentWeights, edgesOf, smallTorus } from './meshes.js';
+import { brokenTriangles, cotangentWeights, edgesOf, octahedron, smallTorus } from './meshes.js';
 
 let hmf;
 before(async () => { hmf = await load(); });
@@ -51,6 +51,8 @@ test('a solution is closed, without poles, harmonic, and its report tells the sa
     const foliation = hierarchy.solve(), { report } = foliation;
     assert.equal(report.status, 'HMF_OK');
     assert.equal(report.method, 'newton');
+    assert.equal(report.classState, 'proven');
+    assert.ok(report.classRepeats < hierarchy.levels.length && report.classSeconds > 0 && report.classSeconds < report.solveSeconds);
     assert.equal(brokenTriangles(foliation.values, hierarchy.levels[0].triangleEdges()), 0);
     const residuals = foliation.residuals();
     assert.equal(Math.max(...residuals), report.residualMax);
@@ -153,6 +155,7 @@ test('values go down to a coarse level and up again, relax brings them back', ()
     assert.ok(up.energy() > fine.energy());
     const relaxed = up.relax();
     assert.equal(relaxed.report.converged, true);
+    assert.equal(relaxed.report.classState, 'unknown');
     fine.values.forEach((x, e) => assert.ok(Math.abs(x - relaxed.values[e]) < 1e-6));
     assert.deepEqual(up.interpolate(coarsest).values, coarse.values, 'finer and back is the identity');
     assert.equal(fine.interpolate(coarsest).level, coarsest);
@@ -178,6 +181,30 @@ test('a foliation of the same triangles elsewhere is a start', () => {
     assert.throws(() => second.solve({ start }), /has been disposed of/);
     first.dispose();
     second.dispose();
+});
+
+test('spheres have marked vertices', () => {
+    const { positions, triangles } = octahedron();
+    positions.forEach((x, i) => { if (i % 3 === 2) positions[i] = 3 * x; });
+    const suggested = hmf.suggestMarks(positions, triangles);
+    assert.ok(suggested instanceof Uint32Array && suggested.length >= 4 && suggested.length <= 24 && new Set(suggested).size === suggested.length);
+    for (const marks of [suggested, [0, 1, 2, 3], Uint8Array.of(0, 1, 4, 5)]) {
+        const hierarchy = new hmf.Hierarchy(positions, triangles, { markedVertices: marks });
+        assert.equal(hierarchy.genus, 0);
+        assert.equal(hierarchy.loops({ kind: 'pants', level: 0 }).loops.length, marks.length - 3);
+        const foliation = hierarchy.solve(), { report } = foliation;
+        assert.deepEqual([report.status, report.classState, report.poles, report.indexSum], ['HMF_OK', 'checked', 0, 4 - marks.length]);
+        const { list } = foliation.singularities(), zeros = list.findIndex(({ index }) => index === 0);
+        assert.equal(list.reduce((sum, { index }) => sum + index, 0), report.indexSum);
+        assert.ok(zeros >= 0 && list.slice(0, zeros).every(({ index }) => index < 0));
+        for (const { kind, index, element, position } of list.slice(zeros)) {
+            assert.deepEqual([kind, index, position], ['vertex', 0, [...positions.subarray(3 * element, 3 * element + 3)]]);
+            assert.ok([...marks].includes(element));
+        }
+        hierarchy.dispose();
+    }
+    const plate = pretzel(2, 2);
+    assert.deepEqual(hmf.suggestMarks(plate.positions, plate.triangles), new Uint32Array(0));
 });
 
 test('mollify accepts triangles without area', () => {

@@ -11,8 +11,8 @@ import signal
 import sys
 import time
 
-import hmf
-from hmf import sample
+import foliations
+from foliations import sample
 
 
 COUNT = 16
@@ -40,9 +40,9 @@ def main():
     side = int(sys.argv[1]) if len(sys.argv) > 1 else 82
     positions, triangles = sample.pretzel(2, side=side)
     print(f"{3 * len(triangles) // 2} edges")
-    hierarchy = hmf.Hierarchy(positions, triangles)
+    hierarchy = foliations.Hierarchy(positions, triangles)
     for name, function in (
-        ("build", lambda: hmf.Hierarchy(positions, triangles)),
+        ("build", lambda: foliations.Hierarchy(positions, triangles)),
         ("solve", hierarchy.solve),
         ("parameterize", hierarchy.solve().parameterize),
     ):

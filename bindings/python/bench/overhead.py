@@ -10,9 +10,9 @@ arrays that are already right, both in processor time.  Best of seven.
 import sys
 import time
 
-import hmf
-from hmf import sample
-from hmf._native import ffi, lib
+import foliations
+from foliations import sample
+from foliations._native import ffi, lib
 
 
 def best(function, inner=lambda result: None, clock=time.perf_counter, rounds=7):
@@ -44,10 +44,10 @@ def main():
     print(f"{len(positions)} vertices, {3 * len(triangles) // 2} edges")
 
     direct = min(build_directly(positions, triangles) for _ in range(7))
-    build, _ = best(lambda: hmf.Hierarchy(positions, triangles), clock=time.process_time)
+    build, _ = best(lambda: foliations.Hierarchy(positions, triangles), clock=time.process_time)
     print(f"build      {build:.4f} s, hmf_build alone {direct:.4f} s: overhead {100 * (build / direct - 1):+.2f} %")
 
-    hierarchy = hmf.Hierarchy(positions, triangles)
+    hierarchy = foliations.Hierarchy(positions, triangles)
     for name, progress in (("solve", None), ("solve with a callback", lambda fraction: None)):
         total, inner = best(
             lambda progress=progress: hierarchy.solve(progress=progress),

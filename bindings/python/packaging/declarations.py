@@ -1,4 +1,4 @@
-"""Makes the low-level module hmf._native from include/hmf/hmf.h and uses.h.
+"""Makes the low-level module foliations._native from include/hmf/hmf.h and uses.h.
 
     python declarations.py HEADER ... PROGRESS.c OUTPUT.c
 
@@ -56,7 +56,7 @@ def main() -> None:
     for header in headers:
         ffi.cdef(declarations(header.read_text(encoding="utf-8")))
     ffi.cdef(THROTTLE)
-    ffi.set_source("hmf._native", progress.read_text(encoding="utf-8"))
+    ffi.set_source("foliations._native", progress.read_text(encoding="utf-8"))
     ffi.emit_c_code(str(output))
 
 

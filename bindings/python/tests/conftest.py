@@ -1,9 +1,9 @@
 from __future__ import annotations
 
-import hmf
+import foliations
 import numpy as np
 import pytest
-from hmf import sample
+from foliations import sample
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -36,10 +36,10 @@ def large() -> Mesh:
 
 
 @pytest.fixture(scope="session")
-def hierarchy(pretzel: Mesh) -> hmf.Hierarchy:
-    return hmf.Hierarchy(*pretzel, coarsest=200)
+def hierarchy(pretzel: Mesh) -> foliations.Hierarchy:
+    return foliations.Hierarchy(*pretzel, coarsest=200)
 
 
 @pytest.fixture(scope="session")
-def large_hierarchy(large: Mesh) -> hmf.Hierarchy:
-    return hmf.Hierarchy(*large)
+def large_hierarchy(large: Mesh) -> foliations.Hierarchy:
+    return foliations.Hierarchy(*large)

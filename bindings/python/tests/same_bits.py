@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hmf
+import foliations
 import numpy as np
-from hmf import sample
+from foliations import sample
 
 PLATES = {"genus1": (1, 1, 4, 4), "genus2": (2, 1, 8, 7), "genus6": (3, 2, 15, 10)}
 
@@ -31,7 +31,7 @@ def shifted(points: np.ndarray) -> np.ndarray:
 def main() -> None:
     for name, size in PLATES.items():
         points, triangles = sample.plate(*size)
-        values = hmf.solve(shifted(points), triangles).values
+        values = foliations.solve(shifted(points), triangles).values
         print(name, len(points), len(triangles), f"{fnv1a64(values.astype('<f8').tobytes()):016x}")
 
 

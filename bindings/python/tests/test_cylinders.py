@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hmf
+import foliations
 import numpy as np
 import pytest
 
 
-def test_heights_areas_and_loops(hierarchy: hmf.Hierarchy) -> None:
+def test_heights_areas_and_loops(hierarchy: foliations.Hierarchy) -> None:
     loops = hierarchy.loops().with_weights([1.0, 2.5])
     foliation = hierarchy.solve(loops)
     found = foliation.cylinders(loops)
@@ -21,7 +21,7 @@ def test_heights_areas_and_loops(hierarchy: hmf.Hierarchy) -> None:
     assert sum(cylinder.area for cylinder in found) == pytest.approx(foliation.energy, rel=1e-6)
 
 
-def test_middle_leaves_give_the_class(hierarchy: hmf.Hierarchy) -> None:
+def test_middle_leaves_give_the_class(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve(weights=[1.0, 2.5])
     found = foliation.cylinders()
     assert [cylinder.loop for cylinder in found] == [None, None]
@@ -30,11 +30,11 @@ def test_middle_leaves_give_the_class(hierarchy: hmf.Hierarchy) -> None:
     assert np.abs(again.values - foliation.values).max() < 1e-5
 
 
-def test_errors(hierarchy: hmf.Hierarchy) -> None:
+def test_errors(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve()
-    with pytest.raises(hmf.FoliationError) as caught:
+    with pytest.raises(foliations.FoliationError) as caught:
         foliation.cylinders(hierarchy.loops().with_weights([1, 3]))
-    assert caught.value.status is hmf.Status.ERROR_VALUE_CLASS
-    with pytest.raises(hmf.FoliationError) as caught:
+    assert caught.value.status is foliations.Status.ERROR_VALUE_CLASS
+    with pytest.raises(foliations.FoliationError) as caught:
         hierarchy.initialize(hierarchy.loops(level=0)).cylinders()
-    assert caught.value.status is hmf.Status.ERROR_VALUE_NOT_HARMONIC
+    assert caught.value.status is foliations.Status.ERROR_VALUE_NOT_HARMONIC

@@ -11,10 +11,10 @@ import sys
 import textwrap
 from contextlib import suppress
 
-import hmf
+import foliations
 import numpy as np
 import pytest
-from hmf import errors
+from foliations import errors
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -71,12 +71,12 @@ MESH_DEFECTS = [
 
 @pytest.mark.parametrize("defect", MESH_DEFECTS)
 def test_mesh(torus: Mesh, defect: str) -> None:
-    with pytest.raises(hmf.MeshError) as caught:
-        hmf.solve(*changed(torus, defect))
+    with pytest.raises(foliations.MeshError) as caught:
+        foliations.solve(*changed(torus, defect))
     error = caught.value
-    assert error.status == hmf.Status[f"ERROR_{defect}"]
+    assert error.status == foliations.Status[f"ERROR_{defect}"]
     assert isinstance(error, ValueError)
-    assert (error.index is None) == (error.element is hmf.Element.NONE)
+    assert (error.index is None) == (error.element is foliations.Element.NONE)
     assert f"[HMF_ERROR_{defect}" in str(error)
     # A remedy: more than the first sentence.
     assert error.advice and error.message.endswith(error.advice) and error.advice != error.message
@@ -86,77 +86,77 @@ def test_mesh(torus: Mesh, defect: str) -> None:
     ("defect", "word"), [("MESH_BOUNDARY", "hole"), ("MESH_COMPONENTS", "component|one"), ("MESH_GENUS", "genus")]
 )
 def test_the_advice_helps(torus: Mesh, defect: str, word: str) -> None:
-    with pytest.raises(hmf.MeshError, match=word):
-        hmf.Hierarchy(*changed(torus, defect))
+    with pytest.raises(foliations.MeshError, match=word):
+        foliations.Hierarchy(*changed(torus, defect))
 
 
-def test_error_of_a_loop(hierarchy: hmf.Hierarchy) -> None:
+def test_error_of_a_loop(hierarchy: foliations.Hierarchy) -> None:
     triangles = hierarchy.levels[0].triangles
-    with pytest.raises(hmf.LoopError) as caught:
+    with pytest.raises(foliations.LoopError) as caught:
         hierarchy.solve([triangles[0]])
-    assert caught.value.status == hmf.Status.ERROR_LOOP_TRIVIAL
+    assert caught.value.status == foliations.Status.ERROR_LOOP_TRIVIAL
     good = hierarchy.loops()
-    with pytest.raises(hmf.LoopError) as caught:
-        hierarchy.solve(hmf.Loops([good[0], good[0]], kind="triangles", level=good.level))
-    assert caught.value.element == hmf.Element.LOOP and caught.value.index in (0, 1)
-    with pytest.raises(hmf.LoopError) as caught:
-        hierarchy.solve(hmf.Loops([], level=0))
-    assert caught.value.status == hmf.Status.ERROR_LOOP_COUNT
-    with pytest.raises(hmf.LoopError) as caught:
+    with pytest.raises(foliations.LoopError) as caught:
+        hierarchy.solve(foliations.Loops([good[0], good[0]], kind="triangles", level=good.level))
+    assert caught.value.element == foliations.Element.LOOP and caught.value.index in (0, 1)
+    with pytest.raises(foliations.LoopError) as caught:
+        hierarchy.solve(foliations.Loops([], level=0))
+    assert caught.value.status == foliations.Status.ERROR_LOOP_COUNT
+    with pytest.raises(foliations.LoopError) as caught:
         hierarchy.solve(weights=[1.0, -1.0])
-    assert (caught.value.status, caught.value.index) == (hmf.Status.ERROR_LOOP_WEIGHT, 1)
+    assert (caught.value.status, caught.value.index) == (foliations.Status.ERROR_LOOP_WEIGHT, 1)
 
 
-def test_error_of_values(hierarchy: hmf.Hierarchy) -> None:
+def test_error_of_values(hierarchy: foliations.Hierarchy) -> None:
     values = hierarchy.solve().values.copy()
     wrong = values.copy()
     wrong[7] = np.nan
-    with pytest.raises(hmf.FoliationError) as caught:
+    with pytest.raises(foliations.FoliationError) as caught:
         hierarchy.foliation(wrong)
-    assert (caught.value.status, caught.value.index) == (hmf.Status.ERROR_VALUE_NOT_FINITE, 7)
+    assert (caught.value.status, caught.value.index) == (foliations.Status.ERROR_VALUE_NOT_FINITE, 7)
     wrong = values.copy()
     wrong[7] = 2 * values.sum()
-    with pytest.raises(hmf.FoliationError) as caught:
+    with pytest.raises(foliations.FoliationError) as caught:
         hierarchy.foliation(wrong)
-    assert caught.value.status == hmf.Status.ERROR_VALUE_NOT_CLOSED
+    assert caught.value.status == foliations.Status.ERROR_VALUE_NOT_CLOSED
 
 
-def test_error_of_a_level(hierarchy: hmf.Hierarchy) -> None:
+def test_error_of_a_level(hierarchy: foliations.Hierarchy) -> None:
     for wrong in (
         lambda: hierarchy.solve(stop_level=99),
         lambda: hierarchy.loops(level=99),
         lambda: hierarchy.foliation([], level=99),
         lambda: hierarchy.solve().interpolate(99),
-        lambda: hierarchy.initialize(hmf.Loops([[0, 1, 2]], level=99)),
+        lambda: hierarchy.initialize(foliations.Loops([[0, 1, 2]], level=99)),
     ):
-        with pytest.raises(hmf.LevelError) as caught:
+        with pytest.raises(foliations.LevelError) as caught:
             wrong()
         assert isinstance(caught.value, IndexError)
 
 
 def test_memory_limit(pretzel: Mesh) -> None:
     with pytest.raises(MemoryError) as caught:
-        hmf.Hierarchy(*pretzel, memory_limit=10_000)
-    assert isinstance(caught.value, hmf.OutOfMemoryError)
-    assert caught.value.status == hmf.Status.ERROR_MEMORY_LIMIT
+        foliations.Hierarchy(*pretzel, memory_limit=10_000)
+    assert isinstance(caught.value, foliations.OutOfMemoryError)
+    assert caught.value.status == foliations.Status.ERROR_MEMORY_LIMIT
 
 
 def test_errors_can_be_pickled_and_copied(torus: Mesh) -> None:
-    with pytest.raises(hmf.MeshError) as caught:
-        hmf.solve(*changed(torus, "MESH_BOUNDARY"))
+    with pytest.raises(foliations.MeshError) as caught:
+        foliations.solve(*changed(torus, "MESH_BOUNDARY"))
     for again in (pickle.loads(pickle.dumps(caught.value)), copy.copy(caught.value)):
-        assert type(again) is hmf.MeshError and str(again) == str(caught.value)
+        assert type(again) is foliations.MeshError and str(again) == str(caught.value)
         assert vars(again) == vars(caught.value)
 
 
 def test_status_text() -> None:
-    texts = [status.text for status in hmf.Status]
+    texts = [status.text for status in foliations.Status]
     assert all(texts) and len(set(texts)) == len(texts)
 
 
 def test_foliations_are_not_made_by_hand() -> None:
-    with pytest.raises(TypeError, match=r"hmf\.solve"):
-        hmf.Foliation()
+    with pytest.raises(TypeError, match=r"foliations\.solve"):
+        foliations.Foliation()
 
 
 @settings(max_examples=150, deadline=None)
@@ -170,8 +170,8 @@ def test_random_wrong_meshes_never_crash(torus: Mesh, data: st.DataObject) -> No
     for _ in range(data.draw(st.integers(0, 3))):
         positions[data.draw(st.integers(0, 6)), data.draw(st.integers(0, 2))] = data.draw(st.floats())
     try:
-        foliation = hmf.solve(positions, triangles)
-    except hmf.MeshError as error:
+        foliation = foliations.solve(positions, triangles)
+    except foliations.MeshError as error:
         assert 300 <= error.status < 400
     else:
         assert foliation.singularities().index_sum == 0
@@ -184,12 +184,12 @@ def test_random_wrong_meshes_never_crash(torus: Mesh, data: st.DataObject) -> No
     weight=st.floats(),
 )
 def test_random_loops_never_crash(
-    torus: Mesh, paths: list[list[int]], kind: hmf.loops.LoopKind, weight: float
+    torus: Mesh, paths: list[list[int]], kind: foliations.loops.LoopKind, weight: float
 ) -> None:
-    hierarchy = hmf.Hierarchy(*torus)
+    hierarchy = foliations.Hierarchy(*torus)
     try:
-        hierarchy.solve(hmf.Loops(paths, kind=kind, weights=[weight] * len(paths)))
-    except hmf.LoopError as error:
+        hierarchy.solve(foliations.Loops(paths, kind=kind, weights=[weight] * len(paths)))
+    except foliations.LoopError as error:
         assert 400 <= error.status < 500
 
 
@@ -201,19 +201,19 @@ def test_failures_leave_no_cycles(torus: Mesh) -> None:
 
     def fail(kind: type[Exception], **options: object) -> None:
         with suppress(kind):
-            hmf.solve(*torus, **options)  # type: ignore[arg-type]
+            foliations.solve(*torus, **options)  # type: ignore[arg-type]
             raise AssertionError("no failure")
 
     gc.collect()
     gc.disable()
     try:
-        hmf.solve(*torus)
-        fail(hmf.LoopError, weights=[-1])
-        fail(hmf.Cancelled, progress=lambda fraction: hmf.Progress.CANCEL)
+        foliations.solve(*torus)
+        fail(foliations.LoopError, weights=[-1])
+        fail(foliations.Cancelled, progress=lambda fraction: foliations.Progress.CANCEL)
         fail(LookupError, progress=boom)
         gc.set_debug(gc.DEBUG_SAVEALL)
         gc.collect()
-        left = [thing for thing in gc.garbage if type(thing).__module__.startswith("hmf")]
+        left = [thing for thing in gc.garbage if type(thing).__module__.startswith("foliations")]
     finally:
         gc.set_debug(0)
         gc.garbage.clear()
@@ -227,12 +227,12 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
         """
         import gc
         import numpy as np
-        import hmf
-        from hmf import sample
+        import foliations
+        from foliations import sample
 
         positions, triangles = sample.pretzel(2, side=4)
         hole = triangles[1:]
-        hierarchy = hmf.Hierarchy(positions, triangles)
+        hierarchy = foliations.Hierarchy(positions, triangles)
         solution = hierarchy.solve()
         values = np.full(hierarchy.levels[0].edge_count, -1.0)
 
@@ -249,16 +249,16 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
 
         def rounds(count):
             for _ in range(count):
-                fails(hmf.MeshError, lambda: hmf.solve(positions, hole))
-                fails(LookupError, lambda: hmf.solve(positions, triangles, progress=boom))
-                fails(hmf.LoopError, lambda: hierarchy.solve(weights=[1, -1]))
-                fails(hmf.FoliationError, lambda: hierarchy.foliation(values))
-                fails(hmf.Cancelled, lambda: hierarchy.solve(progress=lambda f: hmf.Progress.CANCEL))
+                fails(foliations.MeshError, lambda: foliations.solve(positions, hole))
+                fails(LookupError, lambda: foliations.solve(positions, triangles, progress=boom))
+                fails(foliations.LoopError, lambda: hierarchy.solve(weights=[1, -1]))
+                fails(foliations.FoliationError, lambda: hierarchy.foliation(values))
+                fails(foliations.Cancelled, lambda: hierarchy.solve(progress=lambda f: foliations.Progress.CANCEL))
                 fails(LookupError, lambda: solution.parameterize(progress=boom))
             with open("/proc/self/statm") as file:
                 return int(file.read().split()[1]) * 4096
 
-        hmf._boundary.PROGRESS_INTERVAL = 0.0
+        foliations._boundary.PROGRESS_INTERVAL = 0.0
         gc.disable()
         before = rounds(40)
         after = rounds(200)
@@ -278,5 +278,5 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
 
 def test_a_status_of_a_newer_library() -> None:
     error = errors.error_class(599)("New. Do this.", 599, 0, 0)
-    assert isinstance(error, hmf.FoliationError)
-    assert error.status == 599 and "STATUS_599" in str(error) and error.status not in list(hmf.Status)
+    assert isinstance(error, foliations.FoliationError)
+    assert error.status == 599 and "STATUS_599" in str(error) and error.status not in list(foliations.Status)

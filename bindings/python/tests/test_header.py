@@ -7,12 +7,12 @@ import re
 from pathlib import Path
 from typing import get_args
 
-import hmf
-import hmf.foliation
-import hmf.hierarchy
+import foliations
+import foliations.foliation
+import foliations.hierarchy
 import pytest
-from hmf import errors
-from hmf._native import ffi, lib
+from foliations import errors
+from foliations._native import ffi, lib
 
 PACKAGE = Path(__file__).resolve().parents[1]
 HEADERS = next(path for path in (PACKAGE / "core/include/hmf", PACKAGE.parents[1] / "include/hmf") if path.exists())
@@ -34,7 +34,7 @@ def test_header_was_understood() -> None:
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_each_function_is_used(function: str) -> None:
     assert hasattr(lib, function)
-    source = "".join(path.read_text(encoding="utf-8") for path in Path(hmf.__file__).parent.glob("*.py"))
+    source = "".join(path.read_text(encoding="utf-8") for path in Path(foliations.__file__).parent.glob("*.py"))
     assert re.search(rf"\b_?lib\.{function}\b", source)
 
 
@@ -46,29 +46,29 @@ def test_statuses() -> None:
     expected = {"OK": CONSTANTS["HMF_OK"], "CANCELLED": CONSTANTS["HMF_CANCELLED"]}
     expected |= {f"LIMIT_{name}": value for name, value in names("HMF_LIMIT_").items()}
     expected |= {f"ERROR_{name}": value for name, value in names("HMF_ERROR_").items()}
-    assert {status.name: status.value for status in hmf.Status} == expected
+    assert {status.name: status.value for status in foliations.Status} == expected
 
 
 def test_elements_and_progress() -> None:
-    assert {element.name: element.value for element in hmf.Element} == names("HMF_ELEMENT_")
-    assert {answer.name: answer.value for answer in hmf.Progress} == names("HMF_PROGRESS_")
+    assert {element.name: element.value for element in foliations.Element} == names("HMF_ELEMENT_")
+    assert {answer.name: answer.value for answer in foliations.Progress} == names("HMF_PROGRESS_")
 
 
 def test_each_error_has_a_class() -> None:
     for name, value in names("HMF_ERROR_").items():
         kind = errors.error_class(value)
-        assert issubclass(kind, hmf.Error)
-        assert (kind is hmf.InternalError) == (name in ("INTERNAL", "NULL", "CAPACITY")), name
+        assert issubclass(kind, foliations.Error)
+        assert (kind is foliations.InternalError) == (name in ("INTERNAL", "NULL", "CAPACITY")), name
 
 
 @pytest.mark.parametrize(
     ("prefix", "literal"),
     [
-        ("HMF_METHOD_", hmf.foliation.Method),
-        ("HMF_COLLAPSE_", hmf.hierarchy.Collapse),
-        ("HMF_LOOPS_", hmf.hierarchy.LoopsKind),
-        ("HMF_LEAVES_", hmf.leaves.LeavesKind),
-        ("HMF_LOOP_", hmf.loops.LoopKind),
+        ("HMF_METHOD_", foliations.foliation.Method),
+        ("HMF_COLLAPSE_", foliations.hierarchy.Collapse),
+        ("HMF_LOOPS_", foliations.hierarchy.LoopsKind),
+        ("HMF_LEAVES_", foliations.leaves.LeavesKind),
+        ("HMF_LOOP_", foliations.loops.LoopKind),
     ],
 )
 def test_names_of_choices(prefix: str, literal: object) -> None:
@@ -77,13 +77,13 @@ def test_names_of_choices(prefix: str, literal: object) -> None:
 
 
 def test_singularity_kinds() -> None:
-    kinds = hmf.foliation._SINGULARITY_KINDS
+    kinds = foliations.foliation._SINGULARITY_KINDS
     assert {kind.upper(): value for value, kind in kinds.items()} == names("HMF_SINGULAR_")
 
 
 def test_lines_and_ends() -> None:
-    assert {kind.upper(): value for value, kind in hmf.leaves._KINDS.items()} == names("HMF_LINE_")
-    assert {end.upper(): value for value, end in hmf.leaves._ENDS.items()} == names("HMF_END_")
+    assert {kind.upper(): value for value, kind in foliations.leaves._KINDS.items()} == names("HMF_LINE_")
+    assert {end.upper(): value for value, end in foliations.leaves._ENDS.items()} == names("HMF_END_")
 
 
 def fields(structure: str) -> set[str]:
@@ -94,46 +94,60 @@ def test_options_are_keywords() -> None:
     hidden = {"struct_size", "reserved", "allocate", "release", "allocator_user"}
     hidden |= {"seam_edge_count", "point_count", "position_stride"}  # those of arrays
     common = {"foliation", "progress"}
-    build = set(inspect.signature(hmf.Hierarchy.__init__).parameters)
-    solve = set(inspect.signature(hmf.Hierarchy.solve).parameters)
-    both = set(inspect.signature(hmf.solve).parameters)
+    build = set(inspect.signature(foliations.Hierarchy.__init__).parameters)
+    solve = set(inspect.signature(foliations.Hierarchy.solve).parameters)
+    both = set(inspect.signature(foliations.solve).parameters)
     assert fields("hmf_build_options") - hidden == build - {"self", "positions", "triangles", "progress"}
     start = {"self", "loops", "weights", "initial", "progress"}
     assert fields("hmf_solve_options") - hidden - {"start"} == solve - start
     assert (build | solve) - {"self"} == both
-    parameterize = set(inspect.signature(hmf.Foliation.parameterize).parameters)
+    parameterize = set(inspect.signature(foliations.Foliation.parameterize).parameters)
     assert fields("hmf_parameterize_options") - hidden == parameterize - common
-    trace = set(inspect.signature(hmf.Foliation.trace).parameters)
+    trace = set(inspect.signature(foliations.Foliation.trace).parameters)
     assert fields("hmf_trace_options") - hidden == trace - common
-    quads = set(inspect.signature(hmf.Foliation.quads).parameters)
+    quads = set(inspect.signature(foliations.Foliation.quads).parameters)
     assert fields("hmf_quad_options") - hidden == quads - common
 
 
 def test_reports_have_all_fields() -> None:
     hidden = {"struct_size", "reserved", "level_count", "history_count"}
-    assert fields("hmf_report") - hidden == set(hmf.Report.__dataclass_fields__)
+    assert fields("hmf_report") - hidden == set(foliations.Report.__dataclass_fields__)
     hidden = {"struct_size", "reserved", "vertex_count", "edge_count", "triangle_count"}
-    assert fields("hmf_parameterization") - hidden == set(hmf.Parameterization.__dataclass_fields__)
-    assert fields("hmf_level_report") == set(hmf.LevelReport._fields)
-    assert fields("hmf_history_entry") == set(hmf.HistoryEntry._fields)
-    assert fields("hmf_line") == set(hmf.Leaf.__dataclass_fields__) - {"points", "edges"}
-    assert fields("hmf_cylinder") - {"reserved"} == set(hmf.Cylinder.__dataclass_fields__)
-    assert fields("hmf_singularity") == set(hmf.Singularity.__dataclass_fields__)
+    assert fields("hmf_parameterization") - hidden == set(foliations.Parameterization.__dataclass_fields__)
+    assert fields("hmf_level_report") == set(foliations.LevelReport._fields)
+    assert fields("hmf_history_entry") == set(foliations.HistoryEntry._fields)
+    assert fields("hmf_line") == set(foliations.Leaf.__dataclass_fields__) - {"points", "edges"}
+    assert fields("hmf_cylinder") - {"reserved"} == set(foliations.Cylinder.__dataclass_fields__)
+    assert fields("hmf_singularity") == set(foliations.Singularity.__dataclass_fields__)
 
 
 def test_each_call_with_a_control_takes_progress() -> None:
     """But hmf_energy, which is a property: Control-C ends it all the same."""
     control = ffi.typeof("hmf_control *")
     long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
-    owners = {"hmf_build": hmf.Hierarchy.__init__, "hmf_foliation_create": hmf.Hierarchy.foliation}
+    owners = {"hmf_build": foliations.Hierarchy.__init__, "hmf_foliation_create": foliations.Hierarchy.foliation}
     for name in long - {"hmf_energy"}:
         short = name[len("hmf_") :]
-        function = owners.get(name) or getattr(hmf.Foliation, short, None) or getattr(hmf.Hierarchy, short)
+        function = (
+            owners.get(name) or getattr(foliations.Foliation, short, None) or getattr(foliations.Hierarchy, short)
+        )
         assert "progress" in inspect.signature(function).parameters, name
 
 
 def test_version() -> None:
-    assert hmf.__version__ == ".".join(str(CONSTANTS[f"HMF_VERSION_{part}"]) for part in ("MAJOR", "MINOR", "PATCH"))
+    assert foliations.__version__ == ".".join(
+        str(CONSTANTS[f"HMF_VERSION_{part}"]) for part in ("MAJOR", "MINOR", "PATCH")
+    )
     from importlib.metadata import version
 
-    assert version("hmf") == hmf.__version__
+    assert version("foliations") == foliations.__version__
+
+
+def test_metadata() -> None:
+    """One name, and what a registry asks for."""
+    from importlib.metadata import files, metadata
+
+    about = metadata("foliations")
+    assert about["Name"] == "foliations" and "hmf contributors" in about["Author"]
+    assert about["License"] == "MIT" and len(about["Keywords"].split(",")) > 5
+    assert any(path.name == "LICENSE" for path in files("foliations") or ())

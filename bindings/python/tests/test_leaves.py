@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import hmf
+import foliations
 import numpy as np
 import pytest
 
 
 @pytest.fixture(scope="module")
-def foliation(hierarchy: hmf.Hierarchy) -> hmf.Foliation:
+def foliation(hierarchy: foliations.Hierarchy) -> foliations.Foliation:
     return hierarchy.solve()
 
 
-def test_levels_are_closed_and_cross_edges_as_often_as_the_values_say(foliation: hmf.Foliation) -> None:
+def test_levels_are_closed_and_cross_edges_as_often_as_the_values_say(foliation: foliations.Foliation) -> None:
     """In a unit of one spacing the crossings of an edge are its value, to one at either end."""
     spacing = 0.01
     leaves = foliation.trace(spacing=spacing)
@@ -23,7 +23,7 @@ def test_levels_are_closed_and_cross_edges_as_often_as_the_values_say(foliation:
     assert np.abs(crossings - foliation.values / spacing).max() < 2 + 0.05 * (foliation.values / spacing).max()
 
 
-def test_points_lie_on_their_edges(foliation: hmf.Foliation) -> None:
+def test_points_lie_on_their_edges(foliation: foliations.Foliation) -> None:
     leaves = foliation.trace(spacing=0.1)
     level = foliation.hierarchy.levels[0]
     ends = level.positions[level.edges[leaves.edges]]
@@ -31,7 +31,7 @@ def test_points_lie_on_their_edges(foliation: hmf.Foliation) -> None:
     assert np.allclose(along[0] + along[1], np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), rtol=1e-9)
 
 
-def test_critical_leaves_join_zeros(foliation: hmf.Foliation) -> None:
+def test_critical_leaves_join_zeros(foliation: foliations.Foliation) -> None:
     zeros = foliation.singularities()
     leaves = foliation.trace()
     ends = []
@@ -44,7 +44,7 @@ def test_critical_leaves_join_zeros(foliation: hmf.Foliation) -> None:
     assert [leaf.source for leaf in foliation.trace(critical=True)] == [leaf.source for leaf in leaves]
 
 
-def test_leaves_through_points(foliation: hmf.Foliation) -> None:
+def test_leaves_through_points(foliation: foliations.Foliation) -> None:
     level = foliation.hierarchy.levels[0]
     triangles, barycentrics = [0, 7, 99], np.full((3, 3), 1 / 3)
     leaves = foliation.trace(point_triangles=triangles, point_barycentrics=barycentrics)
@@ -58,7 +58,7 @@ def test_leaves_through_points(foliation: hmf.Foliation) -> None:
         assert leaf.length > 0
 
 
-def test_conjugate_leaves_cross_the_cylinders(foliation: hmf.Foliation) -> None:
+def test_conjugate_leaves_cross_the_cylinders(foliation: foliations.Foliation) -> None:
     spacing = 0.05
     leaves = foliation.trace(leaves="conjugate", spacing=spacing)
     for number, cylinder in enumerate(foliation.cylinders()):
@@ -69,7 +69,7 @@ def test_conjugate_leaves_cross_the_cylinders(foliation: hmf.Foliation) -> None:
         foliation.trace(leaves="both")  # type: ignore[arg-type]
 
 
-def test_sequence(foliation: hmf.Foliation) -> None:
+def test_sequence(foliation: foliations.Foliation) -> None:
     leaves = foliation.trace(spacing=0.2)
     assert len(list(leaves)) == len(leaves) and len(leaves[1:]) == len(leaves) - 1
     assert np.array_equal(np.concatenate([leaf.points for leaf in leaves]), leaves.points)
@@ -81,7 +81,7 @@ def test_sequence(foliation: hmf.Foliation) -> None:
 
 
 def test_a_leaf_of_a_torus_is_closed(torus: tuple[np.ndarray, np.ndarray]) -> None:
-    foliation = hmf.solve(*torus)
+    foliation = foliations.solve(*torus)
     assert len(foliation.trace()) == 0
     assert all(leaf.closed for leaf in foliation.trace(spacing=0.1))
 
@@ -100,6 +100,6 @@ def test_a_leaf_of_a_torus_is_closed(torus: tuple[np.ndarray, np.ndarray]) -> No
     ],
     ids=str,
 )
-def test_errors(foliation: hmf.Foliation, options: dict[str, object]) -> None:
+def test_errors(foliation: foliations.Foliation, options: dict[str, object]) -> None:
     with pytest.raises(ValueError):
         foliation.trace(**options)  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import hmf
+import foliations
 import numpy as np
 import pytest
 
@@ -26,8 +26,8 @@ def length(points: np.ndarray) -> float:
     return float(np.linalg.norm(points - np.roll(points, -1, axis=0), axis=1).sum())
 
 
-def test_through_picked_vertices(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
-    loops = hmf.Loops.through(hierarchy, ring, weights=[2.0])
+def test_through_picked_vertices(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
+    loops = foliations.Loops.through(hierarchy, ring, weights=[2.0])
     assert len(loops) == 1 and loops.kind == "vertices" and loops.level == 0 and loops.weights.tolist() == [2.0]
     path = loops[0].tolist()
     assert path[0] == ring[0] and set(ring) <= set(path)
@@ -37,7 +37,19 @@ def test_through_picked_vertices(hierarchy: hmf.Hierarchy, ring: list[int]) -> N
     assert foliation.converged and foliation.cylinders(loops)[0].height == 2.0
 
 
-def test_paths_are_shortest(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
+def test_through_picked_points(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
+    """Near the vertices is enough."""
+    points = hierarchy.levels[0].positions[ring] + [0.01, 0.01, -0.01]
+    by_points, by_vertices = (foliations.Loops.through(hierarchy, picked) for picked in (points, ring))
+    assert by_points[0].tolist() == by_vertices[0].tolist()
+    assert foliations.Loops.through(hierarchy, points.tolist())[0].tolist() == by_vertices[0].tolist()
+    with pytest.raises(ValueError, match="finite"):
+        foliations.Loops.through(hierarchy, points * np.nan)
+    with pytest.raises(ValueError, match="three"):
+        foliations.Loops.through(hierarchy, points[:2])
+
+
+def test_paths_are_shortest(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
     """Against distances by relaxing all edges until nothing changes."""
     mesh = hierarchy.levels[0]
     sizes = np.linalg.norm(mesh.positions[mesh.edges[:, 0]] - mesh.positions[mesh.edges[:, 1]], axis=1)
@@ -52,49 +64,49 @@ def test_paths_are_shortest(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
             if np.array_equal(before, distance):
                 break
         total += distance[goal]
-    (points,) = hmf.Loops.through(hierarchy, ring).positions(hierarchy)
+    (points,) = foliations.Loops.through(hierarchy, ring).positions(hierarchy)
     assert length(points) == pytest.approx(total, rel=1e-12)
 
 
-def test_picked_vertices_beside_the_way(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
+def test_picked_vertices_beside_the_way(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
     """A path there and back is pulled tight: the class is the same."""
     top = np.argmax(hierarchy.levels[0].positions[:, 1])
-    aside = hmf.Loops.through(hierarchy, [ring[0], int(top), ring[0], *ring[1:]])
-    difference = hierarchy.solve(aside).values - hierarchy.solve(hmf.Loops.through(hierarchy, ring)).values
+    aside = foliations.Loops.through(hierarchy, [ring[0], int(top), ring[0], *ring[1:]])
+    difference = hierarchy.solve(aside).values - hierarchy.solve(foliations.Loops.through(hierarchy, ring)).values
     assert np.abs(difference).max() < 1e-6
 
 
-def test_there_and_back_is_no_loop(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
-    with pytest.raises(hmf.LoopError, match="goes back the way it came"):
-        hierarchy.solve(hmf.Loops.through(hierarchy, ring[:3]))
+def test_there_and_back_is_no_loop(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
+    with pytest.raises(foliations.LoopError, match="goes back the way it came"):
+        hierarchy.solve(foliations.Loops.through(hierarchy, ring[:3]))
 
 
 @pytest.mark.parametrize("picked", [[], [3, 4], [3, 4, 3], [3, 4, 10**6], [3, 4, -1]])
-def test_wrong_picks(hierarchy: hmf.Hierarchy, picked: list[int]) -> None:
+def test_wrong_picks(hierarchy: foliations.Hierarchy, picked: list[int]) -> None:
     with pytest.raises(ValueError, match="pick|exist|index"):
-        hmf.Loops.through(hierarchy, picked)
+        foliations.Loops.through(hierarchy, picked)
 
 
-def test_several_loops_at_once(hierarchy: hmf.Hierarchy, ring: list[int]) -> None:
+def test_several_loops_at_once(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
     positions = hierarchy.levels[0].positions
     mirrored = positions[ring] * [-1, 1, 1] + [positions[:, 0].min() + positions[:, 0].max(), 0, 0]
     other = [int(np.linalg.norm(positions - place, axis=1).argmin()) for place in mirrored]
-    loops = hmf.Loops.through(hierarchy, ring, other, weights=[1, 3])
+    loops = foliations.Loops.through(hierarchy, ring, other, weights=[1, 3])
     assert len(loops) == 2 and hierarchy.solve(loops).converged
 
 
 @pytest.mark.parametrize("kind", ["vertices", "triangles"])
-def test_the_first_element_may_be_repeated(hierarchy: hmf.Hierarchy, ring: list[int], kind: str) -> None:
-    loops = hmf.Loops.through(hierarchy, ring) if kind == "vertices" else hierarchy.loops(level=0)
+def test_the_first_element_may_be_repeated(hierarchy: foliations.Hierarchy, ring: list[int], kind: str) -> None:
+    loops = foliations.Loops.through(hierarchy, ring) if kind == "vertices" else hierarchy.loops(level=0)
     path = loops[0].tolist()
-    closed = hmf.Loops([[*path, path[0]]], kind=loops.kind)
+    closed = foliations.Loops([[*path, path[0]]], kind=loops.kind)
     assert closed[0].tolist() == path
     assert np.array_equal(hierarchy.solve(closed).values, hierarchy.solve(loops[:1]).values)
 
 
 @pytest.mark.parametrize("level", [0, 2])
-def test_positions(hierarchy: hmf.Hierarchy, ring: list[int], level: int) -> None:
-    by_vertices = hmf.Loops.through(hierarchy, ring)
+def test_positions(hierarchy: foliations.Hierarchy, ring: list[int], level: int) -> None:
+    by_vertices = foliations.Loops.through(hierarchy, ring)
     assert np.array_equal(by_vertices.positions(hierarchy)[0], hierarchy.levels[0].positions[by_vertices[0]])
     loops, mesh = hierarchy.loops(level=level), hierarchy.levels[level]
     for loop, points in zip(loops, loops.positions(hierarchy)):
@@ -106,17 +118,17 @@ def test_positions(hierarchy: hmf.Hierarchy, ring: list[int], level: int) -> Non
             for place in (point, before):
                 assert np.abs(middles - place).sum(axis=1).min() < 1e-12
     with pytest.raises(ValueError, match="share no edge"):
-        hmf.Loops([[0, 5, 99]], kind="triangles").positions(hierarchy)
+        foliations.Loops([[0, 5, 99]], kind="triangles").positions(hierarchy)
 
 
-def test_saved_and_loaded(hierarchy: hmf.Hierarchy, ring: list[int], tmp_path: Path) -> None:
+def test_saved_and_loaded(hierarchy: foliations.Hierarchy, ring: list[int], tmp_path: Path) -> None:
     file = tmp_path / "loops.txt"
-    for loops in (hmf.Loops.through(hierarchy, ring), hierarchy.loops(level=0).with_weights([1, 0.1])):
+    for loops in (foliations.Loops.through(hierarchy, ring), hierarchy.loops(level=0).with_weights([1, 0.1])):
         loops.save(file)
-        again = hmf.Loops.load(str(file))
+        again = foliations.Loops.load(str(file))
         assert (again.kind, again.level) == (loops.kind, 0) and again.weights.tolist() == loops.weights.tolist()
         assert [loop.tolist() for loop in again] == [loop.tolist() for loop in loops]
-    assert hmf.Loops.load(file, weights=[2, 3]).weights.tolist() == [2, 3]
+    assert foliations.Loops.load(file, weights=[2, 3]).weights.tolist() == [2, 3]
     assert file.read_text().splitlines()[1].startswith("t: ")
     with pytest.raises(ValueError, match="level 0"):
         hierarchy.loops().save(file)
@@ -125,11 +137,11 @@ def test_saved_and_loaded(hierarchy: hmf.Hierarchy, ring: list[int], tmp_path: P
 def test_files_as_people_write_them(tmp_path: Path) -> None:
     file = tmp_path / "loops.txt"
     file.write_text("# by hand\n\n 1, 2,3 1 # closed\r\nv:\t4 5 6\n")
-    loops = hmf.Loops.load(file)
+    loops = foliations.Loops.load(file)
     assert loops.kind == "vertices" and [loop.tolist() for loop in loops] == [[1, 2, 3], [4, 5, 6]]
     assert loops.weights.tolist() == [1, 1]
     file.write_text("t:1 2 3\nt: 7 8 9")
-    assert hmf.Loops.load(file).kind == "triangles"
+    assert foliations.Loops.load(file).kind == "triangles"
 
 
 @pytest.mark.parametrize(
@@ -149,4 +161,4 @@ def test_files_that_cannot_be_read(tmp_path: Path, text: str, message: str) -> N
     file = tmp_path / "loops.txt"
     file.write_text(text)
     with pytest.raises(ValueError, match=message):
-        hmf.Loops.load(file)
+        foliations.Loops.load(file)

@@ -9,10 +9,10 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-import hmf
+import foliations
 import numpy as np
 import pytest
-from hmf import _boundary
+from foliations import _boundary
 
 from conftest import Mesh
 
@@ -24,23 +24,23 @@ def each_call(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_fractions_rise_to_one(pretzel: Mesh) -> None:
     seen: list[float] = []
-    hmf.solve(*pretzel, coarsest=200, progress=seen.append)
+    foliations.solve(*pretzel, coarsest=200, progress=seen.append)
     assert len(seen) > 10
     assert seen == sorted(seen) and seen[0] >= 0 and 0.9 < seen[-1] <= 1
 
 
-def test_a_callback_does_not_change_the_result(hierarchy: hmf.Hierarchy) -> None:
-    watched = hierarchy.solve(progress=lambda fraction: hmf.Progress.CONTINUE)
+def test_a_callback_does_not_change_the_result(hierarchy: foliations.Hierarchy) -> None:
+    watched = hierarchy.solve(progress=lambda fraction: foliations.Progress.CONTINUE)
     assert np.array_equal(watched.values, hierarchy.solve().values)
 
 
-def calls_of(hierarchy: hmf.Hierarchy) -> int:
+def calls_of(hierarchy: foliations.Hierarchy) -> int:
     seen: list[float] = []
     hierarchy.solve(progress=seen.append)
     return len(seen)
 
 
-def test_an_exception_in_each_call(hierarchy: hmf.Hierarchy) -> None:
+def test_an_exception_in_each_call(hierarchy: foliations.Hierarchy) -> None:
     class Mine(Exception):
         pass
 
@@ -64,7 +64,7 @@ def test_an_exception_in_each_call(hierarchy: hmf.Hierarchy) -> None:
 
 def test_an_exception_in_each_call_of_the_build(pretzel: Mesh) -> None:
     seen: list[float] = []
-    hmf.Hierarchy(*pretzel, progress=seen.append)
+    foliations.Hierarchy(*pretzel, progress=seen.append)
     for last in {*range(0, len(seen), max(1, len(seen) // 40)), len(seen) - 1}:
         left = [last]
 
@@ -74,29 +74,29 @@ def test_an_exception_in_each_call_of_the_build(pretzel: Mesh) -> None:
                 raise StopIteration
 
         with pytest.raises(StopIteration):
-            hmf.Hierarchy(*pretzel, progress=callback)
+            foliations.Hierarchy(*pretzel, progress=callback)
 
 
 @pytest.mark.parametrize("answer", ["yes", 3, -1, 0.5])
-def test_other_answers_are_refused(hierarchy: hmf.Hierarchy, answer: object) -> None:
-    with pytest.raises(TypeError, match="hmf.Progress"):
+def test_other_answers_are_refused(hierarchy: foliations.Hierarchy, answer: object) -> None:
+    with pytest.raises(TypeError, match="foliations.Progress"):
         hierarchy.solve(progress=lambda fraction: answer)  # type: ignore[arg-type, return-value]
 
 
-def test_progress_is_a_function(hierarchy: hmf.Hierarchy) -> None:
+def test_progress_is_a_function(hierarchy: foliations.Hierarchy) -> None:
     with pytest.raises(TypeError, match="progress must be"):
         hierarchy.solve(progress="bar")  # type: ignore[arg-type]
 
 
-def test_cancel(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
-    with pytest.raises(hmf.Cancelled) as caught:
-        hierarchy.solve(progress=lambda fraction: hmf.Progress.CANCEL)
-    assert caught.value.status is hmf.Status.CANCELLED and caught.value.foliation is None
-    with pytest.raises(hmf.Cancelled):
-        hmf.Hierarchy(*pretzel, progress=lambda fraction: hmf.Progress.CANCEL)
+def test_cancel(hierarchy: foliations.Hierarchy, pretzel: Mesh) -> None:
+    with pytest.raises(foliations.Cancelled) as caught:
+        hierarchy.solve(progress=lambda fraction: foliations.Progress.CANCEL)
+    assert caught.value.status is foliations.Status.CANCELLED and caught.value.foliation is None
+    with pytest.raises(foliations.Cancelled):
+        foliations.Hierarchy(*pretzel, progress=lambda fraction: foliations.Progress.CANCEL)
 
 
-def test_finish_gives_a_foliation(hierarchy: hmf.Hierarchy) -> None:
+def test_finish_gives_a_foliation(hierarchy: foliations.Hierarchy) -> None:
     """Whenever it is said, what comes back is closed, without poles and in the class."""
     count = calls_of(hierarchy)
     loops = hierarchy.loops(level=0)
@@ -104,14 +104,14 @@ def test_finish_gives_a_foliation(hierarchy: hmf.Hierarchy) -> None:
     for last in range(0, count, max(1, count // 20)):
         seen: list[float] = []
 
-        def callback(fraction: float, seen: list[float] = seen, last: int = last) -> hmf.Progress:
+        def callback(fraction: float, seen: list[float] = seen, last: int = last) -> foliations.Progress:
             seen.append(fraction)
-            return hmf.Progress.FINISH if len(seen) > last else hmf.Progress.CONTINUE
+            return foliations.Progress.FINISH if len(seen) > last else foliations.Progress.CONTINUE
 
         foliation = hierarchy.solve(loops, progress=callback)
         found = foliation.singularities()
         assert foliation.level == 0 and not found.poles and found.index_sum == -4
-        if foliation.status is hmf.Status.CANCELLED:
+        if foliation.status is foliations.Status.CANCELLED:
             stopped += 1
             # Of the same class: relaxing it leads to the same minimum.
             if stopped in (1, 5):
@@ -120,12 +120,12 @@ def test_finish_gives_a_foliation(hierarchy: hmf.Hierarchy) -> None:
 
 
 def test_finish_during_the_build_cancels(pretzel: Mesh) -> None:
-    with pytest.raises(hmf.Cancelled):
-        hmf.Hierarchy(*pretzel, progress=lambda fraction: hmf.Progress.FINISH)
+    with pytest.raises(foliations.Cancelled):
+        foliations.Hierarchy(*pretzel, progress=lambda fraction: foliations.Progress.FINISH)
 
 
 #: Every call that can be long, on a solved foliation; what it makes is compared by its text.
-LONG_CALLS: dict[str, Callable[[hmf.Foliation, Any], object]] = {
+LONG_CALLS: dict[str, Callable[[foliations.Foliation, Any], object]] = {
     "loops": lambda f, progress: f.hierarchy.loops(level=0, progress=progress),
     "initialize": lambda f, progress: f.hierarchy.initialize(progress=progress),
     "foliation": lambda f, progress: f.hierarchy.foliation(f.values, progress=progress),
@@ -141,7 +141,7 @@ LONG_CALLS: dict[str, Callable[[hmf.Foliation, Any], object]] = {
 
 
 @pytest.mark.parametrize("name", LONG_CALLS)
-def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, name: str) -> None:
+def test_each_long_call_reports_cancels_and_raises(hierarchy: foliations.Hierarchy, name: str) -> None:
 
     def function(progress: Any) -> object:
         # Each time on a new foliation, for these keep what they have made.
@@ -151,8 +151,8 @@ def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, nam
     expected = repr(function(seen.append))
     assert seen and seen == sorted(seen) and seen[0] >= 0 and seen[-1] == 1
     assert repr(function(None)) == expected
-    with pytest.raises(hmf.Cancelled):
-        function(lambda fraction: hmf.Progress.CANCEL)
+    with pytest.raises(foliations.Cancelled):
+        function(lambda fraction: foliations.Progress.CANCEL)
 
     def boom(fraction: float) -> None:
         raise LookupError("in the callback")
@@ -172,19 +172,19 @@ def test_each_long_call_reports_cancels_and_raises(hierarchy: hmf.Hierarchy, nam
 
 
 @pytest.mark.parametrize("name", LONG_CALLS)
-def test_finish_cancels_what_cannot_be_stopped_early(hierarchy: hmf.Hierarchy, name: str) -> None:
+def test_finish_cancels_what_cannot_be_stopped_early(hierarchy: foliations.Hierarchy, name: str) -> None:
     function, foliation = LONG_CALLS[name], hierarchy.solve()
     if name == "relax":
-        assert isinstance(function(foliation, lambda fraction: hmf.Progress.FINISH), hmf.Foliation)
+        assert isinstance(function(foliation, lambda fraction: foliations.Progress.FINISH), foliations.Foliation)
     else:
-        with pytest.raises(hmf.Cancelled):
-            function(foliation, lambda fraction: hmf.Progress.FINISH)
+        with pytest.raises(foliations.Cancelled):
+            function(foliation, lambda fraction: foliations.Progress.FINISH)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no timer signals")
 @pytest.mark.parametrize("action", ["build", "solve", "relax"])
 def test_an_interrupt_stops_a_call_without_callback(
-    large: Mesh, large_hierarchy: hmf.Hierarchy, action: str, monkeypatch: pytest.MonkeyPatch
+    large: Mesh, large_hierarchy: foliations.Hierarchy, action: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Early enough for the fastest call, 20 ms; it does not matter if the call has not begun.
     monkeypatch.setattr(_boundary, "PROGRESS_INTERVAL", 0)
@@ -194,7 +194,7 @@ def test_an_interrupt_stops_a_call_without_callback(
         with pytest.raises(KeyboardInterrupt):
             signal.setitimer(signal.ITIMER_REAL, 0.002)
             if action == "build":
-                hmf.Hierarchy(*large)
+                foliations.Hierarchy(*large)
             elif action == "solve":
                 large_hierarchy.solve()
             else:
@@ -204,7 +204,7 @@ def test_an_interrupt_stops_a_call_without_callback(
         signal.signal(signal.SIGALRM, previous)
 
 
-def test_the_lock_is_released(large_hierarchy: hmf.Hierarchy) -> None:
+def test_the_lock_is_released(large_hierarchy: foliations.Hierarchy) -> None:
     """With a switch interval of an hour another thread runs only if the solving one lets go of the lock."""
     started, ended = threading.Event(), threading.Event()
 
@@ -233,35 +233,35 @@ def test_bar(
         pytest.importorskip("tqdm")
     else:
         monkeypatch.setitem(sys.modules, "tqdm.auto", None)
-    hmf.solve(*pretzel, progress=True)
+    foliations.solve(*pretzel, progress=True)
     captured = capsys.readouterr()
-    assert captured.out == "" and "hmf:" in captured.err and "100%" in captured.err
+    assert captured.out == "" and "foliations:" in captured.err and "100%" in captured.err
 
 
-def test_a_bar_says_what_is_done(hierarchy: hmf.Hierarchy, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bar_says_what_is_done(hierarchy: foliations.Hierarchy, capsys: pytest.CaptureFixture[str]) -> None:
     hierarchy.solve(progress=True).quads(progress=True)
     captured = capsys.readouterr().err
-    assert "hmf solve:" in captured and "hmf quads:" in captured
+    assert "foliations solve:" in captured and "foliations quads:" in captured
 
 
 def test_silent_by_default(pretzel: Mesh, capfd: pytest.CaptureFixture[str]) -> None:
-    hmf.solve(*pretzel)
+    foliations.solve(*pretzel)
     captured = capfd.readouterr()
     assert captured.out == "" and captured.err == ""
 
 
 def test_a_bar_ends_with_an_exception(torus: Mesh, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(hmf.MeshError):
-        hmf.solve(torus[0], torus[1][1:], progress=True)
+    with pytest.raises(foliations.MeshError):
+        foliations.solve(torus[0], torus[1][1:], progress=True)
     assert "100%" not in capsys.readouterr().err
 
 
 def test_an_interrupt_ends_the_process_as_usual(pretzel: Mesh) -> None:
     program = (
-        "import hmf, os, signal\n"
-        "from hmf import sample\n"
+        "import foliations, os, signal\n"
+        "from foliations import sample\n"
         "mesh = sample.pretzel(2)\n"
-        "hmf.solve(*mesh, progress=lambda fraction: os.kill(os.getpid(), signal.SIGINT))\n"
+        "foliations.solve(*mesh, progress=lambda fraction: os.kill(os.getpid(), signal.SIGINT))\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert "KeyboardInterrupt" in done.stderr and done.returncode != 0

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import hmf
+import foliations
 import numpy as np
 import pytest
 
 
 @pytest.fixture(scope="module")
-def foliation(hierarchy: hmf.Hierarchy) -> hmf.Foliation:
+def foliation(hierarchy: foliations.Hierarchy) -> foliations.Foliation:
     return hierarchy.solve()
 
 
-def test_closed_and_regular_but_at_the_zeros(foliation: hmf.Foliation) -> None:
+def test_closed_and_regular_but_at_the_zeros(foliation: foliations.Foliation) -> None:
     mesh = foliation.quads()
     zeros = foliation.singularities().zeros
     # Each directed side meets its opposite once.
@@ -26,7 +26,7 @@ def test_closed_and_regular_but_at_the_zeros(foliation: hmf.Foliation) -> None:
     assert (degree[len(zeros) :] == 4).all()
 
 
-def test_the_zeros_come_first(foliation: hmf.Foliation) -> None:
+def test_the_zeros_come_first(foliation: foliations.Foliation) -> None:
     level = foliation.hierarchy.levels[0]
     mesh = foliation.quads()
     for place, zero in zip(mesh.positions, foliation.singularities().zeros):
@@ -34,7 +34,7 @@ def test_the_zeros_come_first(foliation: hmf.Foliation) -> None:
             assert np.allclose(place, level.positions[zero.element])
 
 
-def test_edge_length(foliation: hmf.Foliation) -> None:
+def test_edge_length(foliation: foliations.Foliation) -> None:
     coarse, fine = foliation.quads(edge_length=0.3), foliation.quads(edge_length=0.1)
     assert 4 < len(fine.quads) / len(coarse.quads) < 16
     with pytest.raises(ValueError):

@@ -7,18 +7,18 @@ import warnings
 from pathlib import Path
 from typing import get_args
 
-import hmf
-import hmf.hierarchy
+import foliations
+import foliations.hierarchy
 import numpy as np
 import pytest
-from hmf import sample
+from foliations import sample
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from conftest import Mesh
 
 
-def check_foliation(foliation: hmf.Foliation) -> None:
+def check_foliation(foliation: foliations.Foliation) -> None:
     """Closed and without poles."""
     level = foliation.hierarchy.levels[foliation.level]
     sides = np.sort(foliation.values[level.triangle_edges], axis=1)
@@ -28,16 +28,16 @@ def check_foliation(foliation: hmf.Foliation) -> None:
     assert found.index_sum == 4 - 4 * foliation.hierarchy.genus
 
 
-def check_harmonic(foliation: hmf.Foliation, tolerance: float = 1e-8) -> None:
+def check_harmonic(foliation: foliations.Foliation, tolerance: float = 1e-8) -> None:
     check_foliation(foliation)
-    assert foliation.converged and foliation.status is hmf.Status.OK
+    assert foliation.converged and foliation.status is foliations.Status.OK
     assert foliation.residuals().max() <= tolerance
 
 
 @pytest.mark.parametrize("genus", [1, 2, 3, 5])
 def test_one_line(genus: int) -> None:
     positions, triangles = sample.pretzel(genus, side=4)
-    foliation = hmf.solve(positions, triangles)
+    foliation = foliations.solve(positions, triangles)
     assert foliation.hierarchy.genus == genus
     assert foliation.values.shape == (3 * len(triangles) // 2,) and foliation.values.dtype == np.float64
     check_harmonic(foliation)
@@ -56,7 +56,7 @@ def test_torus_of_revolution_is_turned_evenly() -> None:
 
     corners = [vertex(a, b), vertex(a, b + 1), vertex(a + 1, b + 1), vertex(a + 1, b)]
     triangles = np.concatenate([np.stack([corners[k] for k in t], axis=1) for t in ((0, 2, 1), (0, 3, 2))])
-    hierarchy = hmf.Hierarchy(positions, triangles)
+    hierarchy = foliations.Hierarchy(positions, triangles)
     meridian = vertex(np.arange(around), np.zeros(around, int))
     foliation = hierarchy.solve([meridian])
     check_harmonic(foliation)
@@ -68,7 +68,7 @@ def test_torus_of_revolution_is_turned_evenly() -> None:
     assert np.abs(along * foliation.values[stays]).max() < 0.5
 
 
-def test_levels(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+def test_levels(hierarchy: foliations.Hierarchy, pretzel: Mesh) -> None:
     levels = hierarchy.levels
     assert len(levels) > 1 and [level.number for level in levels] == list(range(len(levels)))
     assert np.array_equal(levels[0].positions, pretzel[0])
@@ -84,13 +84,13 @@ def test_levels(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
         assert np.array_equal(ends, corners)
 
 
-def test_edges_are_numbered_by_first_appearance(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+def test_edges_are_numbered_by_first_appearance(hierarchy: foliations.Hierarchy, pretzel: Mesh) -> None:
     sides = np.stack([pretzel[1], pretzel[1][:, [1, 2, 0]]], axis=2).reshape(-1, 2)
     _, first = np.unique(np.sort(sides, axis=1), axis=0, return_index=True)
     assert np.array_equal(np.sort(hierarchy.levels[0].edges, axis=1), np.sort(sides[np.sort(first)], axis=1))
 
 
-def test_energy_is_the_sum_over_the_edges(hierarchy: hmf.Hierarchy) -> None:
+def test_energy_is_the_sum_over_the_edges(hierarchy: foliations.Hierarchy) -> None:
     level = hierarchy.levels[1]
     foliation = hierarchy.solve(stop_level=1)
     assert foliation.level == 1
@@ -98,7 +98,7 @@ def test_energy_is_the_sum_over_the_edges(hierarchy: hmf.Hierarchy) -> None:
     assert foliation.report is not None and foliation.report.energy == pytest.approx(foliation.energy, rel=1e-12)
 
 
-def test_the_minimum_is_below_the_start(hierarchy: hmf.Hierarchy) -> None:
+def test_the_minimum_is_below_the_start(hierarchy: foliations.Hierarchy) -> None:
     loops = hierarchy.loops(level=0)
     start, end = hierarchy.initialize(loops), hierarchy.solve(loops)
     check_foliation(start)
@@ -110,7 +110,7 @@ def test_the_minimum_is_below_the_start(hierarchy: hmf.Hierarchy) -> None:
     assert np.abs(relaxed.values - end.values).max() < 1e-6
 
 
-def test_interpolate_there_and_back(hierarchy: hmf.Hierarchy) -> None:
+def test_interpolate_there_and_back(hierarchy: foliations.Hierarchy) -> None:
     coarse = hierarchy.solve(stop_level=2)
     fine = coarse.interpolate(0)
     check_foliation(fine)
@@ -118,18 +118,18 @@ def test_interpolate_there_and_back(hierarchy: hmf.Hierarchy) -> None:
 
 
 @pytest.mark.parametrize("method", ["newton", "whitehead", "single_level"])
-def test_methods_agree(hierarchy: hmf.Hierarchy, method: hmf.foliation.Method) -> None:
+def test_methods_agree(hierarchy: foliations.Hierarchy, method: foliations.foliation.Method) -> None:
     # Loops of the finest level: single_level takes no others by itself.
     loops = hierarchy.loops(level=0)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hmf.LimitWarning)
+        warnings.simplefilter("ignore", foliations.LimitWarning)
         foliation = hierarchy.solve(loops, method=method)
     check_foliation(foliation)
     assert foliation.report is not None and foliation.report.method == method
     assert foliation.energy == pytest.approx(hierarchy.solve(loops).energy, rel=1e-3)
 
 
-def test_weights_scale(hierarchy: hmf.Hierarchy) -> None:
+def test_weights_scale(hierarchy: foliations.Hierarchy) -> None:
     one, four = hierarchy.solve(), hierarchy.solve(weights=[4, 4])
     assert np.array_equal(4 * one.values, four.values)
     assert four.energy == pytest.approx(16 * one.energy)
@@ -137,7 +137,7 @@ def test_weights_scale(hierarchy: hmf.Hierarchy) -> None:
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(exponents=st.tuples(st.floats(-6, 6), st.floats(-6, 6)))
-def test_random_weights(hierarchy: hmf.Hierarchy, exponents: tuple[float, float]) -> None:
+def test_random_weights(hierarchy: foliations.Hierarchy, exponents: tuple[float, float]) -> None:
     """Each weight gives a harmonic foliation, and turning one weight to the other's place is the same class."""
     weights = 2.0 ** np.array(exponents)
     loops = hierarchy.loops()
@@ -145,11 +145,11 @@ def test_random_weights(hierarchy: hmf.Hierarchy, exponents: tuple[float, float]
         warnings.simplefilter("error")
         foliation = hierarchy.solve(loops, weights)
     check_harmonic(foliation)
-    turned = hmf.Loops([loops[1], loops[0]], kind="triangles", level=loops.level, weights=weights[::-1])
+    turned = foliations.Loops([loops[1], loops[0]], kind="triangles", level=loops.level, weights=weights[::-1])
     assert np.allclose(hierarchy.solve(turned).values, foliation.values, rtol=0, atol=1e-5 * weights.max())
 
 
-def test_loops(hierarchy: hmf.Hierarchy) -> None:
+def test_loops(hierarchy: foliations.Hierarchy) -> None:
     loops = hierarchy.loops("cut")
     assert len(loops) == hierarchy.genus and loops.level == len(hierarchy.levels) - 1 and loops.kind == "triangles"
     assert loops.offsets[-1] == len(loops.elements)
@@ -161,19 +161,19 @@ def test_loops(hierarchy: hmf.Hierarchy) -> None:
     with pytest.raises(IndexError):
         loops[2]
     with pytest.raises(ValueError, match="triangles, vertices"):
-        hmf.Loops([[0, 1, 2]], kind="edges")  # type: ignore[arg-type]
+        foliations.Loops([[0, 1, 2]], kind="edges")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="must be one of"):
         hierarchy.loops("knot")  # type: ignore[arg-type]
 
 
-def test_each_kind_of_loops(hierarchy: hmf.Hierarchy) -> None:
-    for kind in get_args(hmf.hierarchy.LoopsKind):
+def test_each_kind_of_loops(hierarchy: foliations.Hierarchy) -> None:
+    for kind in get_args(foliations.hierarchy.LoopsKind):
         loops = hierarchy.loops(kind)
         assert len(loops) >= hierarchy.genus
         check_harmonic(hierarchy.solve(loops))
 
 
-def test_paths_of_vertices(hierarchy: hmf.Hierarchy) -> None:
+def test_paths_of_vertices(hierarchy: foliations.Hierarchy) -> None:
     """A loop of triangles is homotopic to the vertices on its left."""
     loops = hierarchy.loops(level=0)
     triangles = hierarchy.levels[0].triangles
@@ -190,7 +190,7 @@ def test_paths_of_vertices(hierarchy: hmf.Hierarchy) -> None:
     assert np.abs(by_triangles.values - by_vertices.values).max() < 1e-6
 
 
-def test_report(hierarchy: hmf.Hierarchy) -> None:
+def test_report(hierarchy: foliations.Hierarchy) -> None:
     report = hierarchy.solve().report
     assert report is not None
     assert report.method == "newton" and report.converged and report.residual_max <= 1e-8
@@ -203,7 +203,7 @@ def test_report(hierarchy: hmf.Hierarchy) -> None:
     assert (report.poles, report.index_sum) == (0, -4)
 
 
-def test_a_report_is_printed_on_several_lines(hierarchy: hmf.Hierarchy) -> None:
+def test_a_report_is_printed_on_several_lines(hierarchy: foliations.Hierarchy) -> None:
     report = hierarchy.solve().report
     lines = str(report).splitlines()
     assert len(lines) == 4 + len(hierarchy.levels) and max(map(len, lines)) < 80
@@ -212,7 +212,7 @@ def test_a_report_is_printed_on_several_lines(hierarchy: hmf.Hierarchy) -> None:
         assert lines[4 + number].split()[:3] == [str(number), str(level.vertex_count), str(level.edge_count)]
 
 
-def test_singularities_have_positions(hierarchy: hmf.Hierarchy) -> None:
+def test_singularities_have_positions(hierarchy: foliations.Hierarchy) -> None:
     level = hierarchy.levels[0]
     found = hierarchy.solve().singularities()
     assert len(found) > 1 and found.positions.shape == (len(found), 3)
@@ -225,30 +225,30 @@ def test_singularities_have_positions(hierarchy: hmf.Hierarchy) -> None:
         assert np.allclose(place, level.positions[own].mean(axis=0))
 
 
-def test_values_are_multiples_of_the_unit(hierarchy: hmf.Hierarchy) -> None:
+def test_values_are_multiples_of_the_unit(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve(weights=[1, 3])
     assert np.frexp(foliation.unit)[0] == 0.5
     assert (foliation.values / foliation.unit % 1 == 0).all()
 
 
 @pytest.mark.parametrize("level", [0, 2])
-def test_saved_and_loaded(hierarchy: hmf.Hierarchy, pretzel: Mesh, tmp_path: Path, level: int) -> None:
+def test_saved_and_loaded(hierarchy: foliations.Hierarchy, pretzel: Mesh, tmp_path: Path, level: int) -> None:
     foliation, file = hierarchy.solve(stop_level=level), tmp_path / "foliation"
     foliation.save(file)
-    again = hmf.Foliation.load(str(file), hierarchy)
+    again = foliations.Foliation.load(str(file), hierarchy)
     assert np.array_equal(again.values, foliation.values)
     assert (again.level, again.status, again.report) == (level, foliation.status, None)
     assert again.energy == pytest.approx(foliation.energy, rel=1e-12)
     with pytest.raises(ValueError, match="one for each edge|triangles"):
-        hmf.Foliation.load(file, hmf.Hierarchy(*sample.pretzel(2, side=5), coarsest=200))
+        foliations.Foliation.load(file, foliations.Hierarchy(*sample.pretzel(2, side=5), coarsest=200))
     # The same counts, but other numbers.
-    turned = hmf.Hierarchy(pretzel[0], pretzel[1][::-1], coarsest=200)
+    turned = foliations.Hierarchy(pretzel[0], pretzel[1][::-1], coarsest=200)
     with pytest.raises(ValueError):
-        hmf.Foliation.load(file, turned)
+        foliations.Foliation.load(file, turned)
 
 
 @pytest.mark.parametrize("content", ["nothing", "text", "array", "archive"])
-def test_loading_what_was_not_saved(hierarchy: hmf.Hierarchy, tmp_path: Path, content: str) -> None:
+def test_loading_what_was_not_saved(hierarchy: foliations.Hierarchy, tmp_path: Path, content: str) -> None:
     file = tmp_path / "foliation.npz"
     if content == "array":
         with file.open("wb") as opened:
@@ -258,33 +258,35 @@ def test_loading_what_was_not_saved(hierarchy: hmf.Hierarchy, tmp_path: Path, co
     else:
         file.write_text("" if content == "nothing" else "hello")
     with pytest.raises(ValueError, match="no file that"):
-        hmf.Foliation.load(file, hierarchy)
+        foliations.Foliation.load(file, hierarchy)
     with pytest.raises(FileNotFoundError):
-        hmf.Foliation.load(tmp_path / "none", hierarchy)
+        foliations.Foliation.load(tmp_path / "none", hierarchy)
 
 
-def test_a_limit_warns_and_gives_the_result(hierarchy: hmf.Hierarchy) -> None:
-    with pytest.warns(hmf.LimitWarning, match="iteration_limit") as caught:
+def test_a_limit_warns_and_gives_the_result(hierarchy: foliations.Hierarchy) -> None:
+    with pytest.warns(foliations.LimitWarning, match="iteration_limit") as caught:
         foliation = hierarchy.solve(method="whitehead", iteration_limit=1)
     assert caught[0].filename == __file__
-    assert foliation.status is hmf.Status.LIMIT_ITERATIONS and not foliation.converged
+    assert foliation.status is foliations.Status.LIMIT_ITERATIONS and not foliation.converged
     check_foliation(foliation)
-    with pytest.warns(hmf.LimitWarning) as caught:
-        hmf.solve(hierarchy.levels[0].positions, hierarchy.levels[0].triangles, method="whitehead", iteration_limit=1)
+    with pytest.warns(foliations.LimitWarning) as caught:
+        foliations.solve(
+            hierarchy.levels[0].positions, hierarchy.levels[0].triangles, method="whitehead", iteration_limit=1
+        )
     assert caught[0].filename == __file__
-    with pytest.warns(hmf.LimitWarning) as caught:
+    with pytest.warns(foliations.LimitWarning) as caught:
         hierarchy.initialize(hierarchy.loops(level=0)).relax(method="whitehead", iteration_limit=1)
     assert caught[0].filename == __file__
 
 
-def test_time_limit(large_hierarchy: hmf.Hierarchy) -> None:
-    with pytest.warns(hmf.LimitWarning, match="time_limit"):
+def test_time_limit(large_hierarchy: foliations.Hierarchy) -> None:
+    with pytest.warns(foliations.LimitWarning, match="time_limit"):
         foliation = large_hierarchy.solve(time_limit=1e-6)
-    assert foliation.status is hmf.Status.LIMIT_TIME
+    assert foliation.status is foliations.Status.LIMIT_TIME
     check_foliation(foliation)
 
 
-def test_the_same_after_pickling(hierarchy: hmf.Hierarchy) -> None:
+def test_the_same_after_pickling(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve()
     again = pickle.loads(pickle.dumps(foliation))
     assert np.array_equal(again.values, foliation.values) and again.report == foliation.report
@@ -292,7 +294,7 @@ def test_the_same_after_pickling(hierarchy: hmf.Hierarchy) -> None:
     assert len(again.hierarchy.levels) == len(hierarchy.levels)
 
 
-def test_results_can_be_pickled(hierarchy: hmf.Hierarchy) -> None:
+def test_results_can_be_pickled(hierarchy: foliations.Hierarchy) -> None:
     foliation = hierarchy.solve()
     for result in (
         foliation.singularities(),
@@ -309,19 +311,22 @@ def test_results_can_be_pickled(hierarchy: hmf.Hierarchy) -> None:
                 assert np.array_equal(getattr(again, name), array, equal_nan=array.dtype.kind in "fc")
 
 
-def test_memory(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+def test_memory(hierarchy: foliations.Hierarchy, pretzel: Mesh) -> None:
     assert hierarchy.memory > 100 * hierarchy.levels[0].edge_count
-    estimate = hmf.memory_estimate(len(pretzel[0]), len(pretzel[1]), coarsest=200)
+    estimate = foliations.memory_estimate(len(pretzel[0]), len(pretzel[1]), coarsest=200)
     assert estimate >= hierarchy.memory
-    hmf.Hierarchy(*pretzel, coarsest=200, memory_limit=estimate)
-    assert hmf.memory_estimate(0, 0) == 0
+    foliations.Hierarchy(*pretzel, coarsest=200, memory_limit=estimate)
+    assert foliations.memory_estimate(0, 0) == 0
 
 
 def test_build_options(pretzel: Mesh) -> None:
-    few, many = hmf.Hierarchy(*pretzel, ratio=0.1, coarsest=200), hmf.Hierarchy(*pretzel, ratio=0.8, coarsest=200)
+    few, many = (
+        foliations.Hierarchy(*pretzel, ratio=0.1, coarsest=200),
+        foliations.Hierarchy(*pretzel, ratio=0.8, coarsest=200),
+    )
     assert len(few.levels) < len(many.levels)
     for collapse in ("midpoint", "endpoint", "qslim"):
-        check_harmonic(hmf.solve(*pretzel, coarsest=200, collapse=collapse))
+        check_harmonic(foliations.solve(*pretzel, coarsest=200, collapse=collapse))
 
 
 def test_plates_have_the_sizes_of_the_contract() -> None:
@@ -331,13 +336,13 @@ def test_plates_have_the_sizes_of_the_contract() -> None:
         assert (len(points), len(corners)) == (vertices, triangles)
 
 
-def test_initial_values(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
+def test_initial_values(hierarchy: foliations.Hierarchy, pretzel: Mesh) -> None:
     """The class comes from the values, also from those of another frame."""
     first = hierarchy.solve(weights=[1, 3])
     again = hierarchy.solve(initial=first)
     check_harmonic(again)
     assert again.energy == pytest.approx(first.energy, rel=1e-10)
-    stretched = hmf.Hierarchy(pretzel[0] * [1.0, 1.2, 1.0], pretzel[1], coarsest=200)
+    stretched = foliations.Hierarchy(pretzel[0] * [1.0, 1.2, 1.0], pretzel[1], coarsest=200)
     moved = stretched.solve(initial=first)
     check_harmonic(moved)
     # The same class: its energy is that of the first values carried over and relaxed.
@@ -346,7 +351,7 @@ def test_initial_values(hierarchy: hmf.Hierarchy, pretzel: Mesh) -> None:
         hierarchy.solve(hierarchy.loops(), initial=first)
     with pytest.raises(ValueError, match="no weights"):
         hierarchy.solve(weights=[1, 3], initial=first)
-    with pytest.raises(hmf.FoliationError):
+    with pytest.raises(foliations.FoliationError):
         hierarchy.solve(initial=hierarchy.foliation(np.arange(len(first), dtype=float)))
 
 
@@ -354,9 +359,9 @@ def test_mollify_accepts_a_triangle_without_area(pretzel: Mesh) -> None:
     positions, triangles = pretzel[0].copy(), pretzel[1]
     a, b, c = triangles[100]
     positions[a] = (positions[b] + positions[c]) / 2
-    with pytest.raises(hmf.MeshError) as caught:
-        hmf.solve(positions, triangles)
-    assert caught.value.status is hmf.Status.ERROR_MESH_DEGENERATE
-    foliation = hmf.solve(positions, triangles, mollify=1e-5)
+    with pytest.raises(foliations.MeshError) as caught:
+        foliations.solve(positions, triangles)
+    assert caught.value.status is foliations.Status.ERROR_MESH_DEGENERATE
+    foliation = foliations.solve(positions, triangles, mollify=1e-5)
     check_foliation(foliation)
     assert foliation.converged

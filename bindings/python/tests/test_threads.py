@@ -8,13 +8,13 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import hmf
+import foliations
 import numpy as np
-from hmf import _boundary, sample
+from foliations import _boundary, sample
 from pytest import MonkeyPatch
 
 
-def test_solves_of_one_hierarchy_overlap(hierarchy: hmf.Hierarchy, monkeypatch: MonkeyPatch) -> None:
+def test_solves_of_one_hierarchy_overlap(hierarchy: foliations.Hierarchy, monkeypatch: MonkeyPatch) -> None:
     """Each of four solves waits, in its first callback, for the three others to be there."""
     monkeypatch.setattr(_boundary, "PROGRESS_INTERVAL", 0.0)
     together = threading.Barrier(4)
@@ -38,13 +38,13 @@ def test_solves_of_one_hierarchy_overlap(hierarchy: hmf.Hierarchy, monkeypatch: 
 def test_many_meshes() -> None:
     meshes = [sample.pretzel(genus, side=4) for genus in (1, 2, 3, 4)]
     with ThreadPoolExecutor(4) as pool:
-        results = list(pool.map(lambda mesh: hmf.solve(*mesh), meshes))
+        results = list(pool.map(lambda mesh: foliations.solve(*mesh), meshes))
     for mesh, foliation in zip(meshes, results):
         assert foliation.converged
-        assert np.array_equal(foliation.values, hmf.solve(*mesh).values)
+        assert np.array_equal(foliation.values, foliations.solve(*mesh).values)
 
 
-def test_all_queries_from_threads(hierarchy: hmf.Hierarchy) -> None:
+def test_all_queries_from_threads(hierarchy: foliations.Hierarchy) -> None:
     def everything(_: int) -> tuple[float, float, int, int]:
         foliation = hierarchy.solve()
         coarse = foliation.interpolate(1)
@@ -55,8 +55,8 @@ def test_all_queries_from_threads(hierarchy: hmf.Hierarchy) -> None:
 
 
 def test_the_hierarchy_outlives_its_name() -> None:
-    foliation = hmf.solve(*sample.pretzel(1, side=4))
-    level = hmf.Hierarchy(*sample.pretzel(1, side=4)).levels[0]
+    foliation = foliations.solve(*sample.pretzel(1, side=4))
+    level = foliations.Hierarchy(*sample.pretzel(1, side=4)).levels[0]
     assert foliation.residuals().max() < 1e-8
     assert level.weights.size == level.edge_count
 

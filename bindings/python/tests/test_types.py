@@ -10,11 +10,11 @@ import pytest
 
 PROGRAM = """\
 import numpy as np
-import hmf
+import foliations
 from numpy.typing import NDArray
 
 def f(positions: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:
-    hierarchy = hmf.Hierarchy(positions, triangles, ratio=0.4, collapse="qslim", progress=True)
+    hierarchy = foliations.Hierarchy(positions, triangles, ratio=0.4, collapse="qslim", progress=True)
     loops = hierarchy.loops("cut").with_weights([1.0, 2.0])
     foliation = hierarchy.solve(loops, method="newton", progress=lambda fraction: None)
     reveal_type(foliation.values)
@@ -29,7 +29,7 @@ def test_strict(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     (tmp_path / "program.py").write_text(PROGRAM)
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache")]
-    done = subprocess.run([*command, "-p", "hmf"], capture_output=True, text=True, cwd=tmp_path, timeout=300)
+    done = subprocess.run([*command, "-p", "foliations"], capture_output=True, text=True, cwd=tmp_path, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     done = subprocess.run([*command, "program.py"], capture_output=True, text=True, cwd=tmp_path, timeout=300)
     output = done.stdout

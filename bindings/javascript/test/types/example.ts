@@ -1,8 +1,8 @@
 // Compiled by `tsc --strict`, run never: the types say what the library is.
 // Each @ts-expect-error is a mistake that the types must catch.
-import { HmfError, load } from "hmf";
-import address from "hmf/hmf.wasm";
-import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "hmf";
+import { HmfError, load } from "foliations";
+import address from "foliations/hmf.wasm";
+import type { Foliation, Hierarchy, Hmf, LoopSet, Report, Singularity } from "foliations";
 
 export async function stripes(positions: Float64Array, triangles: Uint32Array): Promise<Float64Array> {
     const hmf: Hmf = await load();
@@ -30,6 +30,10 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     const next: Foliation = moved.solve({ start: foliation });
     const place: number[] | undefined = zeros[0]?.position;
 
+    const marks: Uint32Array = hmf.suggestMarks(positions, triangles, { mollify: 1e-5 });
+    const sphere: Hierarchy = new hmf.Hierarchy(positions, triangles, { markedVertices: marks });
+    const proven: boolean = sphere.solve().report?.classState === "proven";
+
     const corners: Uint32Array = foliation.quads({ edgeLength: 0.1 }).quads;
 
     // @ts-expect-error: positions are numbers
@@ -38,6 +42,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     await load(7);
     // @ts-expect-error: no such option
     hierarchy.solve({ tolerances: 1 });
+    // @ts-expect-error: no such state
+    sphere.solve().report?.classState === "certain";
     // @ts-expect-error: no such method
     hierarchy.solve({ method: "steepest" });
     // @ts-expect-error: no such answer
@@ -52,8 +58,9 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     hierarchy.initialize({ loops: [[1, 2, 3]] });
 
     next.dispose();
+    sphere.dispose();
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, ...moduli, ...corners, ...(place ?? []));
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, Number(proven), ...moduli, ...corners, ...(place ?? []));
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {

@@ -1,0 +1,196 @@
+// Every call of the interface: its processor time, and the longest time
+// between two calls of the progress function, which bounds how long a
+// cancellation takes.
+//
+//     bench_calls [-r N] MESH ...        table, medians of N repetitions (3)
+//     bench_calls --plain -r N MESH      lines "name seconds", for calls_against.sh
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "../bindings/readers/mesh_formats.hpp"
+#include "../include/hmf/uses.h"
+
+namespace {
+
+double now() {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// The longest time between two reports, the beginning and the end of the call included.
+struct Gaps {
+    double last = 0, longest = 0;
+    static int32_t report(void* user, double) {
+        Gaps& gaps = *static_cast<Gaps*>(user);
+        gaps.meet();
+        return HMF_PROGRESS_CONTINUE;
+    }
+    void meet() {
+        const double t = now();
+        longest = std::max(longest, t - last);
+        last = t;
+    }
+};
+
+struct Row {
+    std::string name;
+    std::vector<double> seconds, gap;
+};
+
+double median(std::vector<double> x) {
+    std::sort(x.begin(), x.end());
+    return x[x.size() / 2];
+}
+
+class Table {
+public:
+    // Makes call(control, error), which fails the program unless it succeeds.
+    void measure(const char* name, const std::function<hmf_status(const hmf_control*, hmf_error*)>& call) {
+        Gaps gaps;
+        const hmf_control control{sizeof(hmf_control), 0, Gaps::report, &gaps};
+        hmf_error error{};
+        const double start = gaps.last = now();
+        if (call(&control, &error) != HMF_OK) {
+            std::fprintf(stderr, "%s: %s\n", name, error.message);
+            std::exit(1);
+        }
+        gaps.meet();
+        auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.name == name; });
+        if (row == rows_.end()) row = rows_.insert(rows_.end(), Row{name, {}, {}});
+        row->seconds.push_back(now() - start);
+        row->gap.push_back(gaps.longest);
+    }
+    void print(const std::string& mesh, double edges, bool plain) const {
+        if (!plain) {
+            std::printf(
+                "\n%s, %.0f edges\n\n| call | seconds | longest gap ms | for a million edges |\n|---|--:|--:|--:|\n",
+                mesh.c_str(), edges);
+        }
+        for (const Row& r : rows_) {
+            if (plain) std::printf("%s %.6f\n", r.name.c_str(), median(r.seconds));
+            else
+                std::printf("| %s | %.3f | %.1f | %.1f |\n", r.name.c_str(), median(r.seconds), 1e3 * median(r.gap),
+                            1e9 * median(r.gap) / edges);
+        }
+    }
+
+private:
+    std::vector<Row> rows_;
+};
+
+void run(const readers::TriangleMesh& mesh, Table& table, double& edges) {
+    hmf_hierarchy* h = nullptr;
+    hmf_loop_set* loops = nullptr;
+    hmf_foliation *f = nullptr, *g = nullptr;
+    table.measure("build", [&](const hmf_control* c, hmf_error* e) {
+        return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                         nullptr, c, &h, e);
+    });
+    hmf_level_info info{};
+    hmf_level_counts(h, 0, &info, nullptr);
+    edges = static_cast<double>(info.edge_count);
+    const struct {
+        const char* name;
+        int32_t kind;
+    } kinds[] = {{"loops pants", HMF_LOOPS_PANTS}, {"loops handle", HMF_LOOPS_HANDLE}, {"loops cut", HMF_LOOPS_CUT}};
+    for (const auto& kind : kinds) {
+        hmf_free(loops);
+        table.measure(kind.name,
+                      [&](const hmf_control* c, hmf_error* e) { return hmf_loops(h, 0, kind.kind, c, &loops, e); });
+    }
+    table.measure("initialize", [&](const hmf_control* c, hmf_error* e) { return hmf_initialize(h, loops, c, &g, e); });
+    hmf_foliation_destroy(g);
+    table.measure("solve", [&](const hmf_control* c, hmf_error* e) { return hmf_solve(h, loops, nullptr, c, &f, e); });
+    table.measure("relax", [&](const hmf_control* c, hmf_error* e) { return hmf_relax(f, nullptr, c, &g, e); });
+    hmf_foliation_destroy(g);
+    size_t count = 0;
+    const double* values = hmf_foliation_values(f, &count);
+    table.measure("create", [&](const hmf_control* c, hmf_error* e) {
+        return hmf_foliation_create(h, 0, values, count, c, &g, e);
+    });
+    hmf_foliation_destroy(g);
+    hmf_foliation* coarse = nullptr;
+    const size_t level = hmf_level_count(h) - 1;
+    table.measure("interpolate to the coarsest",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_interpolate(f, level, c, &coarse, e); });
+    table.measure("interpolate to level 0",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_interpolate(coarse, 0, c, &g, e); });
+    hmf_foliation_destroy(coarse);
+    hmf_foliation_destroy(g);
+    double energy = 0;
+    std::vector<double> residuals(mesh.vertex_count());
+    table.measure("energy", [&](const hmf_control* c, hmf_error* e) { return hmf_energy(f, c, &energy, e); });
+    table.measure("residuals", [&](const hmf_control* c, hmf_error* e) {
+        return hmf_residuals(f, c, residuals.data(), residuals.size(), e);
+    });
+    hmf_singularity_set* singularities = nullptr;
+    table.measure("singularities",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_singularities(f, c, &singularities, e); });
+    hmf_free(singularities);
+    hmf_cylinder_set* cylinders = nullptr;
+    table.measure("cylinders",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_cylinders(f, loops, c, &cylinders, e); });
+    hmf_free(cylinders);
+    hmf_trace_options options{};
+    options.struct_size = sizeof options;
+    options.critical = 1;
+    options.spacing = 0.05;
+    hmf_lines* lines = nullptr;
+    table.measure("trace", [&](const hmf_control* c, hmf_error* e) { return hmf_trace(f, &options, c, &lines, e); });
+    hmf_free(lines);
+    hmf_quad_mesh* quads = nullptr;
+    table.measure("quads", [&](const hmf_control* c, hmf_error* e) { return hmf_quads(f, nullptr, c, &quads, e); });
+    hmf_free(quads);
+    options.leaves = HMF_LEAVES_CONJUGATE;
+    table.measure("trace conjugate",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_trace(f, &options, c, &lines, e); });
+    hmf_free(lines);
+    hmf_parameterization* flat = nullptr;
+    table.measure("parameterize after it",
+                  [&](const hmf_control* c, hmf_error* e) { return hmf_parameterize(f, nullptr, c, &flat, e); });
+    hmf_free(flat);
+    hmf_foliation_destroy(f);
+    hmf_free(loops);
+    hmf_destroy(h);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    bool plain = false;
+    int repetitions = 3;
+    std::vector<std::string> paths;
+    for (int i = 1; i < argc; ++i) {
+        if (!std::strcmp(argv[i], "--plain")) plain = true;
+        else if (!std::strcmp(argv[i], "-r") && i + 1 < argc) repetitions = std::max(1, std::atoi(argv[++i]));
+        else paths.push_back(argv[i]);
+    }
+    if (paths.empty()) {
+        std::fprintf(stderr, "usage: bench_calls [--plain] [-r N] MESH ...\n");
+        return 2;
+    }
+    for (const std::string& path : paths) {
+        std::ifstream file(path, std::ios::binary);
+        const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+        Table table;
+        double edges = 0;
+        try {
+            const readers::TriangleMesh mesh = readers::read_mesh(bytes, readers::Format::obj);
+            for (int r = 0; r < repetitions; ++r) run(mesh, table, edges);
+        } catch (const readers::MeshError& error) {
+            std::fprintf(stderr, "%s: %s\n", path.c_str(), error.what());
+            return 1;
+        }
+        table.print(path.substr(path.find_last_of('/') + 1), edges, plain);
+    }
+}

@@ -1,0 +1,90 @@
+"""Harmonic measured foliations on closed triangle meshes.
+
+    >>> foliation = foliations.solve("mesh.obj")    # or positions and triangles, or a mesh object
+    >>> foliation.values             # one number for each edge
+    >>> foliation.singularities()    # its zeros
+    >>> foliations.plot(foliation)          # stripes along the leaves
+
+:class:`Hierarchy` is the mesh with its coarser levels, to solve on as often as
+wanted; :class:`Loops` are the closed curves that give the class;
+:class:`Foliation` is the result.  Every failure is an :class:`Error`.
+"""
+
+from ._boundary import Progress, ProgressCallback, ProgressOption
+from ._native import lib as _lib
+from ._plot import plot
+from .cylinders import Cylinder, Cylinders
+from .errors import (
+    Cancelled,
+    Element,
+    Error,
+    FoliationError,
+    InternalError,
+    LevelError,
+    LimitWarning,
+    LoopError,
+    MeshError,
+    OptionsError,
+    OutOfMemoryError,
+    Status,
+    UnsupportedError,
+)
+from .foliation import Foliation, Singularities, Singularity
+from .hierarchy import Hierarchy, Level, memory_estimate, solve
+from .leaves import Leaf, Leaves
+from .loops import Loops
+from .meshes import MeshLike, as_mesh, read_mesh
+from .parameterization import Parameterization
+from .quads import QuadMesh
+from .report import HistoryEntry, LevelReport, Report
+from .rows import solve_row
+
+
+def _version() -> str:
+    number = _lib.hmf_version()
+    return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+
+__version__ = _version()
+
+__all__ = [
+    "Cancelled",
+    "Cylinder",
+    "Cylinders",
+    "Element",
+    "Error",
+    "Foliation",
+    "FoliationError",
+    "Hierarchy",
+    "HistoryEntry",
+    "InternalError",
+    "Leaf",
+    "Leaves",
+    "Level",
+    "LevelError",
+    "LevelReport",
+    "LimitWarning",
+    "LoopError",
+    "Loops",
+    "MeshError",
+    "MeshLike",
+    "OptionsError",
+    "OutOfMemoryError",
+    "Parameterization",
+    "Progress",
+    "ProgressCallback",
+    "ProgressOption",
+    "QuadMesh",
+    "Report",
+    "Singularities",
+    "Singularity",
+    "Status",
+    "UnsupportedError",
+    "__version__",
+    "as_mesh",
+    "memory_estimate",
+    "plot",
+    "read_mesh",
+    "solve",
+    "solve_row",
+]

@@ -1,0 +1,339 @@
+"""A foliation on a level, and what it is like."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+import zlib
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._boundary import (
+    Floats,
+    Indices,
+    Outcome,
+    ProgressOption,
+    Rows,
+    as_count,
+    call,
+    constant,
+    names,
+    pointer,
+    run,
+    structure,
+    view,
+)
+from ._native import ffi, lib
+from ._show import repr_png, show
+from .cylinders import cylinders
+from .errors import Cancelled, LimitWarning, Status
+from .export import export_foliation, export_singularities
+from .leaves import trace
+from .parameterization import parameterize
+from .quads import quads
+from .report import Report, read_report
+
+if TYPE_CHECKING:
+    from .hierarchy import Hierarchy
+
+Method = Literal["newton", "whitehead", "single_level"]
+SingularityKind = Literal["vertex", "triangle", "cluster"]
+
+#: Whether no LimitWarning is wanted: the caller says it in another way.
+quiet: ContextVar[bool] = ContextVar("quiet", default=False)
+
+#: Statuses with which hmf_solve and hmf_relax may give a foliation.
+STOPPED = frozenset({Status.LIMIT_ITERATIONS, Status.LIMIT_TIME, Status.LIMIT_STALLED, Status.CANCELLED})
+_HERE = Path(__file__).parent
+_SINGULARITY_KINDS: dict[int, SingularityKind] = names("SINGULAR")
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """A zero or a pole."""
+
+    kind: SingularityKind  #: where it is
+    index: int  #: below 0 a zero of order -index, above 0 a pole
+    element: int  #: the vertex or triangle; of a cluster its lowest vertex
+    size: int  #: vertices of a cluster, otherwise 1
+    position: tuple[float, float, float]  #: of the vertex, the middle of the triangle, the mean of the cluster
+
+
+class Singularities(Rows[Singularity]):
+    """Zeros and poles of a foliation; their indices add up to 4 - 4 genus.
+
+    Attributes
+    ----------
+    positions : (n, 3) float64
+        Of all of them, in the unit of the positions.
+    vertex_index : (vertex_count,) int32
+        Index of each vertex; of a cluster, at its lowest vertex and 0 at the others.
+    triangle_index : (triangle_count,) int32
+        0 or -1.
+    vertex_cluster : (vertex_count,) uint32
+        Lowest vertex of the cluster of vertices joined by edges of value 0.
+    """
+
+    def __init__(
+        self,
+        rows: NDArray[Any],
+        vertex_index: NDArray[np.int32],
+        triangle_index: NDArray[np.int32],
+        vertex_cluster: Indices,
+    ) -> None:
+        super().__init__(rows)
+        self.positions: Floats = rows["position"]
+        self.vertex_index = vertex_index
+        self.triangle_index = triangle_index
+        self.vertex_cluster = vertex_cluster
+
+    def _entry(self, number: int, row: dict[str, Any]) -> Singularity:
+        row.update(kind=_SINGULARITY_KINDS[row["kind"]], position=tuple(row["position"].tolist()))
+        return Singularity(**row)
+
+    @property
+    def zeros(self) -> tuple[Singularity, ...]:
+        """Those of negative index."""
+        return tuple(entry for entry in self if entry.index < 0)
+
+    @property
+    def poles(self) -> tuple[Singularity, ...]:
+        """Those of positive index: none in a result of the library."""
+        return tuple(entry for entry in self if entry.index > 0)
+
+    @property
+    def index_sum(self) -> int:
+        """4 - 4 genus."""
+        return int(self._rows["index"].sum())
+
+    export = export_singularities
+
+    def __repr__(self) -> str:
+        return f"<{len(self.zeros)} zeros, {len(self.poles)} poles>"
+
+
+class Foliation:
+    """One value for each edge of a level; made by :meth:`Hierarchy.solve` and others.
+
+    Immutable.  ``numpy.asarray(foliation)`` is its values.
+    """
+
+    _hierarchy: Hierarchy
+    _pointer: Any
+    _values: Floats
+    _status: Status
+    _report: Report | None
+    _energy: float | None
+
+    def __init__(self) -> None:
+        raise TypeError("foliations are made by foliations.solve, or by solve, initialize and foliation of a Hierarchy")
+
+    @classmethod
+    def _of(cls, hierarchy: Hierarchy, pointer: Any, status: Status = Status.OK) -> Foliation:
+        foliation = cls.__new__(cls)
+        count = ffi.new("size_t *")
+        values = lib.hmf_foliation_values(pointer, count)
+        foliation._hierarchy = hierarchy
+        foliation._pointer = pointer
+        foliation._values = view(pointer, values, count[0])
+        foliation._status = status
+        foliation._report = None
+        foliation._energy = None
+        return foliation
+
+    @staticmethod
+    def _again(hierarchy: Hierarchy, level: int, values: Floats, status: Status, report: Report | None) -> Foliation:
+        foliation = hierarchy.foliation(values, level=level)
+        foliation._status = status
+        foliation._report = report
+        return foliation
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Foliation._again, (self._hierarchy, self.level, self._values, self._status, self.report)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes level and values, exactly, as an archive of numpy (npz); the mesh and the report are not in it."""
+        level, mesh = self.level, _checksum(self._hierarchy, self.level)
+        with open(path, "wb") as file:
+            np.savez_compressed(file, values=self._values, level=level, status=int(self._status), mesh=mesh)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str], hierarchy: Hierarchy, *, progress: ProgressOption = None) -> Foliation:
+        """What :meth:`save` wrote, on a hierarchy of the same mesh.
+
+        For level 0 the same triangles are enough; coarser levels take the
+        same positions and options as well.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                values, level, status, mesh = (stored[name] for name in ("values", "level", "status", "mesh"))
+        except (KeyError, TypeError, ValueError, EOFError, BadZipFile) as error:
+            raise ValueError(f"{os.fspath(path)} is no file that Foliation.save has written.") from error
+        foliation = hierarchy.foliation(values, level=int(level), progress=progress)
+        if mesh != _checksum(hierarchy, foliation.level):
+            raise ValueError(f"{os.fspath(path)} belongs to other triangles: give the hierarchy it was saved from.")
+        foliation._status = Status(int(status))
+        return foliation
+
+    @property
+    def hierarchy(self) -> Hierarchy:
+        """The hierarchy it lies on."""
+        return self._hierarchy
+
+    @property
+    def level(self) -> int:
+        """Its level; 0 is your mesh."""
+        return int(lib.hmf_foliation_level(self._pointer))
+
+    @property
+    def unit(self) -> float:
+        """The power of two that all values are multiples of."""
+        return float(lib.hmf_foliation_unit(self._pointer))
+
+    @property
+    def values(self) -> Floats:
+        """(edge_count of the level,) float64, read-only, in the unit of the weights.
+
+        The edges are those of ``hierarchy.levels[level].edges``.
+        """
+        return self._values
+
+    @property
+    def status(self) -> Status:
+        """OK, or why the improvement stopped: LIMIT_... or CANCELLED (by ``Progress.FINISH``)."""
+        return self._status
+
+    @property
+    def converged(self) -> bool:
+        """Whether it was solved, and to the tolerance."""
+        return self.report is not None and self.report.converged
+
+    @property
+    def report(self) -> Report | None:
+        """Report of the solve that made it; None if none did."""
+        if self._report is None:
+            self._report = read_report(lib.hmf_foliation_report(self._pointer))
+        return self._report
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        if dtype is not None and np.dtype(dtype) != np.float64:
+            if copy is False:
+                raise ValueError("the values are float64; another dtype needs a copy")
+            return self._values.astype(dtype)
+        return self._values.copy() if copy else self._values
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    @property
+    def energy(self) -> float:
+        """Dirichlet energy; on level 0 that on the intrinsic Delaunay triangulation."""
+        if self._energy is None:
+            result = ffi.new("double *")
+            call(lib.hmf_energy, self._pointer, result)
+            self._energy = float(result[0])
+        return self._energy
+
+    def residuals(self, *, progress: ProgressOption = None) -> Floats:
+        """(vertex_count,) float64: violation of the harmonic condition at each vertex, without unit.
+
+        0 everywhere means that this is the unique minimum of the energy.
+        """
+        result = np.empty(self._hierarchy.levels[self.level].vertex_count)
+        call(lib.hmf_residuals, self._pointer, pointer(result, "double *"), result.size, progress=progress)
+        return result
+
+    def singularities(self, *, progress: ProgressOption = None) -> Singularities:
+        """Zeros and poles."""
+        made = call(lib.hmf_singularities, self._pointer, progress=progress)
+        return Singularities(
+            view(made, made.list, made.count),
+            view(made, made.vertex_index, made.vertex_count),
+            view(made, made.triangle_index, made.triangle_count),
+            view(made, made.vertex_cluster, made.vertex_count),
+        )
+
+    def interpolate(self, level: int, *, progress: ProgressOption = None) -> Foliation:
+        """The same class on another level, finer or coarser; exact.
+
+        Raises
+        ------
+        LevelError
+            There is no such level.
+        FoliationError
+            The values have a pole.
+        """
+        made = call(lib.hmf_interpolate, self._pointer, as_count(level, "level"), progress=progress)
+        return Foliation._of(self._hierarchy, made)
+
+    def relax(
+        self,
+        *,
+        method: Method | None = None,
+        tolerance: float | None = None,
+        time_limit: float | None = None,
+        iteration_limit: int | None = None,
+        progress: ProgressOption = None,
+    ) -> Foliation:
+        """These values improved on their level; parameters, result and errors as for :meth:`Hierarchy.solve`.
+
+        Raises
+        ------
+        FoliationError
+            The values have a pole.
+        """
+        options = solve_options(method, tolerance, time_limit, iteration_limit)
+        outcome = run(lib.hmf_relax, self._pointer, options, progress=progress, accept=STOPPED)
+        return solved(self._hierarchy, outcome)
+
+    # What one does with it: include/hmf/uses.h, a module for each.
+    parameterize = parameterize
+    trace = trace
+    cylinders = cylinders
+    quads = quads
+    export = export_foliation
+    show = show
+    _repr_png_ = repr_png
+
+    def __repr__(self) -> str:
+        return f"<Foliation on level {self.level}: {len(self._values)} edges, {self._status.name}>"
+
+
+def _checksum(hierarchy: Hierarchy, level: int) -> int:
+    return zlib.crc32(hierarchy.levels[level].triangles.tobytes())
+
+
+def solve_options(
+    method: Method | None, tolerance: float | None, time_limit: float | None, iteration_limit: int | None, **others: Any
+) -> Any:
+    """hmf_solve_options."""
+    return structure(
+        "hmf_solve_options",
+        method=constant("METHOD", method, "method"),
+        tolerance=tolerance,
+        time_limit=time_limit,
+        iteration_limit=iteration_limit,
+        **others,
+    )
+
+
+def solved(hierarchy: Hierarchy, outcome: Outcome) -> Foliation:
+    """The foliation that hmf_solve or hmf_relax gave, with a warning if a limit stopped it."""
+    status = outcome.status
+    foliation = None if outcome.result is None else Foliation._of(hierarchy, outcome.result, status)
+    if foliation is None or (status == Status.CANCELLED and not outcome.finished):
+        raise Cancelled(outcome.message, status, foliation=foliation)
+    if status not in (Status.OK, Status.CANCELLED) and not quiet.get():
+        # Of the line that called the package.
+        depth = 1
+        while Path(sys._getframe(depth).f_code.co_filename).parent == _HERE:
+            depth += 1
+        warnings.warn(outcome.message, LimitWarning, stacklevel=depth + 1)
+    return foliation

@@ -1,0 +1,421 @@
+"""The hierarchy of a mesh, its levels, and solving on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._boundary import (
+    Floats,
+    Indices,
+    ProgressOption,
+    as_count,
+    as_floats,
+    as_indices,
+    as_positions,
+    call,
+    constant,
+    frozen,
+    part,
+    pointer,
+    progress_callback,
+    run,
+    structure,
+)
+from ._native import ffi, lib
+from .foliation import STOPPED, Foliation, Method, solve_options, solved
+from .loops import Loops, loop_structure
+from .meshes import MeshLike, as_mesh
+
+Collapse = Literal["midpoint", "endpoint", "qslim"]
+LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
+
+# Share of the build in the progress of foliations.solve, about its share of the time.
+_BUILD_SHARE = 0.25
+
+
+def _build_options(collapse: Collapse | None = None, **others: Any) -> Any:
+    return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
+
+
+def _mesh(positions: Any, triangles: ArrayLike | None) -> tuple[Floats, Indices]:
+    if triangles is None:
+        return as_mesh(positions)
+    return as_positions(positions), as_indices(triangles, "triangles", 3)
+
+
+class Level:
+    """One level of a hierarchy; made by :attr:`Hierarchy.levels`.
+
+    Level 0 is your mesh.  Its edges are numbered by their first appearance in
+    the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of triangle 1,
+    and so on).  Arrays are made when first asked for, kept, and read-only.
+    """
+
+    # functools.cached_property would hold one lock for all objects before
+    # Python 3.12; here two threads may both make an array, and one is kept.
+
+    def __init__(self, hierarchy: Hierarchy, number: int) -> None:
+        info = ffi.new("hmf_level_info *")
+        call(lib.hmf_level_counts, hierarchy._pointer, number, info)
+        # Not the Python object, which holds its levels: a cycle would keep the memory.
+        self._pointer = hierarchy._pointer
+        self._arrays: dict[Any, NDArray[Any]] = {}
+        self.number = number
+        self.vertex_count = int(info.vertex_count)
+        self.edge_count = int(info.edge_count)
+        self.triangle_count = int(info.triangle_count)
+        #: Edges whose weight was below the floor and was raised to it.
+        self.raised_count = int(info.raised_count)
+
+    def _array(self, function: Any, shape: tuple[int, ...], dtype: Any, ctype: str) -> NDArray[Any]:
+        if function not in self._arrays:
+            result = np.empty(shape, dtype=dtype)
+            call(function, self._pointer, self.number, pointer(result, ctype), result.size)
+            self._arrays.setdefault(function, frozen(result))
+        return self._arrays[function]
+
+    @property
+    def positions(self) -> Floats:
+        """(vertex_count, 3) float64, in the unit of the input."""
+        return self._array(lib.hmf_level_positions, (self.vertex_count, 3), np.float64, "double *")
+
+    @property
+    def edges(self) -> Indices:
+        """(edge_count, 2) uint32: the vertices of each edge.  On coarse levels two vertices may have several edges."""
+        return self._array(lib.hmf_level_edge_vertices, (self.edge_count, 2), np.uint32, "uint32_t *")
+
+    @property
+    def triangles(self) -> Indices:
+        """(triangle_count, 3) uint32: the vertices of each triangle."""
+        return self._array(lib.hmf_level_triangle_vertices, (self.triangle_count, 3), np.uint32, "uint32_t *")
+
+    @property
+    def triangle_edges(self) -> Indices:
+        """(triangle_count, 3) uint32: side s of a triangle joins its corners s and s + 1."""
+        return self._array(lib.hmf_level_triangle_edges, (self.triangle_count, 3), np.uint32, "uint32_t *")
+
+    @property
+    def weights(self) -> Floats:
+        """(edge_count,) float64: half the sum of the two opposite cotangents, without unit.
+
+        On level 0 those of your triangulation, which may be negative; the
+        solver uses the intrinsic Delaunay triangulation instead.
+        """
+        return self._array(lib.hmf_level_weights, (self.edge_count,), np.float64, "double *")
+
+    def __repr__(self) -> str:
+        counts = f"{self.vertex_count} vertices, {self.edge_count} edges, {self.triangle_count} triangles"
+        return f"<level {self.number}: {counts}>"
+
+
+class Hierarchy:
+    """An immutable hierarchy of triangle meshes over yours; any number of threads may use it.
+
+    Parameters
+    ----------
+    positions : (n, 3) floats, or a mesh
+        A file name or a mesh object (:func:`foliations.as_mesh`) needs no ``triangles``.
+        Otherwise coordinates in any unit.  float64 with rows of three contiguous
+        numbers is read in place, also with a stride between rows (the first
+        three columns of a wider array); anything else is copied first.
+    triangles : (m, 3) ints, optional
+        Vertex indices from 0, all counter-clockwise or all clockwise.  uint32
+        or int32 in C order is read in place; anything else is copied first.
+    ratio : float, optional
+        Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5.
+    coarsest : int, optional
+        Vertices of the coarsest level to aim for; default 1000.
+    collapse : "midpoint", "endpoint" or "qslim", optional
+        Which edges are collapsed: the shortest to its midpoint (default) or
+        to one end, or that of least quadric error to its best point.
+    memory_limit : int, optional
+        Bytes in use at any time, 0 = none; also bounds each later call.
+    mollify : float, optional
+        In [0, 0.1], default 0 = off; try 1e-5.  Accepts triangles without
+        area and edges without length: the edges of level 0 get longer by the
+        least amount with which every triangle inequality holds by a margin of
+        mollify * mean length.
+    progress : bool or function, optional
+        True shows a bar on standard error (of tqdm if it is installed).  A
+        function gets the fraction done, 0 to 1, at most every 10 ms, and may
+        return a member of :class:`foliations.Progress`.
+
+    Nothing refers to the given arrays afterwards; they must not change during the call.
+
+    Raises
+    ------
+    MeshError
+        The mesh is not closed, connected, oriented, manifold, of genus 1 or more.
+    OptionsError, OutOfMemoryError, Cancelled
+        See there.
+    KeyboardInterrupt
+        Control-C cancels; it takes at most some 50 ms.
+    TypeError, ValueError
+        An array has the wrong dtype or shape.
+    """
+
+    def __init__(
+        self,
+        positions: ArrayLike | MeshLike,
+        triangles: ArrayLike | None = None,
+        *,
+        ratio: float | None = None,
+        coarsest: int | None = None,
+        collapse: Collapse | None = None,
+        memory_limit: int | None = None,
+        mollify: float | None = None,
+        progress: ProgressOption = None,
+    ) -> None:
+        self._options: dict[str, Any] = {
+            "ratio": ratio,
+            "coarsest": coarsest,
+            "collapse": collapse,
+            "memory_limit": memory_limit,
+            "mollify": mollify,
+        }
+        points, corners = _mesh(positions, triangles)
+        stride = points.strides[0] if len(points) > 1 else None
+        self._pointer = call(
+            lib.hmf_build,
+            pointer(points, "double *"),
+            len(points),
+            pointer(corners, "uint32_t *"),
+            len(corners),
+            _build_options(**self._options, position_stride=stride),
+            progress=progress,
+        )
+        self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
+
+    @classmethod
+    def _rebuild(cls, positions: Floats, triangles: Indices, options: dict[str, Any]) -> Hierarchy:
+        return cls(positions, triangles, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same input gives the same hierarchy, bit for bit.
+        mesh = self.levels[0]
+        return Hierarchy._rebuild, (mesh.positions, mesh.triangles, self._options)
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """All levels; ``levels[0]`` is your mesh, ``levels[-1]`` the coarsest."""
+        return self._levels
+
+    @property
+    def genus(self) -> int:
+        """Genus of the surface, at least 1."""
+        return int(lib.hmf_genus(self._pointer))
+
+    @property
+    def memory(self) -> int:
+        """Bytes held by the hierarchy."""
+        return int(lib.hmf_hierarchy_memory(self._pointer))
+
+    def loops(self, kind: LoopsKind = "cut", *, level: int | None = None, progress: ProgressOption = None) -> Loops:
+        """Loops made by the library, as loops of triangles.
+
+        Parameters
+        ----------
+        kind : "cut", "handle", "tunnel" or "pants"
+            genus many, which together cut the surface into one planar piece;
+            those of "handle" bound inside the surface, those of "tunnel" outside.
+            "pants": 3 genus - 3 (genus 1: one), which leave pairs of pants.
+        level : int, optional
+            Default: the coarsest, where they are found fastest.
+        progress : bool or function, optional
+            As for :class:`Hierarchy`.
+        """
+        number = len(self.levels) - 1 if level is None else as_count(level, "level")
+        value = constant("LOOPS", kind, "kind of loops")
+        made = call(lib.hmf_loops, self._pointer, number, value, progress=progress)
+        return Loops._of(made, made)
+
+    def initialize(
+        self,
+        loops: Loops | Sequence[ArrayLike] | None = None,
+        weights: ArrayLike | None = None,
+        *,
+        progress: ProgressOption = None,
+    ) -> Foliation:
+        """The initial foliation of loops on their level: for each edge the weights of the loops that cross it.
+
+        Parameters
+        ----------
+        loops, weights, progress
+            As for :meth:`solve`.
+
+        Raises
+        ------
+        LoopError
+            A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
+        """
+        if loops is None and weights is not None:
+            loops = self.loops()
+        given, alive = loop_structure(loops, weights)
+        made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
+        del alive
+        return Foliation._of(self, made)
+
+    def foliation(self, values: ArrayLike, *, level: int = 0, progress: ProgressOption = None) -> Foliation:
+        """Your own values as a foliation, for example ones that were stored.
+
+        Parameters
+        ----------
+        values : (edge_count of the level,) floats
+            Copied, and checked: finite, not negative and closed.
+
+        Raises
+        ------
+        FoliationError
+            They are not.
+        """
+        number = as_count(level, "level")
+        # Of a level that does not exist, the error of the library.
+        count = Level(self, number).edge_count
+        given = as_floats(values, count, "values", "edge of the level")
+        made = call(
+            lib.hmf_foliation_create, self._pointer, number, pointer(given, "double *"), count, progress=progress
+        )
+        return Foliation._of(self, made)
+
+    def solve(
+        self,
+        loops: Loops | Sequence[ArrayLike] | None = None,
+        weights: ArrayLike | None = None,
+        *,
+        initial: Foliation | None = None,
+        method: Method | None = None,
+        tolerance: float | None = None,
+        time_limit: float | None = None,
+        iteration_limit: int | None = None,
+        stop_level: int = 0,
+        progress: ProgressOption = None,
+    ) -> Foliation:
+        """The harmonic foliation in the class of the loops.
+
+        Parameters
+        ----------
+        loops : Loops, or sequence of sequences of int, optional
+            On any level; plain sequences are closed paths along the edges of
+            your mesh, as vertices.  Default: ``self.loops("cut")``.
+        weights : (number of loops,) floats, optional
+            Positive, the unit of the values; default those of the loops.
+        initial : Foliation, optional
+            Instead of loops: start from its values, in their class.  It may
+            lie on another hierarchy of the same triangles, for example of the
+            last frame of an animation.  Where it is close to the minimum
+            already, :meth:`Foliation.relax` is faster.
+        method : "newton", "whitehead" or "single_level", optional
+            Newton steps on the twisted Laplacian (default), Whitehead moves
+            up the hierarchy, or Whitehead moves on your mesh alone.
+        tolerance : float, optional
+            newton: largest residual, default 1e-8; the others: relative change
+            of the energy per sweep, default 1e-6.
+        time_limit : float, optional
+            Seconds; default none.
+        iteration_limit : int, optional
+            Sweeps per level; default 100000.
+        stop_level : int
+            Finest level to solve; 0 is your mesh.
+        progress : bool or function, optional
+            As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the improvement
+            and gives the foliation so far, with ``status`` CANCELLED.
+
+        Returns
+        -------
+        Foliation
+            On ``stop_level``.  Where a limit stopped the improvement, its
+            ``status`` says which, and :class:`foliations.LimitWarning` is issued; the
+            values are closed and without poles all the same.
+
+        Raises
+        ------
+        LoopError, FoliationError, OptionsError, LevelError, OutOfMemoryError, Cancelled
+            See there.
+        KeyboardInterrupt
+            Control-C cancels; it takes at most some 50 ms.
+        """
+        if initial is not None and (loops is not None or weights is not None):
+            raise ValueError("initial values have a class and weights of their own: give no loops and no weights.")
+        if loops is None and weights is not None:
+            loops = self.loops(level=0 if method == "single_level" else None)
+        given, alive = loop_structure(loops, weights)
+        start = None if initial is None else initial._pointer
+        options = solve_options(method, tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start)
+        outcome = run(lib.hmf_solve, self._pointer, given, options, progress=progress, accept=STOPPED)
+        del alive
+        return solved(self, outcome)
+
+    def __repr__(self) -> str:
+        mesh = self.levels[0]
+        return (
+            f"<Hierarchy: genus {self.genus}, {mesh.vertex_count} vertices, {mesh.triangle_count} triangles, "
+            f"{len(self.levels)} levels>"
+        )
+
+
+def memory_estimate(
+    vertex_count: int,
+    triangle_count: int,
+    *,
+    ratio: float | None = None,
+    coarsest: int | None = None,
+    collapse: Collapse | None = None,
+    mollify: float | None = None,
+) -> int:
+    """Upper bound of the bytes that building a :class:`Hierarchy` uses at its peak; 0 if the counts are unusable."""
+    options = _build_options(ratio=ratio, coarsest=coarsest, collapse=collapse, mollify=mollify)
+    vertices, triangles = as_count(vertex_count, "vertex_count"), as_count(triangle_count, "triangle_count")
+    return int(lib.hmf_memory_estimate(vertices, triangles, options))
+
+
+def solve(
+    positions: ArrayLike | MeshLike,
+    triangles: ArrayLike | None = None,
+    loops: Loops | Sequence[ArrayLike] | None = None,
+    weights: ArrayLike | None = None,
+    *,
+    ratio: float | None = None,
+    coarsest: int | None = None,
+    collapse: Collapse | None = None,
+    memory_limit: int | None = None,
+    mollify: float | None = None,
+    initial: Foliation | None = None,
+    method: Method | None = None,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
+    iteration_limit: int | None = None,
+    stop_level: int = 0,
+    progress: ProgressOption = None,
+) -> Foliation:
+    """The harmonic foliation of a mesh in one call: a :class:`Hierarchy`, and :meth:`Hierarchy.solve` on it.
+
+    ``solve(positions, triangles)``, ``solve("mesh.obj")``, or of a mesh of trimesh, meshio, pyvista or Open3D.
+    For the parameters, the result and the errors see these two; ``time_limit``
+    is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
+    """
+    with progress_callback(progress, "foliations") as callback:
+        hierarchy = Hierarchy(
+            positions,
+            triangles,
+            ratio=ratio,
+            coarsest=coarsest,
+            collapse=collapse,
+            memory_limit=memory_limit,
+            mollify=mollify,
+            progress=part(callback, 0.0, _BUILD_SHARE),
+        )
+        return hierarchy.solve(
+            loops,
+            weights,
+            initial=initial,
+            method=method,
+            tolerance=tolerance,
+            time_limit=time_limit,
+            iteration_limit=iteration_limit,
+            stop_level=stop_level,
+            progress=part(callback, _BUILD_SHARE, 1.0),
+        )

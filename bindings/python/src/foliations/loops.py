@@ -1,0 +1,302 @@
+"""Sets of closed curves on a level of a hierarchy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from heapq import heappop, heappush
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._boundary import (
+    Floats,
+    Indices,
+    as_count,
+    as_floats,
+    as_indices,
+    as_positions,
+    constant,
+    frozen,
+    names,
+    pointer,
+    structure,
+    view,
+)
+from ._native import ffi
+
+if TYPE_CHECKING:
+    from .hierarchy import Hierarchy, Level
+
+LoopKind = Literal["vertices", "triangles"]
+
+
+class Loops(Sequence[Indices]):
+    """Disjoint closed curves with weights: they give the class of a foliation.
+
+    Parameters
+    ----------
+    paths : sequence of sequences of int
+        One path for each loop.  Consecutive elements are neighbours, and so
+        are the last and the first, which may also be repeated at the end.
+    kind : "vertices" or "triangles"
+        Vertices that follow each other along edges, or triangles that follow
+        each other across edges.
+    level : int
+        Of the hierarchy; 0 is your mesh.
+    weights : (number of loops,) floats, optional
+        Positive; None means 1 each.  They set the unit of the values.
+
+    Whether the loops are closed, simple, disjoint, essential and not parallel
+    is checked by the call that uses them (:class:`foliations.LoopError`).
+    """
+
+    def __init__(
+        self,
+        paths: Sequence[ArrayLike],
+        *,
+        kind: LoopKind = "vertices",
+        level: int = 0,
+        weights: ArrayLike | None = None,
+    ) -> None:
+        arrays = [_open(as_indices(path, f"loop {number}")) for number, path in enumerate(paths)]
+        offsets = np.zeros(len(arrays) + 1, dtype=np.uint64)
+        np.cumsum([len(array) for array in arrays], out=offsets[1:])
+        elements = np.concatenate(arrays) if arrays else np.empty(0, dtype=np.uint32)
+        self._set(offsets, elements, kind, level, weights)
+
+    def _set(
+        self,
+        offsets: NDArray[np.uint64],
+        elements: Indices,
+        kind: LoopKind,
+        level: int,
+        weights: ArrayLike | None,
+    ) -> Loops:
+        self._element_kind = constant("LOOP", kind, "kind of a loop")
+        self._kind: LoopKind = kind
+        self._offsets = frozen(offsets)
+        self._elements = frozen(elements)
+        self._level = as_count(level, "level")
+        self._weights: Floats | None = None
+        if weights is not None:
+            self._weights = frozen(as_floats(weights, len(offsets) - 1, "weights", "loop").copy())
+        return self
+
+    @classmethod
+    def _of(cls, given: Any, owner: Any) -> Loops:
+        """The loops of an hmf_loop_set, which lies in memory that ``owner`` keeps alive."""
+        offsets = view(owner, given.offsets, given.count + 1)
+        elements = view(owner, given.elements, int(offsets[-1]))
+        weights = None if given.weights == ffi.NULL else view(owner, given.weights, given.count)
+        return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights)
+
+    @classmethod
+    def through(cls, hierarchy: Hierarchy, *picked: ArrayLike, weights: ArrayLike | None = None) -> Loops:
+        """Loops through picked vertices or points of your mesh: the shortest path along edges from each to the next, and back.
+
+        Parameters
+        ----------
+        picked : sequences of int, or (n, 3) floats
+            For each loop at least three vertices, or points near them, in their order along it and
+            on all sides: where the shortest path from the last to the first
+            is the way back, the loop goes round nothing.
+        weights : (number of loops,) floats, optional
+            As for :class:`Loops`.
+        """
+        mesh = hierarchy.levels[0]
+        graph = _Graph(mesh)
+        paths = []
+        for given in picked:
+            stops = _open(_nearest(mesh.positions, given)).tolist()
+            if len(stops) < 3:
+                raise ValueError(f"pick at least three vertices for a loop, got {len(stops)}.")
+            if max(stops) >= mesh.vertex_count:
+                raise ValueError(f"vertex {max(stops)} does not exist; the mesh has {mesh.vertex_count}, from 0.")
+            pieces = [graph.path(a, b) for a, b in zip(stops, [*stops[1:], stops[0]])]
+            paths.append(np.array([vertex for piece in pieces for vertex in piece], dtype=np.uint32))
+        return cls(paths, weights=weights)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, weights: ArrayLike | None = None) -> Loops:
+        """Loops of your mesh from a text file, as the tool reads and writes them (``hmf solve --loops``).
+
+        One loop a line: vertices along edges, or ``t:`` and triangles that
+        follow each other across edges.  What follows ``#`` is a comment, but
+        for ``# --weights 1,2``, which gives weights where none are given here.
+        """
+        paths: list[list[int]] = []
+        kinds = set()
+        for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
+            content, _, comment = line.partition("#")
+            words = content.replace(",", " ").replace(":", ": ").split()
+            try:
+                if weights is None and comment.split()[:1] == ["--weights"]:
+                    weights = [float(word) for word in comment.split(None, 1)[1].split(",")]
+                if not words:
+                    continue
+                kind = words.pop(0) if words[0] in ("t:", "v:") else "v:"
+                paths.append([int(word) for word in words])
+            except (ValueError, IndexError) as error:
+                raise ValueError(f"{path}, line {number}: write numbers from 0, or t: and numbers.") from error
+            kinds.add(kind)
+        if len(kinds) > 1:
+            raise ValueError(f"{path}: loops of vertices and loops of triangles; write all of them in one way.")
+        if not paths or [] in paths:
+            raise ValueError(f"{path}: no loops, or a line without numbers; write one loop a line.")
+        return cls(paths, kind="triangles" if kinds == {"t:"} else "vertices", weights=weights)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes loops of your mesh, level 0, as :meth:`load` and the tool read them."""
+        if self._level != 0:
+            raise ValueError(f"loops of level {self._level} mean nothing to others: save those of level 0.")
+        lines = ["# --weights " + ",".join(repr(weight) for weight in self.weights.tolist())]
+        lines += [f"{self._kind[0]}: " + " ".join(map(str, loop.tolist())) for loop in self]
+        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def positions(self, hierarchy: Hierarchy) -> tuple[Floats, ...]:
+        """Of each loop (length, 3) float64: its vertices, or the middles of the edges that its triangles share.
+
+        The last point joins the first, which is not repeated.
+        """
+        level = hierarchy.levels[self._level]
+        if self._kind == "vertices":
+            return tuple(level.positions[loop] for loop in self)
+        result = []
+        for loop in self:
+            edges = level.triangle_edges[loop]
+            shared = (edges[:, :, None] == np.roll(edges, -1, axis=0)[:, None, :]).any(axis=2)
+            if not shared.any(axis=1).all():
+                raise ValueError("consecutive triangles of a loop share no edge: it is not of this hierarchy.")
+            crossed = edges[np.arange(len(edges)), shared.argmax(axis=1)]
+            result.append(level.positions[level.edges[crossed]].mean(axis=1))
+        return tuple(result)
+
+    @property
+    def kind(self) -> LoopKind:
+        """What the elements are."""
+        return self._kind
+
+    @property
+    def level(self) -> int:
+        """Level of the elements."""
+        return self._level
+
+    @property
+    def weights(self) -> Floats:
+        """(number of loops,) float64."""
+        return np.ones(len(self)) if self._weights is None else self._weights
+
+    @property
+    def offsets(self) -> NDArray[np.uint64]:
+        """(number of loops + 1,): loop i is ``elements[offsets[i]:offsets[i + 1]]``."""
+        return self._offsets
+
+    @property
+    def elements(self) -> Indices:
+        """All elements, one loop after the other."""
+        return self._elements
+
+    def with_weights(self, weights: ArrayLike | None) -> Loops:
+        """The same loops with other weights; None means 1 each."""
+        loops = type(self).__new__(type(self))
+        return loops._set(self._offsets, self._elements, self._kind, self._level, weights)
+
+    def __len__(self) -> int:
+        return len(self._offsets) - 1
+
+    @overload
+    def __getitem__(self, which: int) -> Indices: ...
+    @overload
+    def __getitem__(self, which: slice) -> Loops: ...
+    def __getitem__(self, which: int | slice) -> Indices | Loops:
+        """One loop as (length,) uint32; of a slice, the set of those loops."""
+        if isinstance(which, slice):
+            chosen = range(len(self))[which]
+            weights = None if self._weights is None else self._weights[which]
+            return Loops([self[i] for i in chosen], kind=self._kind, level=self._level, weights=weights)
+        number = range(len(self))[which]
+        return self._elements[int(self._offsets[number]) : int(self._offsets[number + 1])]
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} loops of {self._kind} on level {self._level}>"
+
+    def _structure(self) -> Any:
+        """hmf_loop_set; valid as long as these loops are."""
+        return structure(
+            "hmf_loop_set",
+            element_kind=self._element_kind,
+            level=self._level,
+            count=len(self),
+            offsets=pointer(self._offsets, "uint64_t *"),
+            elements=pointer(self._elements, "uint32_t *"),
+            weights=None if self._weights is None else pointer(self._weights, "double *"),
+        )
+
+
+def _open(path: Indices) -> Indices:
+    """Without the first element at the end."""
+    return path[:-1] if len(path) > 1 and path[0] == path[-1] else path
+
+
+def _nearest(positions: Floats, picked: ArrayLike) -> Indices:
+    """Vertices as they are; of points (n, 3) the nearest vertices."""
+    given = np.asarray(picked)
+    if given.ndim != 2:
+        return as_indices(picked, "picked vertices")
+    points = as_positions(picked, "picked points")
+    if not np.isfinite(points).all():
+        raise ValueError("picked points must be finite.")
+    nearest = [np.square(positions - point).sum(axis=1).argmin() for point in points]
+    return np.array(nearest, dtype=np.uint32)
+
+
+class _Graph:
+    """Vertices and edges of a level, with lengths."""
+
+    def __init__(self, level: Level) -> None:
+        ends = np.concatenate([level.edges, level.edges[:, ::-1]])
+        ends = ends[np.argsort(ends[:, 0], kind="stable")]
+        self._positions = level.positions
+        self._first = np.searchsorted(ends[:, 0], np.arange(level.vertex_count + 1)).tolist()
+        self._lengths = np.linalg.norm(level.positions[ends[:, 0]] - level.positions[ends[:, 1]], axis=1).tolist()
+        self._targets = ends[:, 1].tolist()
+
+    def path(self, start: int, goal: int) -> list[int]:
+        """The shortest path, without its goal; Dijkstra's, with the straight line to the goal as a bound."""
+        bound = np.linalg.norm(self._positions - self._positions[goal], axis=1).tolist()
+        distance, previous = {start: 0.0}, {start: start}
+        heap = [(bound[start], start)]
+        while heap:
+            least, here = heappop(heap)
+            if here == goal:
+                break
+            if least > distance[here] + bound[here]:
+                continue  # found shorter since
+            for side in range(self._first[here], self._first[here + 1]):
+                there = self._targets[side]
+                length = distance[here] + self._lengths[side]
+                if length < distance.get(there, inf):
+                    distance[there], previous[there] = length, here
+                    heappush(heap, (length + bound[there], there))
+        path = []
+        while goal != start:
+            goal = previous[goal]
+            path.append(goal)
+        return path[::-1]
+
+
+def as_loops(loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None) -> Loops:
+    """Loops as they are; other sequences are paths of vertices of level 0."""
+    if not isinstance(loops, Loops):
+        return Loops(loops, weights=weights)
+    return loops if weights is None else loops.with_weights(weights)
+
+
+def loop_structure(loops: Loops | Sequence[ArrayLike] | None, weights: ArrayLike | None) -> tuple[Any, Loops | None]:
+    """hmf_loop_set, NULL of None, and the loops to keep as long as it is used."""
+    chosen = None if loops is None else as_loops(loops, weights)
+    return (ffi.NULL if chosen is None else chosen._structure()), chosen

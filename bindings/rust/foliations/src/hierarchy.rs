@@ -1,0 +1,376 @@
+//! Building a hierarchy, and what its levels are.
+
+use crate::error::{Error, Result, Status};
+use crate::memory;
+use crate::owned::{call, make, slice, Made, Owned};
+use crate::progress::{Closure, Progress};
+use crate::records::{codes, options, record, Read};
+use foliations_sys as sys;
+use std::fmt;
+use std::sync::Arc;
+
+codes! {
+    /// Which edges are collapsed, and where the vertices go.
+    #[derive(Default)]
+    Collapse: i32 {
+        /// The shortest edge, to its midpoint.
+        #[default]
+        Midpoint = sys::HMF_COLLAPSE_MIDPOINT,
+        /// The shortest edge, to one of its ends.
+        Endpoint = sys::HMF_COLLAPSE_ENDPOINT,
+        /// The edge of least quadric error, to its best point.
+        Qslim = sys::HMF_COLLAPSE_QSLIM,
+    }
+}
+
+/// Options for building a [`Hierarchy`]; see [`Hierarchy::builder`].
+///
+/// What is not set has its default.
+#[derive(Debug)]
+#[must_use = "a builder does nothing until `build` is called"]
+pub struct Builder<'a> {
+    options: sys::hmf_build_options,
+    marked_vertices: &'a [u32],
+    progress: Option<Closure<'a>>,
+}
+
+impl Default for Builder<'_> {
+    fn default() -> Self {
+        let options = options!(hmf_build_options allocate: Some(memory::allocate), release: Some(memory::release));
+        Builder { options, marked_vertices: &[], progress: None }
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// How edges are collapsed. Default: [`Collapse::Midpoint`].
+    pub fn collapse(mut self, collapse: Collapse) -> Self {
+        self.options.collapse = collapse as i32;
+        self
+    }
+
+    /// Edges of a level divided by the edges of the next finer one, in
+    /// [0.05, 0.95]. Default: 0.5.
+    pub fn ratio(mut self, ratio: f64) -> Self {
+        self.options.ratio = ratio;
+        self
+    }
+
+    /// Vertices of the coarsest level to aim for. Default: 1000, and at least
+    /// 40 for each unit of the genus and 10 for each marked vertex.
+    pub fn coarsest(mut self, vertices: usize) -> Self {
+        self.options.coarsest = vertices as u64;
+        self
+    }
+
+    /// Most bytes in use at any time, by this call and by each later call on the
+    /// hierarchy. Default: no limit.
+    pub fn memory_limit(mut self, bytes: u64) -> Self {
+        self.options.memory_limit = bytes;
+        self
+    }
+
+    /// Accepts triangles without area and edges without length: in [0, 0.1], try 1e-5.
+    /// Default: 0, off.
+    ///
+    /// The edges of level 0 get longer by the least amount, the same for all, with which
+    /// every triangle inequality holds by a margin of `mollify` times the mean length.
+    /// Only the weights of level 0 change; meshes that keep the margin anyway stay as they are.
+    pub fn mollify(mut self, margin: f64) -> Self {
+        self.options.mollify = margin;
+        self
+    }
+
+    /// Vertices that may carry a pole; a sphere needs four or more. Default: none.
+    ///
+    /// They never move and are no poles of the report; indices add up to
+    /// 4 - 4 genus - marked vertices.
+    pub fn marked_vertices(mut self, vertices: &'a [u32]) -> Self {
+        self.marked_vertices = vertices;
+        self
+    }
+
+    /// A closure that is called on this thread with a fraction rising from 0 to
+    /// 1, and that may end the call. If it panics, the call is cancelled and the
+    /// panic goes on.
+    pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
+        self.progress = Closure::new(closure);
+        self
+    }
+
+    /// Checks a mesh, makes it intrinsically Delaunay and builds the hierarchy.
+    ///
+    /// * `positions`: one point for each vertex, in any unit
+    /// * `triangles`: three vertices each, all counter-clockwise or all clockwise
+    ///
+    /// The mesh must be closed, connected, oriented and manifold, of genus 1 or
+    /// more, or of genus 0 with four or more [marked vertices](Builder::marked_vertices).
+    /// Both arrays are copied. Time is linear, about 0.3 s per million edges.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::CANCELLED`], or a status of the classes 100, 200, 300: each
+    /// defect of a mesh has its own, and the error names the element.
+    pub fn build(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
+        let handle = self.call(positions, triangles, sys::hmf_build)?;
+        Ok(Hierarchy { handle: Arc::new(handle) })
+    }
+
+    /// [`build`](Builder::build) for flat arrays: `positions` holds x, y, z of one
+    /// vertex after the other, `triangles` three vertices each.
+    ///
+    /// # Errors
+    ///
+    /// Also [`Status::ERROR_CAPACITY`] if a length is not a multiple of 3.
+    pub fn build_flat(&mut self, positions: &[f64], triangles: &[u32]) -> Result<Hierarchy> {
+        self.build(triples(positions, "positions")?, triples(triangles, "triangles")?)
+    }
+
+    /// Marked vertices for a mesh of genus 0, where you name none: two at the tip of
+    /// each limb, so that loops go round the limbs, at least four and at most 24.
+    /// None for genus 1 and more.
+    ///
+    /// Of the options, `mollify` and `memory_limit` count.
+    ///
+    /// ```
+    /// let positions = [[1., 0., 0.], [-1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 3.], [0., 0., -3.]];
+    /// let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    /// let marks = foliations::Hierarchy::builder().suggest_marks(&positions, &triangles)?;
+    /// let hierarchy = foliations::Hierarchy::builder().marked_vertices(&marks).build(&positions, &triangles)?;
+    /// assert_eq!(hierarchy.genus(), 0);
+    /// # Ok::<(), foliations::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`build`](Builder::build).
+    pub fn suggest_marks(&mut self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Vec<u32>> {
+        let set = self.call(positions, triangles, sys::hmf_suggest_marks)?;
+        // SAFETY: the library made so many.
+        Ok(unsafe { slice(set.vertices, set.count) }.to_vec())
+    }
+
+    /// Upper bound of the bytes that [`build`](Builder::build) uses at its peak.
+    /// `None` if the counts or the options are unusable.
+    pub fn memory_estimate(&self, vertex_count: usize, triangle_count: usize) -> Option<u64> {
+        // SAFETY: the options live through the call.
+        let bytes = unsafe { sys::hmf_memory_estimate(vertex_count, triangle_count, &self.raw()) };
+        (bytes > 0).then_some(bytes)
+    }
+
+    /// For calls during which `self` is borrowed.
+    fn raw(&self) -> sys::hmf_build_options {
+        let marks = self.marked_vertices;
+        sys::hmf_build_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
+    }
+
+    /// What `hmf_build` or `hmf_suggest_marks` makes of a mesh.
+    fn call<T: Made>(
+        &mut self,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        make_it: OfMesh<T>,
+    ) -> Result<Owned<T>> {
+        let options = self.raw();
+        Closure::watch(&mut self.progress, || {
+            let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
+            // SAFETY: the slices hold three numbers for each vertex and each triangle.
+            make(|out, control, error| unsafe {
+                make_it(points, positions.len(), corners, triangles.len(), &options, control, out, error)
+            })
+        })
+    }
+}
+
+/// `hmf_build` and `hmf_suggest_marks`.
+type OfMesh<T> = unsafe extern "C" fn(
+    *const f64,
+    usize,
+    *const u32,
+    usize,
+    *const sys::hmf_build_options,
+    *const sys::hmf_control,
+    *mut *mut T,
+    *mut sys::hmf_error,
+) -> sys::hmf_status;
+
+/// A flat slice as triples.
+fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
+    if flat.len() % 3 != 0 {
+        let message = format!("{what} has {} numbers. Give three for each element.", flat.len());
+        return Err(Error::new(Status::ERROR_CAPACITY, message));
+    }
+    // SAFETY: an array has the layout of its elements, and the length fits.
+    Ok(unsafe { std::slice::from_raw_parts(flat.as_ptr().cast(), flat.len() / 3) })
+}
+
+record! {
+    /// Counts of one level.
+    #[derive(Copy, Eq, Hash)]
+    LevelInfo from hmf_level_info {
+        /// Vertices.
+        vertex_count: usize,
+        /// Edges.
+        edge_count: usize,
+        /// Triangles.
+        triangle_count: usize,
+        /// Edges whose weight was below the floor and was raised to it; 0 on level 0, the
+        /// intrinsic Delaunay triangulation.
+        raised_count: usize,
+    }
+}
+
+/// An immutable hierarchy of triangle meshes.
+///
+/// Level 0 is your mesh, higher levels are coarser. Edges of level 0 are numbered
+/// by their first appearance in the triangles (sides 0-1, 1-2, 2-0 of triangle 0,
+/// then of triangle 1, and so on); vertices and triangles keep your numbers.
+///
+/// A clone is another reference to the same hierarchy. Any number of threads may
+/// use it. It keeps about 140 bytes for each edge of your mesh.
+#[derive(Clone)]
+pub struct Hierarchy {
+    handle: Arc<Owned<sys::hmf_hierarchy>>,
+}
+
+impl Hierarchy {
+    /// Builds a hierarchy with the default options: see [`Builder::build`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Builder::build`].
+    pub fn build(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Hierarchy> {
+        Builder::default().build(positions, triangles)
+    }
+
+    /// Builds a hierarchy with options.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
+    /// # fn main() -> foliations::Result<()> {
+    /// # let (positions, triangles) = plate(2, 1, 2, 1);
+    /// let hierarchy = foliations::Hierarchy::builder()
+    ///     .coarsest(500)
+    ///     .progress(|fraction| println!("{:3.0} %", 100.0 * fraction))
+    ///     .build(&positions, &triangles)?;
+    /// # assert_eq!(hierarchy.genus(), 2);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn builder<'a>() -> Builder<'a> {
+        Builder::default()
+    }
+
+    pub(crate) fn as_ptr(&self) -> *const sys::hmf_hierarchy {
+        self.handle.as_ptr()
+    }
+
+    /// Bytes held by the hierarchy.
+    pub fn memory(&self) -> u64 {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_hierarchy_memory(self.as_ptr()) }
+    }
+
+    /// Number of levels, at least 1.
+    pub fn level_count(&self) -> usize {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_level_count(self.as_ptr()) }
+    }
+
+    /// The coarsest level, `level_count() - 1`.
+    pub fn coarsest_level(&self) -> usize {
+        self.level_count() - 1
+    }
+
+    /// Genus of the surface; 0 only with marked vertices.
+    pub fn genus(&self) -> usize {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_genus(self.as_ptr()) }
+    }
+
+    /// Counts of one level.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn level(&self, level: usize) -> Result<LevelInfo> {
+        let mut info = sys::hmf_level_info::default();
+        // SAFETY: the handle and the output are valid.
+        call(|_, error| unsafe { sys::hmf_level_counts(self.as_ptr(), level, &mut info, error) })?;
+        Ok(info.read())
+    }
+
+    /// The two vertices of each edge. On coarse levels two vertices may have
+    /// several edges.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn edge_vertices(&self, level: usize) -> Result<Vec<[u32; 2]>> {
+        self.fill(level, self.level(level)?.edge_count, sys::hmf_level_edge_vertices)
+    }
+
+    /// The three edges of each triangle; side s joins its corners s and s + 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn triangle_edges(&self, level: usize) -> Result<Vec<[u32; 3]>> {
+        self.fill(level, self.level(level)?.triangle_count, sys::hmf_level_triangle_edges)
+    }
+
+    /// The three vertices of each triangle, corners in the order of the sides of
+    /// [`triangle_edges`](Hierarchy::triangle_edges).
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn triangle_vertices(&self, level: usize) -> Result<Vec<[u32; 3]>> {
+        self.fill(level, self.level(level)?.triangle_count, sys::hmf_level_triangle_vertices)
+    }
+
+    /// The weight of each edge, half the sum of the two opposite cotangents,
+    /// without unit. On level 0 it is that of your triangulation and may be
+    /// negative (the solver uses the intrinsic Delaunay triangulation instead).
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn weights(&self, level: usize) -> Result<Vec<f64>> {
+        let weights = self.fill(level, self.level(level)?.edge_count, sys::hmf_level_weights)?;
+        Ok(weights.into_iter().map(|[weight]| weight).collect())
+    }
+
+    /// The position of each vertex, in the unit of the input.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_LEVEL`].
+    pub fn positions(&self, level: usize) -> Result<Vec<[f64; 3]>> {
+        self.fill(level, self.level(level)?.vertex_count, sys::hmf_level_positions)
+    }
+
+    /// An array of `count` times `N` numbers from one of the functions `hmf_level_*`.
+    fn fill<T: Copy + Default, const N: usize>(
+        &self,
+        level: usize,
+        count: usize,
+        get: unsafe extern "C" fn(
+            *const sys::hmf_hierarchy,
+            usize,
+            *mut T,
+            usize,
+            *mut sys::hmf_error,
+        ) -> sys::hmf_status,
+    ) -> Result<Vec<[T; N]>> {
+        let mut array = vec![[T::default(); N]; count];
+        // SAFETY: the capacity is the number of elements of type T in the array.
+        call(|_, error| unsafe { get(self.as_ptr(), level, array.as_mut_ptr().cast(), N * count, error) })?;
+        Ok(array)
+    }
+}
+
+impl fmt::Debug for Hierarchy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hierarchy").field("genus", &self.genus()).field("level_count", &self.level_count()).finish()
+    }
+}

@@ -1,0 +1,322 @@
+//! The harmonic foliation of loops, and the report of a run.
+
+use crate::error::{Error, Result, Status};
+use crate::foliation::Foliation;
+use crate::hierarchy::Hierarchy;
+use crate::loops::Loops;
+use crate::owned::{attempt, slice, Owned};
+use crate::progress::{Closure, Progress};
+use crate::records::{codes, options, record, Read};
+use foliations_sys as sys;
+use std::ptr;
+use std::time::Duration;
+
+codes! {
+    /// How the energy is minimised.
+    #[derive(Default)]
+    Method: i32 {
+        /// Newton steps on the twisted Laplacian, level by level.
+        #[default]
+        Newton = sys::HMF_METHOD_NEWTON,
+        /// Whitehead moves, level by level.
+        Whitehead = sys::HMF_METHOD_WHITEHEAD,
+        /// Whitehead moves on the input mesh alone.
+        SingleLevel = sys::HMF_METHOD_SINGLE_LEVEL,
+    }
+}
+
+/// Options for solving on a hierarchy; see [`Hierarchy::solver`].
+///
+/// What is not set has its default.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mesh.rs"));
+/// # fn main() -> foliations::Result<()> {
+/// # let (positions, triangles) = plate(2, 1, 2, 1);
+/// # let hierarchy = foliations::Hierarchy::build(&positions, &triangles)?;
+/// use std::time::Duration;
+///
+/// let loops = hierarchy.loops(0, foliations::LoopsKind::Cut)?.with_weights(&[1.0, 2.5])?;
+/// let solution = hierarchy.solver().loops(&loops).time_limit(Duration::from_secs(60)).solve()?;
+/// assert_eq!(solution.status(), foliations::Status::OK);
+/// assert!(solution.report.residual_max < 1e-8);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+#[must_use = "a solver does nothing until `solve` or `relax` is called"]
+pub struct Solver<'a> {
+    hierarchy: Hierarchy,
+    loops: Option<&'a Loops>,
+    start: Option<&'a Foliation>,
+    options: sys::hmf_solve_options,
+    progress: Option<Closure<'a>>,
+}
+
+impl Hierarchy {
+    /// Options for solving on this hierarchy, all at their defaults.
+    pub fn solver<'a>(&self) -> Solver<'a> {
+        let options = options!(hmf_solve_options method: Method::default() as i32);
+        Solver { hierarchy: self.clone(), loops: None, start: None, options, progress: None }
+    }
+}
+
+impl<'a> Solver<'a> {
+    /// The class of the foliation: loops on any level. Default: those of
+    /// [`LoopsKind::Cut`](crate::LoopsKind::Cut) on the coarsest level (on level 0
+    /// with [`Method::SingleLevel`]), weights 1.
+    pub fn loops(mut self, loops: &'a Loops) -> Self {
+        self.loops = Some(loops);
+        self
+    }
+
+    /// A foliation to start from instead of loops; the class is its class. It may be
+    /// of another hierarchy with the same triangles at other positions, as the last
+    /// frame of an animation. Only for [`solve`](Solver::solve).
+    ///
+    /// It is restricted to the coarsest level, and solved from there. Where it
+    /// is close to the minimum, [`relax`](Solver::relax) is faster.
+    pub fn start(mut self, foliation: &'a Foliation) -> Self {
+        self.start = Some(foliation);
+        self
+    }
+
+    /// How the energy is minimised. Default: [`Method::Newton`].
+    pub fn method(mut self, method: Method) -> Self {
+        self.options.method = method as i32;
+        self
+    }
+
+    /// When to stop. [`Method::Newton`]: the largest residual, default 1e-8; the
+    /// others: the relative change of the energy in a sweep, default 1e-6.
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.options.tolerance = tolerance;
+        self
+    }
+
+    /// After this time the best foliation so far is the result. Default: no limit.
+    pub fn time_limit(mut self, limit: Duration) -> Self {
+        self.options.time_limit = limit.as_secs_f64();
+        self
+    }
+
+    /// Most sweeps on each level. Default: 100 000.
+    pub fn iteration_limit(mut self, sweeps: u64) -> Self {
+        self.options.iteration_limit = sweeps;
+        self
+    }
+
+    /// The finest level to solve, for a preview. Default: 0, the input mesh.
+    pub fn stop_level(mut self, level: usize) -> Self {
+        self.options.stop_level = level as u64;
+        self
+    }
+
+    /// A closure that is called on this thread with a fraction rising from 0 to
+    /// 1, and that may end the call. If it panics, the call is cancelled and the
+    /// panic goes on.
+    pub fn progress<R: Into<Progress>>(mut self, closure: impl FnMut(f64) -> R + 'a) -> Self {
+        self.progress = Closure::new(closure);
+        self
+    }
+
+    /// The harmonic foliation in the class of the loops.
+    ///
+    /// If a limit or the progress closure ended the optimisation and there is a
+    /// foliation, it is the result, closed and without poles;
+    /// [`Solution::stopped`] tells why.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::CANCELLED`] if there is no foliation yet, or a status of the
+    /// classes 100, 200, 400.
+    pub fn solve(&mut self) -> Result<Solution> {
+        let set = self.loops.map(Loops::as_raw);
+        let set = set.as_ref().map_or(ptr::null(), ptr::from_ref);
+        let options =
+            sys::hmf_solve_options { start: self.start.map_or(ptr::null(), Foliation::as_ptr), ..self.options };
+        let hierarchy = self.hierarchy.as_ptr();
+        let made = Closure::watch(&mut self.progress, || {
+            // SAFETY: the handles are valid, and `self` borrows loops and start.
+            attempt(|out, control, error| unsafe { sys::hmf_solve(hierarchy, set, &options, control, out, error) })
+        });
+        self.solution(made)
+    }
+
+    /// Optimises a foliation on its level; otherwise as [`solve`](Solver::solve).
+    /// Loops, `start` and `stop_level` are not used.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::CANCELLED`] if there is no foliation yet, [`Status::ERROR_OPTIONS`] if
+    /// the foliation is of another hierarchy, [`Status::ERROR_VALUE_POLE`], classes
+    /// 100 and 200.
+    pub fn relax(&mut self, foliation: &Foliation) -> Result<Solution> {
+        if foliation.hierarchy().as_ptr() != self.hierarchy.as_ptr() {
+            let message = "The foliation is of another hierarchy. Take the solver of foliation.hierarchy().";
+            return Err(Error::new(Status::ERROR_OPTIONS, message.into()));
+        }
+        let options = sys::hmf_solve_options { stop_level: 0, ..self.options };
+        let start = foliation.as_ptr();
+        let made = Closure::watch(&mut self.progress, || {
+            // SAFETY: the handle is valid.
+            attempt(|out, control, error| unsafe { sys::hmf_relax(start, &options, control, out, error) })
+        });
+        self.solution(made)
+    }
+
+    fn solution(&self, (result, made): (Result<()>, Option<Owned<sys::hmf_foliation>>)) -> Result<Solution> {
+        let stopped = match (result, &made) {
+            (Ok(()), _) => None,
+            (Err(error), Some(_)) if error.status().is_stopped() => Some(error),
+            (Err(error), _) => return Err(error),
+        };
+        let defect = || Error::new(Status::ERROR_INTERNAL, "The library gave no foliation with a report.".into());
+        let foliation = Foliation::new(&self.hierarchy, made.ok_or_else(defect)?);
+        let report = foliation.report().ok_or_else(defect)?;
+        Ok(Solution { foliation, report, stopped })
+    }
+}
+
+/// What a run gives.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Closed and without poles, even if the optimisation was stopped.
+    pub foliation: Foliation,
+    /// How the run went.
+    pub report: Report,
+    /// Why the optimisation was stopped before it converged: a limit
+    /// (`Status::LIMIT_*`) or [`Status::CANCELLED`]. `None`: it converged.
+    pub stopped: Option<Error>,
+}
+
+impl Solution {
+    /// [`Status::OK`], or that of [`stopped`](Solution::stopped).
+    pub fn status(&self) -> Status {
+        self.stopped.as_ref().map_or(Status::OK, Error::status)
+    }
+}
+
+record! {
+    /// How a run went.
+    Report from hmf_report {
+        /// The method that ran.
+        method: Method,
+        /// Whether the tolerance was reached.
+        converged: bool,
+        /// Energy of the result, on the finest level solved; on level 0 on the intrinsic
+        /// triangulation, before the values are carried to your edges.
+        energy: f64,
+        /// Largest residual of a vertex, as in [`Foliation::residuals`]; negative where it was
+        /// not evaluated, as the call was cancelled before.
+        residual_max: f64,
+        /// Mean residual.
+        residual_mean: f64,
+        /// Poles of the result, as in [`Foliation::singularities`].
+        poles: u64,
+        /// Zeros of the result, each as often as its order.
+        zeros: u64,
+        /// Sum of all indices, 4 - 4 genus - marked vertices.
+        index_sum: i64,
+        /// Flips that would have made a pole.
+        bad_flips: u64,
+        /// Flips that did.
+        bad_flips_left: u64,
+        /// Time of the call.
+        solve_seconds: f64,
+        /// Most memory of the call, without the hierarchy.
+        peak_memory_bytes: u64,
+        /// The levels that were used, finest first.
+        levels: Vec<LevelReport> = |raw: &sys::hmf_report| {
+            // SAFETY: there are so many, and they live as long as `raw`.
+            unsafe { slice(raw.levels, raw.level_count) }.iter().map(Read::read).collect()
+        },
+        /// Events in order of time.
+        history: Vec<HistoryEntry> = |raw: &sys::hmf_report| {
+            // SAFETY: as above.
+            unsafe { slice(raw.history, raw.history_count) }.iter().map(Read::read).collect()
+        },
+        /// Whether the values belong to the loops.
+        class_state: ClassState,
+        /// Levels that were solved once more, as the first result had left the class.
+        class_repeats: u32,
+        /// Time for the certificate of the class, part of `solve_seconds`.
+        class_seconds: f64,
+    }
+}
+
+codes! {
+    /// What is known of the class of a result.
+    ///
+    /// Proven, exactly and from the integers of the result alone: one cylinder of closed
+    /// leaves for each loop, as high as the weight of the loop, and freely homotopic to it.
+    ClassState: i32 {
+        /// Not looked at: `relax`, cancelled, or a start with values that no loops have.
+        Unknown = sys::HMF_CLASS_UNKNOWN,
+        /// The values belong to the loops.
+        Proven = sys::HMF_CLASS_PROVEN,
+        /// They do not; never with [`Status::OK`].
+        Lost = sys::HMF_CLASS_LOST,
+        /// The heights are the weights; with marked vertices classes are not compared.
+        Checked = sys::HMF_CLASS_CHECKED,
+    }
+}
+
+record! {
+    /// How a run went on one level.
+    #[derive(Copy)]
+    LevelReport from hmf_level_report {
+        /// Vertices.
+        vertices: u64,
+        /// Edges.
+        edges: u64,
+        /// Edges with a raised weight.
+        raised_count: u64,
+        /// Sweeps of Whitehead moves.
+        iterations: u64,
+        /// Linear systems.
+        linear_solves: u64,
+        /// Time of the optimisation.
+        optimize_seconds: f64,
+        /// Time of the way from the next coarser level to this one.
+        interpolate_seconds: f64,
+    }
+}
+
+codes! {
+    /// What an entry of the history comes after.
+    HistoryKind: u32 {
+        /// The way from the next coarser level.
+        Interpolation = 0,
+        /// A sweep of Whitehead moves.
+        Sweep = 1,
+        /// A linear system.
+        LinearSolve = 2,
+    }
+}
+
+record! {
+    /// One line of the history.
+    #[derive(Copy)]
+    HistoryEntry from hmf_history_entry {
+        /// Since the start of the call.
+        seconds: f64,
+        /// Energy on the level.
+        energy: f64,
+        /// Largest residual, where it was evaluated.
+        residual_max: Option<f64>,
+        /// The level.
+        level: usize,
+        /// What came before.
+        kind: HistoryKind,
+    }
+}
+
+impl Foliation {
+    /// How the run went that made it; `None` where neither `solve` nor `relax` did.
+    pub fn report(&self) -> Option<Report> {
+        // SAFETY: the report, where there is one, lives as long as the foliation.
+        unsafe { sys::hmf_foliation_report(self.as_ptr()).as_ref() }.map(Read::read)
+    }
+}

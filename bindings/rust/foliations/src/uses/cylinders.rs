@@ -1,0 +1,64 @@
+//! The cylinders that the critical leaves cut the surface into.
+
+use crate::error::Result;
+#[cfg(doc)]
+use crate::error::Status;
+use crate::foliation::Foliation;
+use crate::loops::Loops;
+use crate::owned::{make, slice, Owned};
+use crate::records::{record, Read};
+use foliations_sys as sys;
+use std::ptr;
+
+record! {
+    /// A cylinder of a harmonic foliation, filled with closed leaves of one class.
+    #[derive(Copy)]
+    Cylinder from hmf_cylinder {
+        /// Its loop; `None` if no loops were given.
+        loop_index: Option<u32> = |raw: &sys::hmf_cylinder| raw.loop_.read(),
+        /// The weight of the loop, exactly.
+        height: f64,
+        /// In the flat metric du^2 + dv^2, in the unit of the values.
+        circumference: f64,
+        /// Height divided by circumference.
+        modulus: f64,
+        /// In the flat metric; the areas add up to the energy.
+        area: f64,
+    }
+}
+
+/// The cylinders of a harmonic foliation.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Cylinders {
+    /// In the order of [`Line::cylinder`](crate::Line::cylinder).
+    pub list: Vec<Cylinder>,
+    /// The leaf in the middle of each as a loop of triangles of the level; weights: the heights.
+    pub leaves: Loops,
+}
+
+impl Foliation {
+    /// The cylinders of a harmonic foliation: the critical leaves cut the surface into
+    /// one for each loop, filled with closed leaves of its class.
+    ///
+    /// `loops` are those that the foliation belongs to, on any level; with `None`,
+    /// [`Cylinder::loop_index`] is `None`. Heights are exact. Circumference, modulus and
+    /// area are those of the minimum, where energy = sum of height * circumference = sum
+    /// of areas. Matching takes about as long as two solves on the coarsest level.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_VALUE_CLASS`] if the values do not belong to the loops,
+    /// [`Status::ERROR_VALUE_NOT_HARMONIC`] if their energy is 1 % above the minimum,
+    /// others of class 500, [`Status::CANCELLED`], and classes 100, 200, 400.
+    pub fn cylinders(&self, loops: Option<&Loops>) -> Result<Cylinders> {
+        let set = loops.map(Loops::as_raw);
+        let set = set.as_ref().map_or(ptr::null(), ptr::from_ref);
+        // SAFETY: the handle is valid, and the set borrows from `loops`.
+        let block: Owned<sys::hmf_cylinder_set> =
+            make(|out, control, error| unsafe { sys::hmf_cylinders(self.as_ptr(), set, control, out, error) })?;
+        // SAFETY: the list has so many entries, and the leaves are part of the block.
+        let (list, leaves) = unsafe { (slice(block.list, block.count), Loops::copy(&*block.leaves)) };
+        Ok(Cylinders { list: list.iter().map(Read::read).collect(), leaves })
+    }
+}

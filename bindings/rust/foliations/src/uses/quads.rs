@@ -1,0 +1,53 @@
+//! Quad meshes along the leaves.
+
+use crate::error::Result;
+#[cfg(doc)]
+use crate::error::Status;
+use crate::foliation::Foliation;
+use crate::owned::{arrays, make, Owned};
+use crate::records::options;
+use foliations_sys as sys;
+
+/// A closed quad mesh, oriented and manifold, of the same genus.
+///
+/// In quad (a, b, c, d) the sides a-d and b-c lie on leaves. All edges are about
+/// equally long in the metric du^2 + dv^2: longer in space where the foliation is thin.
+#[derive(Debug)]
+pub struct QuadMesh {
+    block: Owned<sys::hmf_quad_mesh>,
+}
+
+arrays! {
+    QuadMesh {
+        /// Points of the surface. The first are the zeros, in the order of
+        /// [`Singularities::list`](crate::Singularities::list). Zeros that only discretisation
+        /// keeps apart can become one, with the sum of their orders. A zero of order m has
+        /// 2 m + 4 edges, every other vertex has 4.
+        positions: [[f64; 3]; vertex_count],
+        /// Four vertices each, oriented as the triangles.
+        quads: [[u32; 4]; quad_count],
+    }
+}
+
+impl Foliation {
+    /// A closed quad mesh along the leaves of a harmonic foliation: a grid on each
+    /// cylinder, glued along the critical leaves.
+    ///
+    /// `edge_length` is the wished mean length of an edge, in the unit of the positions.
+    /// With `None` there are about half as many quads as triangles. Numbers are rounded so
+    /// that the grids match, with at least 3 quads across a cylinder and 2 along a
+    /// critical leaf.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::ERROR_UNSUPPORTED`] if a zero goes round a part of the surface that no
+    /// leaf crosses, or if there is no match for edges so long; [`Status::CANCELLED`];
+    /// classes 100, 200, 500.
+    pub fn quads(&self, edge_length: Option<f64>) -> Result<QuadMesh> {
+        let options = options!(hmf_quad_options edge_length: edge_length.unwrap_or(0.0));
+        // SAFETY: the handle is valid.
+        let block =
+            make(|out, control, error| unsafe { sys::hmf_quads(self.as_ptr(), &options, control, out, error) })?;
+        Ok(QuadMesh { block })
+    }
+}
