@@ -1115,6 +1115,10 @@ class Components(Case):
         self.assertIn("--marks auto", done.stderr)
         again = json.loads(self.read("again.json"))
         self.assertEqual([c["class"] for c in again["components"]], ["checked", "none", "proven"])
+        # A sphere of three vertices.
+        mesh = self.write("pillow.obj", obj_text(*beside(self.small, (points[:3], [(0, 1, 2), (0, 2, 1)]))))
+        done = self.run_tool("solve", mesh)
+        self.assertIn("genus 0; it has no four vertices to mark", done.stderr)
         # Handles are not looked for on a sphere.
         done = self.run_tool("solve", scene, "--loops", "handle", "--report", self.path("again.json"))
         self.assertIn("no handles", done.stderr)

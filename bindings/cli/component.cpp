@@ -79,7 +79,9 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
             reason += " (triangle " + std::to_string(whole_triangle(static_cast<uint32_t>(error.index))) + ")";
         if (error.element == HMF_ELEMENT_VERTEX)
             reason += " (vertex " + std::to_string(whole_vertex(static_cast<uint32_t>(error.index))) + ")";
-        if (status == HMF_ERROR_MESH_GENUS) reason += "; --marks auto marks vertices of a sphere";
+        if (status == HMF_ERROR_MESH_GENUS)
+            reason += request.marks == "auto" ? "; it has no four vertices to mark"
+                                              : "; --marks auto marks vertices of a sphere";
         return refuse(status, reason + repair_advice(status, request.repairs, request.joins));
     }
     check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
