@@ -17,7 +17,13 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
     if (!(all.tolerance >= 0) || !(all.tolerance < 1) || !(all.time_limit >= 0))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "tolerance must lie in (0, 1) and time_limit must not be negative; 0 means the default.");
-    options.tolerance = all.tolerance > 0 ? all.tolerance : options.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
+    if (!(all.residual_tolerance >= 0) || !(all.residual_tolerance < 1))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "residual_tolerance must lie in (0, 1); 0 means the default.");
+    const bool newton = options.method == HMF_METHOD_NEWTON;
+    options.tolerance = all.tolerance > 0 ? all.tolerance : newton ? 1e-8 : 1e-6;
+    options.residual_tolerance = all.residual_tolerance;
+    if (newton && all.residual_tolerance > 0) options.tolerance = all.residual_tolerance;
     if (all.iteration_limit) options.iteration_limit = all.iteration_limit;
     if (all.stop_level >= h.level_count)
         return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, all.stop_level,
@@ -96,8 +102,11 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
-    report.converged = status == HMF_OK;
     if (measure(state, recorder, call)) return call.status();
+    const double enough = options.method == HMF_METHOD_NEWTON ? options.tolerance
+                        : options.residual_tolerance > 0      ? options.residual_tolerance
+                                                              : 1e-8;
+    report.converged = report.residual_max >= 0 && report.residual_max <= enough;
     if (watch) {
         report.class_state = static_cast<int32_t>(watch->result.state);
         report.class_repeats = watch->repeats;
