@@ -476,7 +476,7 @@ typedef struct hmf_history_entry {
 /* What is known of the class of a result.  Proven, exactly and from the integers of
    the result alone: one cylinder of closed leaves for each loop, as high as the weight
    of the loop, and freely homotopic to it. */
-#define HMF_CLASS_UNKNOWN 0 /* not looked at: hmf_relax, cancelled, or values at the start that no loops have */
+#define HMF_CLASS_UNKNOWN 0 /* not looked at: cancelled, or values at the start that no loops have */
 #define HMF_CLASS_PROVEN 1
 #define HMF_CLASS_LOST 2    /* never with HMF_OK */
 #define HMF_CLASS_CHECKED 3 /* the heights are the weights; with marked vertices classes are not compared */
@@ -543,7 +543,13 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
                              const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
                              hmf_error *error);
 
-/* Optimises a foliation on its level; otherwise as hmf_solve. */
+/*
+ * Optimises a foliation on its level; otherwise as hmf_solve.  The class is that
+ * of the foliation: Newton steps are certified against it, and moves of single
+ * vertices, the other methods, cannot leave it.  If the foliation has a report,
+ * class_state is never better than there; without one it is UNKNOWN after moves
+ * of single vertices.
+ */
 HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
                              const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
