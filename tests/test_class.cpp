@@ -302,6 +302,39 @@ TEST(ClassGuard, SaysWhichLoopIsLost) {
     EXPECT_EQ(start.watch.repeats, start.hierarchy.levels());
 }
 
+// hmf_relax: what was known of the class is handed on, and Newton steps are certified.
+TEST(ClassRelax, KeepsWhatWasKnown) {
+    for (const TriMesh& mesh : {pretzel(3, 2), torus(40, 20, 3, 1)}) {
+        const Hierarchy hierarchy(mesh, 0.5, 300);
+        const Loops loops = library_loops(hierarchy, 0, HMF_LOOPS_PANTS);
+        hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 1e-2);
+        const Solution rough = solve(hierarchy, &loops, options);
+        ASSERT_EQ(rough.report.class_state, HMF_CLASS_PROVEN);
+        const Foliation values = create(hierarchy, 0, rough.values), initial = initialize(hierarchy, loops);
+        for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
+            SCOPED_TRACE(method);
+            const bool newton = method == HMF_METHOD_NEWTON;
+            options = solve_options(method, 0);
+            const Solution known = relax(rough.foliation, options);
+            EXPECT_EQ(known.status, HMF_OK) << known.error.message;
+            EXPECT_EQ(known.report.class_state, HMF_CLASS_PROVEN);
+            EXPECT_EQ(known.report.class_seconds > 0, newton);
+            EXPECT_LT(known.report.energy, rough.report.energy);
+            // Without a report the foliation itself says which class it is.
+            for (const Foliation* from : {&values, &initial}) {
+                const Solution relaxed = relax(*from, options);
+                EXPECT_EQ(relaxed.status, HMF_OK) << relaxed.error.message;
+                EXPECT_EQ(relaxed.report.class_state, newton ? HMF_CLASS_PROVEN : HMF_CLASS_UNKNOWN);
+                // With one that does not know, neither does the next one.
+                if (!newton) {
+                    EXPECT_EQ(relax(relaxed.foliation, solve_options(HMF_METHOD_NEWTON, 0)).report.class_state,
+                              HMF_CLASS_UNKNOWN);
+                }
+            }
+        }
+    }
+}
+
 // Meshes NAME.obj with NAME.loops.txt (lines `t: triangle triangle ..`) and
 // NAME.weights.txt in the folder HMF_CASES, on which solves once ended in another class.
 TEST(ClassCases, SameEnergyWithEachRatio) {

@@ -411,6 +411,43 @@ TEST(DrawnLoops, CrossingIsNamed) {
         << error.message;
 }
 
+// Loops of the caller's triangles when these are far from Delaunay: a loop winds so
+// much that several fingers, also of several loops, go round the same vertices.
+void expect_pants_on_the_input(const TriMesh& mesh, double ratio) {
+    const Hierarchy hierarchy(mesh, ratio);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0, HMF_LOOPS_PANTS);
+    EXPECT_EQ(loops.count(), 3 * mesh.genus - 3);
+    const Foliation foliation = initialize(hierarchy, loops);
+    ASSERT_NE(foliation, nullptr);
+    expect_foliation(read_level(hierarchy, 0), foliation);
+}
+
+TEST(PantsLoops, NestedFingersOnStretchedPlates) {
+    for (const uint64_t seed : {44, 45, 56, 57}) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        TriMesh mesh = plate(6 + seed % 2);
+        while (mesh.vertex_count() < 1500) mesh = subdivide(mesh);
+        mesh = transformed(mesh, rotation(random.unit(), random.unit(), 1, 6.3 * random.unit()));
+        mesh = transformed(mesh, {40 + 100 * random.unit(), 0, 0, 0, 1 + 4 * random.unit(), 0, 0, 0, 1});
+        expect_pants_on_the_input(mesh, 0.5);
+    }
+}
+
+// Meshes in the folder HMF_CASES on which this once failed.
+TEST(PantsLoops, CasesOnTheInput) {
+    const char* folder = std::getenv("HMF_CASES");
+    if (!folder) GTEST_SKIP() << "skipped: set HMF_CASES to the folder of the cases";
+    for (const char* name : {"pants-900", "pants-403"}) {
+        SCOPED_TRACE(name);
+        const std::string path = std::string(folder) + "/" + name + ".obj";
+        TriMesh mesh;
+        if (!read_obj(path, mesh)) GTEST_SKIP() << "skipped: no " << path;
+        for (const double ratio : {0.25, 0.5, 0.75}) expect_pants_on_the_input(mesh, ratio);
+    }
+}
+
 class RealHandles : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealHandles, LinkingIntegrals) {

@@ -558,7 +558,8 @@ TEST(ProgressOf, SolveAndRelax) {
                     }
                     if (stopped.foliation) {
                         ++given;
-                        EXPECT_EQ(stopped.report.converged, 0);
+                        const double residual = stopped.report.residual_max;
+                        EXPECT_EQ(stopped.report.converged, residual >= 0 && residual <= 1e-8);
                         expect_foliation(mesh, stopped.foliation);
                     }
                     stopped.foliation.reset();

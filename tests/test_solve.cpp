@@ -28,7 +28,8 @@ hmf_solve_options newton() { return solve_options(HMF_METHOD_NEWTON, 1e-9); }
 void expect_report(const Hierarchy& hierarchy, const Solution& solution, const LevelMesh& mesh) {
     const long genus = static_cast<long>(hmf_genus(hierarchy.get()));
     const hmf_report& report = solution.report;
-    EXPECT_EQ(report.converged, solution.status == HMF_OK);
+    if (report.method == HMF_METHOD_NEWTON) EXPECT_EQ(report.converged, solution.status == HMF_OK);
+    else EXPECT_EQ(report.converged, report.residual_max <= 1e-8);
     EXPECT_EQ(report.poles, 0u);
     EXPECT_EQ(static_cast<long>(report.zeros), 4 * genus - 4);
     EXPECT_EQ(report.index_sum, 4 - 4 * genus);
@@ -616,6 +617,63 @@ TEST(Scaling, RotationKeepsTheEnergy) {
     const Solution u = solve(plain, &a, whitehead()), v = solve(turned, &b, whitehead());
     expect_result(turned, v);
     EXPECT_LT(relative(u.report.energy, v.report.energy), 1e-8);
+}
+
+// --- Residual tolerance ------------------------------------------------------
+
+TEST(ResidualTolerance, ConvergedMeansTheResidual) {
+    const Hierarchy hierarchy(pretzel(2, 2), 0.5, coarse_size);
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0);
+    for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
+        SCOPED_TRACE(method);
+        const bool sweeps = method != HMF_METHOD_NEWTON;
+        // The energy hardly changes any more, and the residual is large.
+        hmf_solve_options options = solve_options(method, 1e-3, many);
+        const Solution rough = solve(hierarchy, &loops, options);
+        EXPECT_EQ(rough.status, HMF_OK) << rough.error.message;
+        EXPECT_EQ(rough.report.converged, !sweeps);
+        if (sweeps) { EXPECT_GT(rough.report.residual_max, 1e-6); }
+
+        options.residual_tolerance = 1e-6;
+        const Solution fine = solve(hierarchy, &loops, options);
+        EXPECT_EQ(fine.status, HMF_OK) << fine.error.message;
+        EXPECT_EQ(fine.report.converged, 1);
+        EXPECT_LE(fine.report.residual_max, 1e-6);
+        EXPECT_LE(fine.report.energy, rough.report.energy * (1 + 1e-12));
+        const hmf_history_entry& last = fine.report.history[fine.report.history_count - 1];
+        EXPECT_TRUE(last.residual_max >= 0 && last.residual_max <= 1e-6);
+
+        // It counts and not the status, if a limit comes first.
+        options.iteration_limit = 2;
+        const Solution few = solve(hierarchy, &loops, options);
+        EXPECT_EQ(few.report.converged, few.report.residual_max <= 1e-6);
+        if (sweeps) {
+            EXPECT_EQ(few.status, HMF_LIMIT_ITERATIONS);
+            EXPECT_EQ(few.report.converged, 0);
+        }
+    }
+}
+
+// Sweeps that cannot move by a unit any more say so.
+TEST(ResidualTolerance, BelowTheUnitSweepsStall) {
+    const Hierarchy hierarchy(torus(12, 8, 3, 1));
+    ASSERT_TRUE(hierarchy);
+    hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0, many);
+    options.residual_tolerance = 1e-300;
+    const Solution solution = solve(hierarchy, nullptr, options);
+    EXPECT_TRUE(solution.status == HMF_LIMIT_STALLED || solution.report.residual_max == 0) << solution.status;
+    EXPECT_EQ(solution.report.converged, solution.status == HMF_OK);
+}
+
+TEST(ResidualTolerance, OutOfRange) {
+    const Hierarchy hierarchy(torus(12, 8, 3, 1));
+    ASSERT_TRUE(hierarchy);
+    for (const double tolerance : {-1e-8, 1.0, std::nan("")}) {
+        hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0);
+        options.residual_tolerance = tolerance;
+        EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_ERROR_OPTIONS) << tolerance;
+    }
 }
 
 // --- Determinism -------------------------------------------------------------

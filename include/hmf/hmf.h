@@ -442,13 +442,17 @@ typedef struct hmf_solve_options {
     uint32_t struct_size;
     int32_t method;              /* HMF_METHOD_*; default: the most exact of this version */
     double tolerance;            /* newton: residual_max, default 1e-8; others: relative change of the energy per
-                                    sweep, default 1e-6 */
+                                    sweep, default 1e-6, which says nothing of the residual */
     double time_limit;           /* seconds, 0 = none */
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
     const hmf_foliation *start;  /* hmf_solve: a foliation to start from instead of loops, which are then NULL; of
                                     this hierarchy, or of another one of the same triangles (then on level 0);
                                     NULL = none */
+    double residual_tolerance;   /* residual_max up to which the report says converged.  newton: in place of tolerance.
+                                    Others: sweeps on stop_level go on until it is reached, whatever the energy does,
+                                    or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
+                                    energy, and 1e-8 counts as converged */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
@@ -473,7 +477,7 @@ typedef struct hmf_history_entry {
 /* What is known of the class of a result.  Proven, exactly and from the integers of
    the result alone: one cylinder of closed leaves for each loop, as high as the weight
    of the loop, and freely homotopic to it. */
-#define HMF_CLASS_UNKNOWN 0 /* not looked at: hmf_relax, cancelled, or values at the start that no loops have */
+#define HMF_CLASS_UNKNOWN 0 /* not looked at: cancelled, or values at the start that no loops have */
 #define HMF_CLASS_PROVEN 1
 #define HMF_CLASS_LOST 2    /* never with HMF_OK */
 #define HMF_CLASS_CHECKED 3 /* the heights are the weights; with marked vertices classes are not compared */
@@ -482,7 +486,8 @@ typedef struct hmf_history_entry {
 typedef struct hmf_report {
     uint32_t struct_size;
     int32_t method;
-    int32_t converged;           /* 1 or 0 */
+    int32_t converged;           /* 1: residual_max is at most residual_tolerance, whatever the method and the
+                                    status; else 0 */
     int32_t reserved;            /* 0 */
     double energy;               /* of the result, on the finest level solved; level 0: on the intrinsic
                                     triangulation, before the values are carried to the caller's edges */
@@ -539,7 +544,13 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
                              const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
                              hmf_error *error);
 
-/* Optimises a foliation on its level; otherwise as hmf_solve. */
+/*
+ * Optimises a foliation on its level; otherwise as hmf_solve.  The class is that
+ * of the foliation: Newton steps are certified against it, and moves of single
+ * vertices, the other methods, cannot leave it.  If the foliation has a report,
+ * class_state is never better than there; without one it is UNKNOWN after moves
+ * of single vertices.
+ */
 HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
                              const hmf_control *control, hmf_foliation **out, hmf_error *error);
 

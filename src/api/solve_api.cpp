@@ -17,7 +17,13 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
     if (!(all.tolerance >= 0) || !(all.tolerance < 1) || !(all.time_limit >= 0))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "tolerance must lie in (0, 1) and time_limit must not be negative; 0 means the default.");
-    options.tolerance = all.tolerance > 0 ? all.tolerance : options.method == HMF_METHOD_NEWTON ? 1e-8 : 1e-6;
+    if (!(all.residual_tolerance >= 0) || !(all.residual_tolerance < 1))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "residual_tolerance must lie in (0, 1); 0 means the default.");
+    const bool newton = options.method == HMF_METHOD_NEWTON;
+    options.tolerance = all.tolerance > 0 ? all.tolerance : newton ? 1e-8 : 1e-6;
+    options.residual_tolerance = all.residual_tolerance;
+    if (newton && all.residual_tolerance > 0) options.tolerance = all.residual_tolerance;
     if (all.iteration_limit) options.iteration_limit = all.iteration_limit;
     if (all.stop_level >= h.level_count)
         return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, all.stop_level,
@@ -33,7 +39,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 }
 
 // The sentence of a solve that ended with a foliation.
-hmf_status describe(hmf_status status, size_t level, const ClassWatch* watch, Call& call) {
+hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
     switch (status) {
     case HMF_OK:
         call.range(1, 1);
@@ -52,15 +58,15 @@ hmf_status describe(hmf_status status, size_t level, const ClassWatch* watch, Ca
             status, HMF_ELEMENT_LEVEL, level,
             "No progress above the tolerance is possible; the values are closed and without poles. Loosen tolerance.");
     case HMF_LIMIT_CLASS:
-        if (!watch || watch->lost.loop == NONE)
+        if (watch.lost.loop == NONE)
             return call.fail(status, HMF_ELEMENT_NONE, 0,
                              "Steps to the minimum leave the class of the loops; report->class_state tells whether the "
                              "values are in it. Try another ratio, or improve the triangles.");
-        return call.fail(status, HMF_ELEMENT_LOOP, watch->lost.loop,
+        return call.fail(status, HMF_ELEMENT_LOOP, watch.lost.loop,
                          "Steps to the minimum leave the class: the cylinder of loop %u would be %g high instead of "
                          "%g. The values are in the class. Try another ratio, or improve the triangles.",
-                         static_cast<unsigned>(watch->lost.loop), watch->lost.found * watch->unit,
-                         watch->lost.wanted * watch->unit);
+                         static_cast<unsigned>(watch.lost.loop), watch.lost.found * watch.unit,
+                         watch.lost.wanted * watch.unit);
     case HMF_CANCELLED:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
                          "Cancelled by the progress callback; the values are closed and without poles.");
@@ -92,17 +98,18 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
 
 // From a state that a cascade has left to the foliation of the caller.
 hmf_status finish(State& state, hmf_status status, const SolveOptions& options, Recorder& recorder, Call& call,
-                  const ClassWatch* watch, hmf_foliation** out) {
+                  const ClassWatch& watch, hmf_foliation** out) {
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
-    report.converged = status == HMF_OK;
     if (measure(state, recorder, call)) return call.status();
-    if (watch) {
-        report.class_state = static_cast<int32_t>(watch->result.state);
-        report.class_repeats = watch->repeats;
-        report.class_seconds = watch->seconds;
-    }
+    const double enough = options.method == HMF_METHOD_NEWTON ? options.tolerance
+                        : options.residual_tolerance > 0      ? options.residual_tolerance
+                                                              : 1e-8;
+    report.converged = report.residual_max >= 0 && report.residual_max <= enough;
+    report.class_state = static_cast<int32_t>(watch.result.state);
+    report.class_repeats = watch.repeats;
+    report.class_seconds = watch.seconds;
     Making making;
     Array<int64_t> solved;
     if (state.level == 0) {
@@ -150,7 +157,28 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu, before the asked one was reached.",
                          static_cast<unsigned long long>(state.level));
-    return finish(state, status, options, recorder, call, &watch, out);
+    return finish(state, status, options, recorder, call, watch, out);
+}
+
+// Optimises the state of a foliation on its level, within its class.  Where that
+// has a report, watch.result says no more than the report did.
+hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOptions& options, Recorder& recorder,
+                          ClassWatch& watch, Call& call) {
+    const int32_t known = from.has_report ? from.report.class_state : HMF_CLASS_UNKNOWN;
+    hmf_status status = HMF_OK;
+    if (options.method == HMF_METHOD_NEWTON) {
+        const Array<int64_t> unknown;
+        if (watch.start(state, from.unit, nullptr, unknown, call)) return call.status();
+        status = solve_in_class(state, options, call, recorder, watch);
+        if (!from.has_report || !watch.holds()) return status;
+        if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) watch.result.state = ClassState::unknown;
+        else if (known == HMF_CLASS_CHECKED && watch.result.state == ClassState::proven)
+            watch.result.state = ClassState::checked;
+    } else { // moves of single vertices do not leave the class
+        status = run_cascade(state, options, call, recorder);
+        if (known != HMF_CLASS_LOST) watch.result.state = static_cast<ClassState>(known);
+    }
+    return status;
 }
 
 // The start of the caller: of this hierarchy, or of another one of the same triangles.
@@ -257,9 +285,10 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     if (load_solved(*foliation, state, call)) return call.status();
     Recorder recorder(true, call, foliation->unit);
     solve.stop_level = foliation->level;
-    const hmf_status status = run_cascade(state, solve, call, recorder);
+    ClassWatch watch;
+    const hmf_status status = relax_in_class(state, *foliation, solve, recorder, watch, call);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish(state, status, solve, recorder, call, nullptr, out);
+    return finish(state, status, solve, recorder, call, watch, out);
 }
 
 } // extern "C"

@@ -13,6 +13,10 @@
 // ([W] Eq. 1): the numbers of crossings would be no distances in a tree.  The
 // finger is taken off; each time the crossings become fewer.
 //
+// Fingers round one cluster lie in each other.  All of them are taken off at
+// once: an outer one without the inner one would cross it, and what crosses is
+// no longer what the numbers of crossings say.
+//
 // A disk without a closed corner would have a loop round it that is not
 // essential, so the fingers are found at closed corners: opposite to an edge
 // that is crossed more than once.
@@ -109,36 +113,53 @@ private:
     }
 
     // Does the loop cross the edges of the finger from place i on, in one of the two ways?
-    bool matches(const uint32_t* loop, size_t n, size_t i, bool reversed) const {
+    bool matches(const uint32_t* loop, size_t n, size_t i) const {
         const size_t m = finger_.size();
         if (m == 0 || m >= n) return false;
+        if (loop[i] == finger_[0] && matches(loop, n, i, false)) return true;
+        return loop[i] == twin(finger_[m - 1]) && matches(loop, n, i, true);
+    }
+    bool matches(const uint32_t* loop, size_t n, size_t i, bool reversed) const {
+        const size_t m = finger_.size();
         for (size_t k = 0; k < m; ++k)
-            if (loop[(i + k) % n] != (reversed ? twin(finger_[m - 1 - k]) : finger_[k])) return false;
+            if (loop[i + k < n ? i + k : i + k - n] != (reversed ? twin(finger_[m - 1 - k]) : finger_[k])) return false;
         return true;
     }
 
+    // Takes the finger off all loops that have it.
     bool remove_finger(bool& found) {
+        const size_t m = finger_.size();
+        uint64_t begin = 0, kept = 0; // of the loop; of what is left of the earlier ones
         for (size_t c = 0; c < loops_.count(); ++c) {
-            const uint32_t* const loop = loops_.crossings.data() + loops_.offsets[c];
-            const size_t n = static_cast<size_t>(loops_.offsets[c + 1] - loops_.offsets[c]), m = finger_.size();
-            for (size_t i = 0; i < n; ++i) {
-                if (!matches(loop, n, i, false) && !matches(loop, n, i, true)) continue;
+            const uint32_t* const loop = loops_.crossings.data() + begin;
+            const uint64_t end = loops_.offsets[c + 1];
+            const size_t n = static_cast<size_t>(end - begin);
+            size_t first = 0;
+            while (first < n && !matches(loop, n, first)) ++first;
+            size_t from = 0, to = n;
+            const uint32_t* left = loop;
+            if (first < n) {
                 loop_.clear();
-                for (size_t k = m; k < n; ++k)
-                    if (!loop_.push(loop[(i + k) % n])) return false;
-                size_t begin = 0, end = 0;
-                remove_backtracking(loop_, begin, end);
-                // Shorter, so the others move up.
-                const uint64_t gap = n - (end - begin);
-                for (size_t k = begin; k < end; ++k) loops_.crossings[loops_.offsets[c] + (k - begin)] = loop_[k];
-                for (uint64_t at = loops_.offsets[c + 1]; at < loops_.offsets[loops_.count()]; ++at)
-                    loops_.crossings[at - gap] = loops_.crossings[at];
-                for (uint64_t k = 0; k < gap; ++k) loops_.crossings.pop();
-                for (size_t k = c + 1; k <= loops_.count(); ++k) loops_.offsets[k] -= gap;
+                for (size_t k = m; k < n;) {
+                    const size_t i = first + k < n ? first + k : first + k - n;
+                    if (k + m <= n && matches(loop, n, i)) {
+                        k += m;
+                        continue;
+                    }
+                    if (!loop_.push(loop[i])) return false;
+                    ++k;
+                }
+                remove_backtracking(loop_, from, to);
+                left = loop_.data();
                 found = true;
-                return true;
             }
+            if (first < n || kept < begin)
+                for (size_t k = from; k < to; ++k) loops_.crossings[kept + (k - from)] = left[k];
+            kept += to - from;
+            loops_.offsets[c + 1] = kept;
+            begin = end;
         }
+        while (loops_.crossings.size() > kept) loops_.crossings.pop();
         return true;
     }
 

@@ -34,6 +34,8 @@ bool LevelWork::prepare() {
 hmf_status whitehead_level(LevelWork& work, double tolerance) {
     Foliation& f = work.state.foliation;
     double D = energy(f, work.level.weight);
+    const double wanted = work.state.level == work.options.stop_level ? work.options.residual_tolerance : 0;
+    uint32_t at_rest = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
         SweepResult result;
         // The number of sweeps is not known; the fraction tends to 1.
@@ -41,10 +43,21 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
         ++work.statistics.iterations;
         D += result.energy_change;
-        work.record(1, D, -1);
+        double residual = -1;
+        if (wanted > 0 && !work.call.cancelled()) {
+            residual = residuals(f, work.rings, work.level.weight, work.star, nullptr, work.call).max;
+            if (work.call.cancelled()) residual = -1; // it is unfinished
+        }
+        work.record(1, D, residual);
         if (f.out_of_memory) return work.call.out_of_memory();
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
-        if (-result.energy_change <= tolerance * D) return HMF_OK;
+        if (wanted > 0) {
+            if (residual <= wanted) return HMF_OK;
+            at_rest = result.moves == 0 ? at_rest + 1 : 0;
+            if (at_rest == 2) return HMF_LIMIT_STALLED; // in both orders
+        } else if (-result.energy_change <= tolerance * D) {
+            return HMF_OK;
+        }
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
     }
     return HMF_LIMIT_ITERATIONS;

@@ -9,7 +9,8 @@ namespace hmf {
 
 struct SolveOptions {
     int32_t method = HMF_METHOD_NEWTON;
-    double tolerance = 0; // resolved, > 0
+    double tolerance = 0;          // resolved, > 0
+    double residual_tolerance = 0; // of the sweeps on stop_level; 0: they stop by the energy
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
