@@ -218,13 +218,50 @@ struct LoopArrays {
     }
 };
 
+// Closed walks over neighbours: some steps out, and back on a shortest way.
+void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint64_t count) {
+    const size_t level = static_cast<size_t>(loops.set.level);
+    const bool vertices = loops.set.element_kind == HMF_LOOP_VERTICES;
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    std::vector<uint32_t> ends(2 * info.edge_count), sides(3 * info.triangle_count);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, sides.data(), sides.size(), nullptr) == HMF_OK);
+    if (!vertices) {
+        std::fill(ends.begin(), ends.end(), HMF_NONE);
+        for (uint32_t c = 0; c < sides.size(); ++c) ends[2 * sides[c] + (ends[2 * sides[c]] != HMF_NONE)] = c / 3;
+    }
+    std::vector<std::vector<uint32_t>> next(vertices ? info.vertex_count : info.triangle_count);
+    for (size_t e = 0; e < ends.size(); e += 2) {
+        next[ends[e]].push_back(ends[e + 1]);
+        next[ends[e + 1]].push_back(ends[e]);
+    }
+    for (uint64_t c = 0; c < count; ++c) {
+        const uint32_t start = (bytes.byte() * 7u + bytes.byte()) % static_cast<uint32_t>(next.size());
+        std::vector<uint32_t> before(next.size(), HMF_NONE), queue{start};
+        before[start] = start;
+        for (size_t i = 0; i < queue.size(); ++i)
+            for (const uint32_t to : next[queue[i]])
+                if (before[to] == HMF_NONE) before[to] = queue[i], queue.push_back(to);
+        uint32_t at = start;
+        const uint32_t straight = bytes.byte();
+        for (uint32_t step = 1 + bytes.below(20); step > 0; --step) {
+            loops.elements.push_back(at);
+            at = next[at][(straight + (bytes.rarely() ? 1 : 0)) % next[at].size()];
+        }
+        for (; at != start; at = before[at]) loops.elements.push_back(at);
+        loops.offsets.push_back(loops.elements.size());
+    }
+}
+
 void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     const uint32_t levels = static_cast<uint32_t>(hmf_level_count(h));
     loops.set.level = bytes.rarely() ? levels + bytes.byte() : bytes.below(levels);
     loops.set.element_kind = bytes.rarely() ? bytes.byte() : 1 + static_cast<int32_t>(bytes.below(2));
     uint64_t count = 0, total = 0;
     hmf_error error{};
-    if (bytes.byte() % 2 && loops.set.level < levels) {
+    const uint8_t choice = bytes.byte();
+    if (choice % 2 && loops.set.level < levels) {
         // The library's own, perhaps spoiled.
         loops.set.element_kind = HMF_LOOP_TRIANGLES;
         const int32_t kind = HMF_LOOPS_CUT + static_cast<int32_t>(bytes.below(4));
@@ -242,9 +279,11 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     } else {
         count = bytes.below(4);
         loops.offsets.push_back(0);
-        for (size_t c = 0; c < count; ++c) loops.offsets.push_back(loops.offsets.back() + bytes.below(12));
+        if (choice % 4 == 2 && loops.set.level < levels) walks(bytes, h, loops, count);
+        else
+            for (size_t c = 0; c < count; ++c) loops.offsets.push_back(loops.offsets.back() + bytes.below(12));
         if (bytes.rarely()) std::reverse(loops.offsets.begin(), loops.offsets.end());
-        for (uint64_t i = 0; i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
+        for (uint64_t i = loops.elements.size(); i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
     }
     if (bytes.byte() % 2)
         for (size_t c = 0; c < count; ++c)
@@ -727,5 +766,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         if (!hierarchy_first) hmf_destroy(h);
     }
     FUZZ_ASSERT(meter.used == 0);
+    FUZZ_ASSERT(hmf_version() > 0 && std::strlen(hmf_status_string(status)) > 3
+                && std::strlen(hmf_status_string(static_cast<hmf_status>(size % 1000))) > 3);
     return 0;
 }
