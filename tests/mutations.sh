@@ -18,10 +18,59 @@ tree=$folder/tree
 
 table() {
     grep -v -e '^#' -e '^$' << 'END' | grep -E -- "$pattern"
-# The class: heights, cores, the way back
-src/leaves/class_certificate.cpp    s/if (found == wanted) continue/continue/                                test_class         ClassCertificate.*
-src/leaves/class_certificate.cpp    s/if (same(spoke_.data() + offset_\[c\], .* walk)) {$/if (c == d) {/     test_class         ClassCertificate.*
-src/solve/class_watch.cpp           s/^    std::memcpy(f.value, values.data(), .*//                          test_class         ClassGuard.*
+# The certificate of the class, and the way back
+src/leaves/class_certificate.cpp  s/if (found == wanted) continue/continue/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (same(spoke_.data() + offset_\[c\], .* walk)) {$/if (c == d) {/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (m != n) {/if (false) {/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (taken.size() == n)/if (true)/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/(taken\[d\] || cylinders.list\[d\].height != height_\[c\] \* finer)/taken[d]/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/ taken\[d\] = 1;/ taken[d] = 0;/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/const int64_t wanted = height_\[c\] \* finer/const int64_t wanted = height_[c]/  test_class  ClassGuard.*
+src/solve/class_watch.cpp  s/^    std::memcpy(f.value, values.data(), .*//  test_class  ClassGuard.*
+src/solve/class_watch.cpp  s/^    recorder.set_unit(unit);//  test_class  ClassGuard.*
+src/solve/class_watch.cpp  s/careful.guarded = true/careful.guarded = false/  test_class  ClassGuard.*
+src/solve/cascade.cpp  s/^        std::memcpy(f.value, values.data(), .*//  test_class  ClassGuard.*
+
+# Marked vertices stay, and are no poles
+src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return false;//  test_marked  Marked.*-*RealSurfaces*
+src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return 0;.*//  test_marked  Marked.*-*RealSurfaces*
+src/foliation/cluster.cpp  s/result.marked += mesh.is_marked(v)/result.marked += 0/  test_marked  Marked.*-*RealSurfaces*
+src/foliation/cluster_move.cpp  s/part.closed_corners >= 2 || part.marked > 0/part.closed_corners >= 2/  test_marked  Marked.*-*RealSurfaces*
+src/foliation/transport.cpp  s/cluster.closed_corners == 1 || cluster.marked > 0/cluster.closed_corners == 1/  test_marked  Marked.*-*RealSurfaces*
+src/hierarchy/simplify.cpp  s/if (work.mesh.is_marked(v) || work.mesh.is_marked(w)) return place_on_mark.*//  test_marked  Marked.StayInPlace*
+src/mesh/marked_vertices.cpp  s/if (mark)$/if (false)/  test_marked  Marked.Unusable*
+
+# The interface: results, limits, values
+src/api/shared_flat.cpp  s/if (!is_minimum(foliation)) return HMF_OK;//  test_parameterize  Parameterize.Refusals
+src/api/shared_flat.cpp  s/else free_part(h, made);//  test_parameterize  Parameterize.IsShared*
+src/api/shared_flat.cpp  s/^            free_part(h, made);//  test_resources  Resources.EveryAllocationMayFail
+src/api/shared_flat.cpp  s/SharedFlat(h, entry.memory.used())/SharedFlat(h, 0)/  test_resources  Resources.MemoryLimit*
+src/api/shared_flat.cpp  s/SharedFlat\* part = foliation.flat.load(.*/SharedFlat* part = nullptr;/  test_parameterize  Parameterize.IsShared*
+src/api/result.cpp  s/h.allocator_user, bytes}/h.allocator_user, size}/  test_parameterize  Parameterize.IsShared*
+src/api/result.cpp  s/return (bytes + 15) \/ 16 \* 16;/return bytes;/  test_parameterize  Parameterize.S*
+src/api/result.cpp  s/at += aligned(part.bytes)/at += 0/  test_parameterize  Parameterize.SeamsEnd*
+src/api/read_loop_set.cpp  s/ || w < 1e-100//  test_errors  OnTorus.LoopWeights
+src/api/foliation_object.cpp  s/corner2 >= 0 \&\& corner2 % 2 == 0/corner2 % 2 == 0/  test_errors  OnTorus.ValueDefects
+src/api/foliation_object.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
+
+# Solve
+src/solve/cascade.cpp  s/status == HMF_LIMIT_TIME || call.finishing()/call.finishing()/  test_resources  ProgressOf.Nothing*
+src/solve/cascade.cpp  s/if (work.call.out_of_time()) return HMF_LIMIT_TIME;//  test_resources  ProgressOf.Nothing*
+src/mesh/weights.cpp  s/sum\[edge_of(ij)\] += corners.cot_k/sum[edge_of(ij)] += corners.cot_i/  test_levels  Levels.WeightsOfCoarseLevels
+src/mesh/weights.cpp  s/: w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;/: w;/  test_hierarchy  Weights.*
+src/mesh/weights.cpp  s/!(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR/w < 0 ? COARSE_WEIGHT_FLOOR/  test_hierarchy  Weights.*
+
+# Loops
+src/loops/check_loops.cpp  s/const size_t pair\[2\] = {c, d};/const size_t pair[2] = {d, c};/  test_library_loops  DrawnLoops.*
+src/loops/check_loops.cpp  s/else bad = middle;/else good = middle;/  test_library_loops  DrawnLoops.*
+src/loops/shorten_loops.cpp  s/ || !(after < before \* (1 - GAIN))//  test_library_loops  *Loops.*
+src/loops/shorten_loops.cpp  s/if (answer == Answer::yes) {/if (answer != Answer::out_of_memory) {/  test_library_loops  *Loops.*
+
+# What is made of the result
+src/parameterize/seams.cpp  s/if (degree\[v\] == 1 \&\& !is_cone\[v\]) queue/if (false) queue/  test_parameterize  Parameterize.SeamsEnd*
+src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
+src/leaves/quad_mesh.cpp  s/if (columns_\[a\] > 0 \&\& columns_\[a\] < 3 \&\& x == y) return refuse();//  test_leaves  LeavesContract.NoTwoEdges*
+src/leaves/quad_mesh.cpp  s/if ((u == x \&\& v == y) || (u == y \&\& v == x)) return refuse();//  test_leaves  LeavesContract.NoTwoEdges*
 END
 }
 
