@@ -414,6 +414,31 @@ TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     EXPECT_EQ(sum, 0);
 }
 
+// A few vertices above the tolerance may be the work of the flips; many say that the values are not harmonic,
+// also where it would take little to make them so.
+TEST(Parameterize, ManyVerticesAboveTheToleranceAreRefused) {
+    const Hierarchy hierarchy(pretzel(2, 2), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Foliation start = initialize(hierarchy, library_loops(hierarchy, 0));
+    size_t tried = 0;
+    for (const uint64_t sweeps : {1, 2, 4}) {
+        const Solution some = relax(start, solve_options(HMF_METHOD_WHITEHEAD, 1e-15, sweeps));
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        const std::vector<double> residual = residuals(some.foliation, mesh.vertex_count);
+        for (const double tolerance : {0.1, 0.3, 0.6}) {
+            const auto above = static_cast<size_t>(
+                std::count_if(residual.begin(), residual.end(), [&](double r) { return r > tolerance; }));
+            if (above <= 16 + mesh.vertex_count / 20) continue;
+            ++tried;
+            hmf_parameterize_options options = parameterize_options();
+            options.tolerance = tolerance;
+            EXPECT_EQ(parameterize(some.foliation, &options).status, HMF_ERROR_VALUE_NOT_HARMONIC)
+                << sweeps << " sweeps, " << above << " above " << tolerance;
+        }
+    }
+    EXPECT_GT(tried, 1u);
+}
+
 TEST(Parameterize, Refusals) {
     const Hierarchy hierarchy(pretzel(2, 3), 0.5, 300);
     ASSERT_TRUE(hierarchy);
