@@ -25,7 +25,7 @@ src/leaves/class_certificate.cpp  s/if (m != n) {/if (false) {/  test_class  Cla
 src/leaves/class_certificate.cpp  s/if (taken.size() == n)/if (true)/  test_class  ClassCertificate.*
 src/leaves/class_certificate.cpp  s/(taken\[d\] || cylinders.list\[d\].height != height_\[c\] \* finer)/taken[d]/  test_class  ClassCertificate.*
 src/leaves/class_certificate.cpp  s/ taken\[d\] = 1;/ taken[d] = 0;/  test_class  ClassCertificate.*
-src/leaves/class_certificate.cpp  s/const int64_t wanted = height_\[c\] \* finer/const int64_t wanted = height_[c]/  test_class  ClassGuard.*
+src/leaves/class_certificate.cpp  s/const int64_t wanted = height_\[c\] \* finer/const int64_t wanted = height_[c]/  test_class  ClassCertificate.*
 src/solve/class_watch.cpp  s/^    std::memcpy(f.value, values.data(), .*//  test_class  ClassGuard.*
 src/solve/class_watch.cpp  s/^    recorder.set_unit(unit);//  test_class  ClassGuard.*
 src/solve/class_watch.cpp  s/careful.guarded = true/careful.guarded = false/  test_class  ClassGuard.*

@@ -238,6 +238,21 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     EXPECT_EQ(result.found, std::ldexp(2.0, 40));
 }
 
+// Heights are compared in the unit of the reference: four times the values in a quarter of the unit are the same.
+TEST(ClassCertificate, KnowsAFinerUnit) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    start.load({5, 3, 3, 7, 1, 3});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({20, 12, 12, 28, 4, 12});
+    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.watch.result.state, hmf::ClassState::proven);
+    start.reload({20, 12, 12, 28, 5, 12});
+    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
+    EXPECT_EQ(start.watch.result.loop, 4u);
+    EXPECT_EQ(start.watch.result.found, 1.25 * start.watch.result.wanted);
+}
+
 // All loops have their cylinders, and there is one more.
 TEST(ClassCertificate, SaysThatThereIsACylinderTooMany) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
