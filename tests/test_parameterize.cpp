@@ -359,6 +359,12 @@ TEST(Parameterize, SeamsEndAtCones) {
     }
 }
 
+TEST(Parameterize, ArraysAreAligned) { // where the counts are odd
+    const Hierarchy hierarchy(torus(15, 9, 2, 0.8));
+    ASSERT_TRUE(hierarchy);
+    EXPECT_EQ(parameterize(harmonic(hierarchy).foliation).status, HMF_OK);
+}
+
 // The second call finds what the first has left; calls at the same time, of
 // which all but one are too late to leave anything, give the same and keep nothing.
 TEST(Parameterize, IsSharedByCallsAtTheSameTime) {
