@@ -1,5 +1,5 @@
 #!/bin/bash
-# ./test.sh           everything but corpus-large; installs what is missing
+# ./test.sh           everything but corpus-large and mutations; installs what is missing
 # ./test.sh NAME...   only these variants
 # ./test.sh list      the names
 #
@@ -13,7 +13,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large"
+variants="$default_variants corpus-large mutations"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -33,6 +33,7 @@ fuzz          replays the corpora and a short random run, with sanitizers
 valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
+mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
 
@@ -242,6 +243,7 @@ run_corpus() { # name, largest mesh in vertices, seconds
     fi
     HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
 }
+variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }
 variant_corpus() { run_corpus corpus 250000 900; }
 variant_corpus-large() { HMF_CORPUS_ALL_RATIOS=1 run_corpus corpus-large 2000000 14400; }
 

@@ -45,7 +45,7 @@ private:
 // The limit bounds the hierarchy with what the running call takes: not the
 // foliations and results that the caller already has.
 struct Meter {
-    uint64_t used = 0, calls = 0, fail = 0, limit = 0;
+    uint64_t used = 0, peak = 0, calls = 0, fail = 0, limit = 0;
     uint64_t held = 0;   // by the hierarchy
     uint64_t beside = 0; // by other objects, when the call began
 
@@ -55,6 +55,7 @@ struct Meter {
         Meter& meter = *static_cast<Meter*>(user);
         if (++meter.calls == meter.fail) return nullptr;
         meter.used += size;
+        meter.peak = std::max(meter.peak, meter.used);
         FUZZ_ASSERT(meter.limit == 0 || meter.used - meter.beside <= meter.limit);
         void* block = std::malloc(size ? size : 1);
         if (block) std::memset(block, 0xa5, size);
@@ -79,6 +80,12 @@ struct Stop {
 };
 
 Meter* meter_now = nullptr;
+size_t marks_now = 0;
+
+// Of all singularities of a foliation; marked vertices take their share.
+int64_t index_sum(const hmf_hierarchy* h) {
+    return 4 - 4 * static_cast<int64_t>(hmf_genus(h)) - static_cast<int64_t>(marks_now);
+}
 
 struct Delete {
     void operator()(const hmf_foliation* foliation) const {
@@ -132,11 +139,12 @@ Surface anything(Bytes& bytes) {
 }
 
 // Tori in a row; each is glued to the one before along a triangle.
-Surface chain_of_tori(Bytes& bytes) {
+// Large ones have several levels, and linear systems that are solved on several levels.
+Surface chain_of_tori(Bytes& bytes, bool large) {
     Surface s;
-    const uint32_t tori = 1 + bytes.below(3);
+    const uint32_t tori = 1 + bytes.below(large ? 2 : 3);
     for (uint32_t t = 0; t < tori; ++t) {
-        const uint32_t n = 4 + bytes.below(6), m = 4 + bytes.below(4);
+        const uint32_t n = (large ? 14 : 4) + bytes.below(6), m = (large ? 14 : 4) + bytes.below(4);
         std::vector<uint32_t> id(n * m, UINT32_MAX);
         if (t > 0) {
             // The last triangle goes; its corners are 0, m and m + 1 of this torus, the other way round.
@@ -172,6 +180,29 @@ Surface chain_of_tori(Bytes& bytes) {
     return s;
 }
 
+// Two pyramids over a ring, in layers.
+Surface sphere(Bytes& bytes) {
+    Surface s;
+    const uint32_t n = 4 + bytes.below(6), layers = 2 + bytes.below(5);
+    for (uint32_t k = 0; k < layers; ++k)
+        for (uint32_t i = 0; i < n; ++i) {
+            const double u = 6.283185307179586 * i / n, z = (k + 1.0) / (layers + 1) * 2 - 1, r = std::sqrt(1 - z * z);
+            for (const double x : {r * std::cos(u), r * std::sin(u), z}) s.positions.push_back(x);
+        }
+    for (const double x : {0.0, 0.0, -1.0, 0.0, 0.0, 1.0}) s.positions.push_back(x);
+    for (uint32_t i = 0; i < n; ++i) {
+        const uint32_t j = (i + 1) % n, top = (layers - 1) * n;
+        s.triangles.insert(s.triangles.end(), {layers * n, j, i, layers * n + 1, top + i, top + j});
+        for (uint32_t k = 0; k + 1 < layers; ++k) {
+            const uint32_t a = k * n + i, b = k * n + j;
+            s.triangles.insert(s.triangles.end(), {a, b, b + n, a, b + n, a + n});
+        }
+    }
+    for (uint32_t i = bytes.below(12); i > 0; --i)
+        s.positions[(bytes.byte() * 7u + bytes.byte()) % s.positions.size()] += (bytes.byte() - 128) / 512.0;
+    return s;
+}
+
 struct LoopArrays {
     hmf_loop_set set{};
     std::vector<uint64_t> offsets;
@@ -187,13 +218,50 @@ struct LoopArrays {
     }
 };
 
+// Closed walks over neighbours: some steps out, and back on a shortest way.
+void walks(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops, uint64_t count) {
+    const size_t level = static_cast<size_t>(loops.set.level);
+    const bool vertices = loops.set.element_kind == HMF_LOOP_VERTICES;
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    std::vector<uint32_t> ends(2 * info.edge_count), sides(3 * info.triangle_count);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, sides.data(), sides.size(), nullptr) == HMF_OK);
+    if (!vertices) {
+        std::fill(ends.begin(), ends.end(), HMF_NONE);
+        for (uint32_t c = 0; c < sides.size(); ++c) ends[2 * sides[c] + (ends[2 * sides[c]] != HMF_NONE)] = c / 3;
+    }
+    std::vector<std::vector<uint32_t>> next(vertices ? info.vertex_count : info.triangle_count);
+    for (size_t e = 0; e < ends.size(); e += 2) {
+        next[ends[e]].push_back(ends[e + 1]);
+        next[ends[e + 1]].push_back(ends[e]);
+    }
+    for (uint64_t c = 0; c < count; ++c) {
+        const uint32_t start = (bytes.byte() * 7u + bytes.byte()) % static_cast<uint32_t>(next.size());
+        std::vector<uint32_t> before(next.size(), HMF_NONE), queue{start};
+        before[start] = start;
+        for (size_t i = 0; i < queue.size(); ++i)
+            for (const uint32_t to : next[queue[i]])
+                if (before[to] == HMF_NONE) before[to] = queue[i], queue.push_back(to);
+        uint32_t at = start;
+        const uint32_t straight = bytes.byte();
+        for (uint32_t step = 1 + bytes.below(20); step > 0; --step) {
+            loops.elements.push_back(at);
+            at = next[at][(straight + (bytes.rarely() ? 1 : 0)) % next[at].size()];
+        }
+        for (; at != start; at = before[at]) loops.elements.push_back(at);
+        loops.offsets.push_back(loops.elements.size());
+    }
+}
+
 void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     const uint32_t levels = static_cast<uint32_t>(hmf_level_count(h));
     loops.set.level = bytes.rarely() ? levels + bytes.byte() : bytes.below(levels);
     loops.set.element_kind = bytes.rarely() ? bytes.byte() : 1 + static_cast<int32_t>(bytes.below(2));
     uint64_t count = 0, total = 0;
     hmf_error error{};
-    if (bytes.byte() % 2 && loops.set.level < levels) {
+    const uint8_t choice = bytes.byte();
+    if (choice % 2 && loops.set.level < levels) {
         // The library's own, perhaps spoiled.
         loops.set.element_kind = HMF_LOOP_TRIANGLES;
         const int32_t kind = HMF_LOOPS_CUT + static_cast<int32_t>(bytes.below(4));
@@ -211,9 +279,11 @@ void any_loops(Bytes& bytes, const hmf_hierarchy* h, LoopArrays& loops) {
     } else {
         count = bytes.below(4);
         loops.offsets.push_back(0);
-        for (size_t c = 0; c < count; ++c) loops.offsets.push_back(loops.offsets.back() + bytes.below(12));
+        if (choice % 4 == 2 && loops.set.level < levels) walks(bytes, h, loops, count);
+        else
+            for (size_t c = 0; c < count; ++c) loops.offsets.push_back(loops.offsets.back() + bytes.below(12));
         if (bytes.rarely()) std::reverse(loops.offsets.begin(), loops.offsets.end());
-        for (uint64_t i = 0; i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
+        for (uint64_t i = loops.elements.size(); i < loops.offsets.back(); ++i) loops.elements.push_back(bytes.byte());
     }
     if (bytes.byte() % 2)
         for (size_t c = 0; c < count; ++c)
@@ -242,7 +312,7 @@ void expect_parameterization(const hmf_hierarchy* h, const hmf_foliation* f, boo
     for (size_t i = 0; i < 6 * map->triangle_count; ++i) FUZZ_ASSERT(std::isfinite(map->corner_uv[i]));
     int64_t sum = 0;
     for (size_t v = 0; v < map->vertex_count; ++v) sum += 2 - map->cone[v];
-    FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+    FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h))); // a marked pole has an angle of pi
 }
 
 // Leaves close or join zeros, a quad mesh is closed and has the right genus.
@@ -278,9 +348,7 @@ void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double larges
     }
 }
 
-// Exact triangle inequalities, no pole, 4 - 4 g; the values, read again, are
-// the same foliation.
-void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+void expect_closed(const hmf_hierarchy* h, const hmf_foliation* f) {
     const size_t level = hmf_foliation_level(f);
     hmf_level_info info{};
     FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
@@ -294,16 +362,30 @@ void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memor
             FUZZ_ASSERT(values[side[3 * t + s]] >= 0
                         && values[side[3 * t + s]]
                                <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
-    if (const auto set = result_of<hmf_singularity_set>(
-            {}, memory_is_short, [&](auto out) { return hmf_singularities(f, nullptr, out, nullptr); })) {
-        int64_t sum = 0;
-        for (size_t i = 0; i < set->count; ++i) {
-            FUZZ_ASSERT(set->list[i].index < 0);
-            for (const double x : set->list[i].position) FUZZ_ASSERT(std::isfinite(x));
-            sum += set->list[i].index;
-        }
-        FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+}
+
+// No pole but at marked vertices.
+void expect_singularities(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const auto set = result_of<hmf_singularity_set>(
+        {}, memory_is_short, [&](auto out) { return hmf_singularities(f, nullptr, out, nullptr); });
+    if (!set) return;
+    int64_t sum = 0;
+    for (size_t i = 0; i < set->count; ++i) {
+        FUZZ_ASSERT(set->list[i].index < 0 || (set->list[i].index == 0 && marks_now > 0));
+        for (const double x : set->list[i].position) FUZZ_ASSERT(std::isfinite(x));
+        sum += set->list[i].index;
     }
+    FUZZ_ASSERT(sum == index_sum(h));
+}
+
+// Exact triangle inequalities, no pole, 4 - 4 g; the values, read again, are
+// the same foliation.
+void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    expect_closed(h, f);
+    expect_singularities(h, f, memory_is_short);
+    const size_t level = hmf_foliation_level(f);
+    size_t count = 0;
+    const double* const values = hmf_foliation_values(f, &count);
     if (const auto read = result_of<hmf_foliation>({}, memory_is_short, [&](auto out) {
             return hmf_foliation_create(h, level, values, count, nullptr, out, nullptr);
         }))
@@ -340,10 +422,210 @@ void any_values(Bytes& bytes, const hmf_hierarchy* h, bool memory_is_short) {
             {}, memory_is_short, [&](auto out) { return hmf_singularities(f.get(), nullptr, out, nullptr); })) {
         int64_t sum = 0;
         for (size_t i = 0; i < set->count; ++i) sum += set->list[i].index;
-        FUZZ_ASSERT(sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+        FUZZ_ASSERT(sum == index_sum(h));
     }
     result_of<hmf_foliation>({HMF_ERROR_VALUE_POLE}, memory_is_short,
                              [&](auto out) { return hmf_interpolate(f.get(), 0, nullptr, out, nullptr); });
+}
+
+// Everything that a level tells; corners and edges fit together.
+void expect_level(const hmf_hierarchy* h, size_t level) {
+    hmf_level_info info{};
+    if (hmf_level_counts(h, level, &info, nullptr) == HMF_ERROR_LEVEL) {
+        FUZZ_ASSERT(level >= hmf_level_count(h));
+        return;
+    }
+    std::vector<uint32_t> ends(2 * info.edge_count), edges(3 * info.triangle_count), corners(3 * info.triangle_count);
+    std::vector<double> weights(info.edge_count), positions(3 * info.vertex_count);
+    hmf_error error{};
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size() - 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), 0, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size() - 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), 2, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), edges.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), corners.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), positions.size(), nullptr) == HMF_OK);
+    for (size_t c = 0; c < corners.size(); ++c) {
+        const uint32_t a = corners[c], b = corners[c - c % 3 + (c + 1) % 3], e = edges[c];
+        FUZZ_ASSERT(a < info.vertex_count && e < info.edge_count);
+        FUZZ_ASSERT((ends[2 * e] == a && ends[2 * e + 1] == b) || (ends[2 * e] == b && ends[2 * e + 1] == a));
+    }
+    for (const double w : weights) FUZZ_ASSERT(std::isfinite(w) && (level == 0 || w > 0));
+    for (const double x : positions) FUZZ_ASSERT(std::isfinite(x));
+}
+
+// On a coarse level the energy is the sum of weight * value^2; residuals are shares.
+void expect_measures(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    double energy = -1;
+    meter_now->begin_call();
+    if (hmf_energy(f, nullptr, &energy, nullptr) != HMF_OK) {
+        FUZZ_ASSERT(memory_is_short && energy == -1);
+        return;
+    }
+    const size_t level = hmf_foliation_level(f);
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    if (level > 0) {
+        std::vector<double> weights(info.edge_count);
+        FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
+        const double* const values = hmf_foliation_values(f, nullptr);
+        double sum = 0;
+        for (size_t e = 0; e < weights.size(); ++e) sum += weights[e] * values[e] * values[e];
+        FUZZ_ASSERT(std::abs(sum - energy) <= 1e-9 * sum);
+    }
+    std::vector<double> residuals(info.vertex_count, -1);
+    meter_now->begin_call();
+    const hmf_status status = hmf_residuals(f, nullptr, residuals.data(), residuals.size(), nullptr);
+    FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
+    for (const double r : residuals) FUZZ_ASSERT(status == HMF_OK ? r >= 0 && r <= 1 + 1e-9 : r == -1);
+}
+
+// A call that gives a foliation even where it stops early.
+template <class Call>
+Owned<hmf_foliation> foliation_of(const hmf_hierarchy* h, const Stop& stop, bool memory_is_short, Call&& call) {
+    hmf_foliation* made = nullptr;
+    hmf_error error{};
+    meter_now->begin_call();
+    const hmf_status status = call(&made, &error);
+    Owned<hmf_foliation> f(made);
+    expect_status(status, error, {0, 1, memory_is_short ? 2 : 1});
+    FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);
+    FUZZ_ASSERT(status == HMF_CANCELLED || (made != nullptr) == (status < HMF_CANCELLED || status == HMF_LIMIT_CLASS));
+    if (!f) return f;
+    const hmf_report* report = hmf_foliation_report(made);
+    FUZZ_ASSERT(report && report->poles == 0 && report->bad_flips_left == 0);
+    FUZZ_ASSERT(report->converged == (status == HMF_OK) && report->class_state != HMF_CLASS_LOST);
+    expect_closed(h, made);
+    expect_singularities(h, made, memory_is_short);
+    return f;
+}
+
+hmf_solve_options any_solve_options(Bytes& bytes) {
+    hmf_solve_options options = sized<hmf_solve_options>();
+    options.method = static_cast<int32_t>(bytes.below(3));
+    options.iteration_limit = 1 + bytes.below(30);
+    if (bytes.rarely()) options.time_limit = 1e-6 * bytes.byte();
+    return options;
+}
+
+// Leaves through points, of both kinds; cylinders with loops; quads and seams to order.
+void any_use(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation* f, const LoopArrays& loops,
+             bool memory_is_short) {
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, hmf_foliation_level(f), &info, nullptr) == HMF_OK);
+    switch (bytes.below(4)) {
+    case 0: {
+        std::vector<uint32_t> triangles;
+        std::vector<double> barycentrics;
+        for (uint32_t i = 1 + bytes.below(4); i > 0; --i) {
+            const uint32_t a = bytes.byte(), b = bytes.byte(), all = 256;
+            triangles.push_back((bytes.byte() * 7u + bytes.byte()) % static_cast<uint32_t>(info.triangle_count));
+            for (const uint32_t x : {a % 128, b % 128, all - a % 128 - b % 128}) barycentrics.push_back(x / 256.0);
+        }
+        if (bytes.rarely()) triangles[0] += static_cast<uint32_t>(info.triangle_count);
+        if (bytes.rarely()) barycentrics[0] = coordinate(bytes);
+        hmf_trace_options options = sized<hmf_trace_options>();
+        options.point_count = triangles.size();
+        options.point_triangles = triangles.data();
+        options.point_barycentrics = barycentrics.data();
+        options.leaves = static_cast<int32_t>(bytes.below(3));
+        if (bytes.rarely()) options.length_limit = std::abs(coordinate(bytes));
+        const auto lines = result_of<hmf_lines>(
+            {HMF_ERROR_OPTIONS, HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+            [&](auto out) { return hmf_trace(f, &options, nullptr, out, nullptr); });
+        if (!lines) return;
+        FUZZ_ASSERT(lines->line_count == triangles.size());
+        for (size_t i = 0; i < lines->line_count; ++i) {
+            const hmf_line& line = lines->lines[i];
+            FUZZ_ASSERT(line.kind == HMF_LINE_POINT && line.source == i);
+            FUZZ_ASSERT((line.closed == 1) == (line.begin == HMF_END_CLOSED) && line.length >= 0);
+            FUZZ_ASSERT(line.begin != HMF_END_NOWHERE || lines->offsets[i] == lines->offsets[i + 1]);
+        }
+        for (size_t i = 0; i < 3 * lines->point_count; ++i) FUZZ_ASSERT(std::isfinite(lines->points[i]));
+        break;
+    }
+    case 1: {
+        hmf_error error{};
+        hmf_cylinder_set* made = nullptr;
+        meter_now->begin_call();
+        const hmf_status status = hmf_cylinders(f, &loops.set, nullptr, &made, &error);
+        const Owned<hmf_cylinder_set> set(made);
+        expect_status(status, error, {1, 4, 5, memory_is_short ? 2 : 1});
+        FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+        // Each loop has one cylinder, as high as its weight.
+        std::vector<uint8_t> taken(static_cast<size_t>(loops.set.count), 0);
+        for (size_t i = 0; made && i < made->count; ++i) {
+            const hmf_cylinder& c = made->list[i];
+            FUZZ_ASSERT(c.loop < taken.size() && !taken[c.loop]++ && c.circumference > 0);
+            const double weight = loops.set.weights ? loops.set.weights[c.loop] : 1;
+            FUZZ_ASSERT(std::abs(c.height - weight) <= 1e-12 * weight);
+        }
+        break;
+    }
+    case 2: {
+        hmf_quad_options options = sized<hmf_quad_options>();
+        options.edge_length = 0.3 + bytes.below(16) / 8.0;
+        result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
+                                 [&](auto out) { return hmf_quads(f, &options, nullptr, out, nullptr); });
+        break;
+    }
+    default: {
+        hmf_parameterize_options options = sized<hmf_parameterize_options>();
+        std::vector<uint32_t> edges;
+        for (uint32_t i = bytes.below(16); i > 0; --i) edges.push_back(bytes.byte());
+        options.seam_edges = edges.data();
+        options.seam_edge_count = edges.size();
+        if (bytes.rarely()) options.tolerance = coordinate(bytes);
+        result_of<hmf_parameterization>(
+            {HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS, HMF_ERROR_NULL}, memory_is_short,
+            [&](auto out) { return hmf_parameterize(f, &options, nullptr, out, nullptr); });
+    }
+    }
+}
+
+// A few more calls on a foliation, which the next ones may go on from.
+void any_calls(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation* first, const LoopArrays& loops,
+               bool memory_is_short) {
+    Owned<hmf_foliation> last;
+    for (uint32_t n = bytes.below(6); n > 0; --n) {
+        const hmf_foliation* const f = last ? last.get() : first;
+        const Stop never;
+        switch (bytes.below(6)) {
+        case 0: {
+            const hmf_solve_options options = any_solve_options(bytes);
+            last = foliation_of(h, never, memory_is_short, [&](auto out, hmf_error* error) {
+                return hmf_relax(f, &options, nullptr, out, error);
+            });
+            break;
+        }
+        case 1: {
+            const size_t level = bytes.below(static_cast<uint32_t>(hmf_level_count(h)));
+            auto moved = result_of<hmf_foliation>(
+                {}, memory_is_short, [&](auto out) { return hmf_interpolate(f, level, nullptr, out, nullptr); });
+            if (!moved) break;
+            FUZZ_ASSERT(hmf_foliation_level(moved.get()) == level && !hmf_foliation_report(moved.get()));
+            FUZZ_ASSERT(hmf_foliation_unit(moved.get()) == hmf_foliation_unit(f));
+            expect_closed(h, moved.get());
+            expect_singularities(h, moved.get(), memory_is_short);
+            last = std::move(moved);
+            break;
+        }
+        case 2: expect_measures(h, f, memory_is_short); break;
+        case 3: expect_level(h, bytes.below(static_cast<uint32_t>(hmf_level_count(h)) + 1)); break;
+        case 4: {
+            hmf_solve_options options = any_solve_options(bytes);
+            options.start = f;
+            last = foliation_of(h, never, memory_is_short, [&](auto out, hmf_error* error) {
+                return hmf_solve(h, nullptr, &options, nullptr, out, error);
+            });
+            break;
+        }
+        default: any_use(bytes, h, f, loops, memory_is_short);
+        }
+    }
 }
 
 } // namespace
@@ -376,18 +658,64 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         meter.fail = 1 + bytes.byte();
         memory_is_short = true;
     }
-    const Surface surface = bytes.byte() % 2 ? anything(bytes) : chain_of_tori(bytes);
+    // What is built: bytes, tori; also with marked vertices, mollified, larger, with a stride.
+    const uint8_t kind = bytes.byte();
+    enum { plain = 3, marked, ball, mollified, large, strided };
+    const int sort = kind % 2 ? plain : std::max<int>(plain, kind / 2 % 9);
+    Surface surface = kind % 2 ? anything(bytes) : sort == ball ? sphere(bytes) : chain_of_tori(bytes, sort >= large);
     const size_t vertices = surface.positions.size() / 3, triangles = surface.triangles.size() / 3;
+    std::vector<uint32_t> marks;
+    if (sort == marked || sort == ball) {
+        for (uint32_t i = bytes.below(9); i > 0; --i)
+            marks.push_back((bytes.byte() * 7u + bytes.byte()) % static_cast<uint32_t>(vertices));
+        if (!bytes.rarely()) {
+            std::sort(marks.begin(), marks.end());
+            marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+        }
+        hmf_mark_set* proposed = nullptr;
+        hmf_error error{};
+        const hmf_status status = hmf_suggest_marks(surface.positions.data(), vertices, surface.triangles.data(),
+                                                    triangles, &build, nullptr, &proposed, &error);
+        const Owned<hmf_mark_set> set(proposed);
+        expect_status(status, error, {1, 2, 3});
+        FUZZ_ASSERT((proposed != nullptr) == (status == HMF_OK));
+        if (set) FUZZ_ASSERT(set->count <= 24 && (set->count >= 4 || sort == marked));
+        for (size_t i = 0; set && i < set->count; ++i) FUZZ_ASSERT(set->vertices[i] < vertices);
+        if (set && bytes.byte() % 2 == 0) marks.assign(set->vertices, set->vertices + set->count);
+        build.marked_vertices = marks.data();
+        build.marked_count = marks.size();
+    } else if (sort == mollified) {
+        build.mollify = (1 + bytes.below(20)) / 1000.0;
+        // A vertex on top of a neighbour, or on the line between two.
+        const uint32_t* const corner = &surface.triangles[(bytes.byte() * 7u + bytes.byte()) % triangles * 3];
+        const double share = bytes.below(3) / 2.0;
+        if (std::max({corner[0], corner[1], corner[2]}) < vertices)
+            for (size_t c = 0; c < 3; ++c)
+                surface.positions[3 * corner[0] + c] =
+                    share * surface.positions[3 * corner[1] + c] + (1 - share) * surface.positions[3 * corner[2] + c];
+    } else if (sort == strided) {
+        build.position_stride = 8 * (3 + bytes.below(4));
+        const size_t doubles = static_cast<size_t>(build.position_stride / 8);
+        std::vector<double> spread(vertices * doubles - (doubles - 3), NAN);
+        for (size_t v = 0; v < vertices; ++v)
+            std::copy_n(&surface.positions[3 * v], 3, spread.begin() + static_cast<ptrdiff_t>(doubles * v));
+        surface.positions = std::move(spread);
+    }
+    marks_now = build.struct_size > offsetof(hmf_build_options, marked_count) ? marks.size() : 0;
+    meter.peak = 0;
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
     hmf_status status =
         hmf_build(surface.positions.data(), vertices, surface.triangles.data(), triangles, &build, nullptr, &h, &error);
+    if (h && build.struct_size == sizeof build)
+        FUZZ_ASSERT(hmf_hierarchy_memory(h) == meter.used
+                    && hmf_memory_estimate(vertices, triangles, &build) >= meter.peak);
     expect_status(status, error, {1, 2, 3});
     FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
     FUZZ_ASSERT(memory_is_short || status / 100 != 2);
     if (h) {
         const uint64_t held = meter.held = meter.used;
-        FUZZ_ASSERT(hmf_genus(h) >= 1 && hmf_level_count(h) >= 1);
+        FUZZ_ASSERT((hmf_genus(h) >= 1 || marks_now >= 4) && hmf_level_count(h) >= 1);
         LoopArrays loops;
         any_loops(bytes, h, loops);
         {
@@ -420,7 +748,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         expect_status(status, error, {0, 1, 2, 4});
         FUZZ_ASSERT(memory_is_short || status / 100 != 2);
         FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);
-        FUZZ_ASSERT(status == HMF_CANCELLED || (made != nullptr) == (status < HMF_CANCELLED));
+        FUZZ_ASSERT(status == HMF_CANCELLED
+                    || (made != nullptr) == (status < HMF_CANCELLED || status == HMF_LIMIT_CLASS));
         if (made) {
             const hmf_report* report = hmf_foliation_report(made);
             FUZZ_ASSERT(report && report->poles == 0 && report->bad_flips_left == 0);
@@ -430,11 +759,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         // Each of the two may go first.
         const bool hierarchy_first = bytes.byte() % 2;
         if (bytes.byte() % 2) any_values(bytes, h, memory_is_short);
+        if (made) any_calls(bytes, h, made, loops, memory_is_short);
         if (hierarchy_first) hmf_destroy(h);
         hmf_foliation_destroy(made);
         FUZZ_ASSERT(meter.used == (hierarchy_first ? 0 : held));
         if (!hierarchy_first) hmf_destroy(h);
     }
     FUZZ_ASSERT(meter.used == 0);
+    FUZZ_ASSERT(hmf_version() > 0 && std::strlen(hmf_status_string(status)) > 3
+                && std::strlen(hmf_status_string(static_cast<hmf_status>(size % 1000))) > 3);
     return 0;
 }

@@ -161,18 +161,26 @@ namespace {
 
 // A foliation on the coarsest level, made from some of the library's loops.
 struct Start {
-    Start(const TriMesh& mesh, int32_t kind, double ratio = 0.5) :
-        hierarchy(mesh, ratio, 300), memory(nullptr, nullptr, nullptr, 0), call(memory, &error, nullptr, nullptr) {
+    Start(const TriMesh& mesh, int32_t kind, double ratio = 0.5) : Start(mesh, kind, options_of(ratio)) {}
+    Start(const TriMesh& mesh, int32_t kind, const hmf_build_options& options) :
+        hierarchy(mesh, options), memory(nullptr, nullptr, nullptr, 0), call(memory, &error, nullptr, nullptr) {
         const hmf_hierarchy& h = *hierarchy.get();
         EXPECT_TRUE(state.allocate(h, 0, memory));
         EXPECT_EQ(hmf::library_loops(h, h.level_count - 1, kind, call, loops), HMF_OK);
     }
-    // weight[c] of loop c, in 2^-40; 0: not there.
+    static hmf_build_options options_of(double ratio) {
+        hmf_build_options options{};
+        options.struct_size = sizeof options;
+        options.ratio = ratio;
+        options.coarsest = 300;
+        return options;
+    }
+    // weight[c] of loop c, in 2^-bits; 0: not there.
     void load(const std::vector<int64_t>& weight) {
         state.load(hierarchy.coarsest(), hmf::Side::intrinsic);
         weights.start(memory);
         std::vector<int64_t> all(loops.count(), 0);
-        for (size_t c = 0; c < weight.size() && c < all.size(); ++c) all[c] = weight[c] << 40;
+        for (size_t c = 0; c < weight.size() && c < all.size(); ++c) all[c] = weight[c] << bits;
         for (const int64_t w : all) weights.push(w);
         hmf::initial_foliation(state.foliation.mesh, loops, weights.data(), state.foliation.value);
     }
@@ -188,6 +196,7 @@ struct Start {
         return watch.result;
     }
 
+    int bits = 40; // of the weight 1
     Hierarchy hierarchy;
     hmf_error error{};
     hmf::Memory memory;
@@ -230,6 +239,60 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     EXPECT_EQ(result.found, std::ldexp(2.0, 40));
 }
 
+// Heights are compared in the unit of the reference: four times the values in a quarter of the unit are the same.
+TEST(ClassCertificate, KnowsAFinerUnit) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    start.load({5, 3, 3, 7, 1, 3});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({20, 12, 12, 28, 4, 12});
+    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.watch.result.state, hmf::ClassState::proven);
+    start.reload({20, 12, 12, 28, 5, 12});
+    EXPECT_EQ(start.watch.look(start.state, 0.25, start.call), HMF_OK);
+    EXPECT_EQ(start.watch.result.state, hmf::ClassState::lost);
+    EXPECT_EQ(start.watch.result.loop, 4u);
+    EXPECT_EQ(start.watch.result.found, 1.25 * start.watch.result.wanted);
+}
+
+// All loops have their cylinders, and there is one more.
+TEST(ClassCertificate, SaysThatThereIsACylinderTooMany) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    start.load({5, 3, 3, 7, 1});
+    const hmf::Array<int64_t> not_all; // of the loops
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, not_all, start.call), HMF_OK);
+    start.reload({5, 3, 3, 7, 1});
+    EXPECT_EQ(start.look().state, hmf::ClassState::proven);
+    start.reload({5, 3, 3, 7, 1, 2});
+    EXPECT_EQ(start.look().state, hmf::ClassState::lost);
+    EXPECT_EQ(start.watch.result.loss, hmf::ClassLoss::leaves);
+}
+
+// With a marked vertex only the heights are compared; each counts once.
+TEST(ClassCertificate, ComparesHeightsWithMarkedVertices) {
+    const uint32_t mark = 17;
+    hmf_build_options options = Start::options_of(0.5);
+    options.marked_vertices = &mark;
+    options.marked_count = 1;
+    Start start(pretzel(2, 3), HMF_LOOPS_PANTS, options);
+    ASSERT_EQ(start.loops.count(), 4u);
+    const hmf::Array<int64_t> not_all;
+    const auto expect = [&](const std::vector<int64_t>& weight, hmf::ClassState state, hmf::ClassLoss loss) {
+        SCOPED_TRACE(testing::PrintToString(weight));
+        start.load(weight);
+        EXPECT_EQ(start.look().state, state);
+        EXPECT_EQ(start.watch.result.loss, loss);
+    };
+    start.load({5, 3, 3});
+    ASSERT_EQ(start.watch.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
+    ASSERT_TRUE(start.watch.started);
+    expect({5, 3, 3}, hmf::ClassState::checked, hmf::ClassLoss::none);
+    expect({3, 5, 3}, hmf::ClassState::checked, hmf::ClassLoss::none);
+    expect({5, 3, 2}, hmf::ClassState::lost, hmf::ClassLoss::height);
+    expect({5, 5, 3}, hmf::ClassState::lost, hmf::ClassLoss::height);
+    expect({5, 3, 0}, hmf::ClassState::lost, hmf::ClassLoss::height);
+    expect({5, 3, 3, 1}, hmf::ClassState::lost, hmf::ClassLoss::leaves);
+}
+
 // All heights are right, one curve is another one.
 TEST(ClassCertificate, SaysWhichCurveIsWrong) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
@@ -260,6 +323,7 @@ TEST(ClassGuard, SolvesWhereTheClassIsBrokenOnPurpose) {
         options.tolerance = 1e-8;
         double energies[3] = {0, 0, 0};
         for (const uint32_t way : {0u, 1u, 2u}) { // checked; unchecked; unchecked, and guarded
+            start.bits = 14; // too coarse for the tolerance: the unit gets finer, and goes back with the values
             start.load(weight);
             ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
             hmf::Recorder recorder(false, start.call, 1);

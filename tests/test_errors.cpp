@@ -703,7 +703,8 @@ TEST_F(OnTorus, LoopDefects) {
 }
 
 TEST_F(OnTorus, LoopWeights) {
-    for (const double bad : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+    for (const double bad :
+         {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY), 1e100, 0.9e-100, 5e-324})
         expect_loops({ring(2)}, HMF_ERROR_LOOP_WEIGHT, 0, {bad});
 }
 

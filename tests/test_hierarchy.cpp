@@ -554,6 +554,15 @@ TEST(Progress, RisesAndCancels) {
     }
 }
 
+TEST(Weights, OfACoarseLevelAreBounded) {
+    Mesh mesh;
+    double sum[] = {-2, 0, 1e-9, 2e-3, 8, 2e3, 1e7};
+    mesh.edge_count = 7;
+    EXPECT_EQ(coarse_weights(mesh, sum), 1u);
+    const double expected[] = {1e-3, 1e-3, 1e-3, 1e-3, 4, 1e3, 1e3};
+    for (int e = 0; e < 7; ++e) EXPECT_EQ(sum[e], expected[e]) << e;
+}
+
 TEST(Weights, Cotangent) {
     const double o[3] = {0, 0, 0}, x[3] = {2, 0, 0}, y[3] = {0, 3, 0}, d[3] = {1, 1, 0}, back[3] = {-1, 0, 0};
     EXPECT_EQ(cotangent(o, x, y), 0);

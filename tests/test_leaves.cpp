@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -495,6 +496,34 @@ TEST_P(Leaves, OfValuesReadAgain) {
     ASSERT_EQ(direct->line_count, again->line_count);
     ASSERT_EQ(direct->point_count, again->point_count);
     for (uint64_t i = 0; i < 3 * direct->point_count; ++i) ASSERT_EQ(direct->points[i], again->points[i]);
+}
+
+// Of any size there is a quad mesh without two edges that have the same ends, or a refusal.
+TEST(LeavesContract, NoTwoEdgesOfAQuadMeshHaveTheSameEnds) {
+    size_t made = 0;
+    for (const size_t genus : {2, 3, 4}) {
+        const Hierarchy hierarchy(pretzel(genus, 1));
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-9));
+        for (double length = 0.1; length < 20; length *= 1.25) {
+            hmf_quad_options options{};
+            options.struct_size = sizeof options;
+            options.edge_length = length;
+            hmf_quad_mesh* out = nullptr;
+            const hmf_status status = hmf_quads(solution.foliation.get(), &options, nullptr, &out, nullptr);
+            const Owned<hmf_quad_mesh> mesh(out);
+            ASSERT_TRUE(status == HMF_OK || status == HMF_ERROR_UNSUPPORTED) << status;
+            if (!mesh) continue;
+            ++made;
+            std::set<std::pair<uint32_t, uint32_t>> sides;
+            for (size_t q = 0; q < mesh->quad_count; ++q)
+                for (size_t s = 0; s < 4; ++s) {
+                    const uint32_t a = mesh->quads[4 * q + s], b = mesh->quads[4 * q + (s + 1) % 4];
+                    ASSERT_NE(a, b) << "genus " << genus << " length " << length;
+                    ASSERT_TRUE(sides.insert({a, b}).second) << "genus " << genus << " length " << length;
+                }
+        }
+    }
+    EXPECT_GT(made, 20u);
 }
 
 // What the header promises about arguments: each refusal with its status.

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -126,6 +127,39 @@ TEST(Levels, LevelZeroIsTheMeshOfTheCaller) {
         for (size_t e = 0; e < mesh.edge_count; ++e)
             ASSERT_NEAR(mesh.weights[e], weights[e], 1e-6 * (1 + std::abs(weights[e]))) << e;
     }
+}
+
+// Half the sum of the two opposite cotangents, between the bounds; raised are those that were negative.
+TEST(Levels, WeightsOfCoarseLevels) {
+    size_t free = 0, raised = 0;
+    for (const auto& sample : sample_meshes()) {
+        SCOPED_TRACE(sample.first);
+        const Hierarchy hierarchy(sample.second, 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        for (size_t level = 1; level < hierarchy.levels(); ++level) {
+            const LevelMesh mesh = read_level(hierarchy, level);
+            std::vector<double> expected(mesh.edge_count, 0);
+            for (size_t c = 0; c < mesh.triangle_edges.size(); ++c) {
+                const auto corner = [&](size_t s) {
+                    return &mesh.positions[3 * mesh.triangle_vertices[c - c % 3 + (c % 3 + s) % 3]];
+                };
+                expected[mesh.triangle_edges[c]] += 0.5 * cotangent(corner(2), corner(0), corner(1));
+            }
+            size_t negative = 0, near = 0; // right angles round to either side
+            for (size_t e = 0; e < mesh.edge_count; ++e) {
+                negative += expected[e] < -1e-9;
+                near += std::abs(expected[e]) <= 1e-9;
+                const double bounded = std::min(std::max(expected[e], 1e-3), 1e3);
+                free += bounded == expected[e];
+                ASSERT_NEAR(mesh.weights[e], bounded, 1e-6 * (1 + std::abs(expected[e]))) << e;
+            }
+            EXPECT_GE(mesh.raised_count, negative);
+            EXPECT_LE(mesh.raised_count, negative + near);
+            raised += negative;
+        }
+    }
+    EXPECT_GT(free, 1000u);
+    EXPECT_GT(raised, 0u);
 }
 
 TEST(Levels, RatioAndCoarsestAreKept) {

@@ -445,6 +445,29 @@ TEST(PantsLoops, CasesOnTheInput) {
         TriMesh mesh;
         if (!read_obj(path, mesh)) GTEST_SKIP() << "skipped: no " << path;
         for (const double ratio : {0.25, 0.5, 0.75}) expect_pants_on_the_input(mesh, ratio);
+// Of several loops the first that crosses an earlier one.
+TEST(DrawnLoops, FirstCrossingIsNamed) {
+    const Hierarchy hierarchy(torus(40, 16, 3, 1));
+    const uint32_t tubes[] = {2, 10, 20, 25, 30, 35};
+    std::vector<uint32_t> hole;
+    for (uint32_t i = 0; i < 40; ++i) hole.push_back(i * 16 + 5);
+    for (size_t place = 1; place <= 6; ++place) {
+        Loops loops;
+        loops.kind = HMF_LOOP_VERTICES;
+        for (size_t k = 0; k < 6; ++k) {
+            if (k == place) loops.add(hole);
+            std::vector<uint32_t> tube;
+            for (uint32_t j = 0; j < 16; ++j) tube.push_back(tubes[k] * 16 + j);
+            loops.add(tube);
+        }
+        if (place == 6) loops.add(hole);
+        hmf_error error{};
+        hmf_foliation* none = nullptr;
+        const hmf_loop_set set = loops.view();
+        EXPECT_EQ(hmf_initialize(hierarchy.get(), &set, nullptr, &none, &error), HMF_ERROR_LOOP_CROSSING);
+        EXPECT_EQ(error.index, place);
+        const std::string wanted = "Loop " + std::to_string(place) + " crosses loop 0, which it meets at vertex 37.";
+        EXPECT_NE(std::string(error.message).find(wanted), std::string::npos) << error.message;
     }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../src/foliation/whitehead.hpp"
+#include "../src/parameterize/seams.hpp"
 #include "../src/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
 
@@ -308,4 +309,42 @@ TEST(Move, TakesAVertexOfDegreeTwoAlong) {
                 || (mesh.target(first) == x + 8 && mesh.target(second) == v));
     combed.height[x] = combed.height[v];
     expect_taken_along(combed, v, x);
+}
+
+// A layout of many times 2^52 stays where doubles are exact; where it is pushed back there is a translation by 2^52.
+TEST(Layout, TooWideIsPushedBack) {
+    constexpr uint32_t n = 64, m = 8;
+    constexpr int64_t wide = int64_t{1} << 49, back = int64_t{1} << 52;
+    test::MadeMesh made(test::torus(n, m));
+    const Mesh mesh = made.mesh();
+    Memory memory(nullptr, nullptr, nullptr, 0);
+    Call call(memory, nullptr, nullptr, nullptr);
+    SignBundle bundle;
+    TwistedForm du, dv;
+    const std::vector<double> length(mesh.edge_count, 1);
+    std::vector<uint8_t> is_cone(mesh.vertex_count, 0);
+    ASSERT_TRUE(bundle.turn.allocate_filled(memory, mesh.edge_count, int8_t{1}));
+    ASSERT_TRUE(du.value.allocate(memory, mesh.edge_count));
+    ASSERT_TRUE(dv.value.allocate(memory, mesh.edge_count));
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const uint32_t a = mesh.origin[2 * e], b = mesh.origin[2 * e + 1];
+        du.value[e] = ((b / m - a / m + n + 1) % n - int64_t{1}) * wide;
+        dv.value[e] = ((b % m - a % m + m + 1) % m - int64_t{1}) * wide;
+    }
+    Seams seams;
+    Layout layout;
+    ASSERT_TRUE(cut_through_cones(mesh, length.data(), is_cone.data(), seams, call));
+    ASSERT_TRUE(layout.build(mesh, bundle, du, dv, 0, seams, call));
+    uint32_t pushed = 0;
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        ASSERT_LT(std::abs(layout.u[h]), 2 * back);
+        ASSERT_LT(std::abs(layout.v[h]), 2 * back);
+        ASSERT_EQ(layout.u[mesh.next[h]] - layout.u[h], du.at(bundle, h));
+        ASSERT_EQ(layout.v[mesh.next[h]] - layout.v[h], dv.at(bundle, h));
+        if (!seams.tree[edge_of(h)]) continue;
+        const int64_t shift = layout.u[twin(h)] - layout.u[mesh.next[h]];
+        ASSERT_TRUE(shift == 0 || shift == back || shift == -back);
+        pushed += shift != 0;
+    }
+    EXPECT_GT(pushed, 0u);
 }

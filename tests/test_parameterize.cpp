@@ -1,6 +1,7 @@
 // Parameterisation: against the known conformal modulus of a torus, exact
 // transitions and cone angles by independent sums, convergence under
 // refinement, invariance under intrinsic flips, scaling laws, refusals.
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 using namespace test;
 
@@ -34,6 +36,9 @@ Flat parameterize(const Foliation& foliation, const hmf_parameterize_options* op
     if (!p) return flat;
     flat.numbers = *p;
     EXPECT_GE(p->struct_size, sizeof *p);
+    for (const void* array : {static_cast<const void*>(p->corner_uv), static_cast<const void*>(p->transition),
+                              static_cast<const void*>(p->dilatation), static_cast<const void*>(p->differential)})
+        EXPECT_EQ(reinterpret_cast<uintptr_t>(array) % alignof(double), 0u);
     flat.uv.assign(p->corner_uv, p->corner_uv + 6 * p->triangle_count);
     flat.transition.assign(p->transition, p->transition + 3 * p->edge_count);
     flat.seam.assign(p->seam, p->seam + p->edge_count);
@@ -330,6 +335,77 @@ TEST(Parameterize, SeamsPreferTheEdgesGiven) {
     EXPECT_LT(off(guided), off(plain) / 4);
 }
 
+// A seam ends at cones only: elsewhere both sides of its end agree, and it can be healed.
+TEST(Parameterize, SeamsEndAtCones) {
+    for (const size_t genus : {1, 2, 3}) {
+        SCOPED_TRACE(genus);
+        const Hierarchy hierarchy(pretzel(genus, 3), 0.5, 300);
+        ASSERT_TRUE(hierarchy);
+        const Flat flat = parameterize(harmonic(hierarchy).foliation);
+        ASSERT_EQ(flat.status, HMF_OK);
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        std::vector<int> seams(mesh.vertex_count, 0);
+        for (size_t e = 0; e < mesh.edge_count; ++e)
+            for (size_t x = 0; x < 2; ++x) seams[mesh.edge_vertices[2 * e + x]] += flat.seam[e];
+        size_t met = 0;
+        for (size_t v = 0; v < mesh.vertex_count; ++v) {
+            met += seams[v] > 0;
+            if (seams[v] == 1) { EXPECT_NE(flat.cone[v], 2) << "vertex " << v; }
+        }
+        EXPECT_GT(met, 0u);
+        // What is cut is one disk: a seam graph with V - E = 1 - 2 genus.
+        EXPECT_EQ(static_cast<long>(met) - static_cast<long>(flat.numbers.seam_edge_count),
+                  1 - 2 * static_cast<long>(genus));
+    }
+}
+
+TEST(Parameterize, ArraysAreAligned) { // where the counts are odd
+    const Hierarchy hierarchy(torus(15, 9, 2, 0.8));
+    ASSERT_TRUE(hierarchy);
+    EXPECT_EQ(parameterize(harmonic(hierarchy).foliation).status, HMF_OK);
+}
+
+// The second call finds what the first has left; calls at the same time, of
+// which all but one are too late to leave anything, give the same and keep nothing.
+TEST(Parameterize, IsSharedByCallsAtTheSameTime) {
+    Meter meter;
+    {
+        const Hierarchy hierarchy(pretzel(2, 3), meter.options(300));
+        ASSERT_TRUE(hierarchy);
+        const Solution s = harmonic(hierarchy);
+        ASSERT_LE(s.report.residual_max, 1e-8);
+        const uint64_t before = meter.used;
+        Flat second;
+        struct Beside {
+            const Foliation& foliation;
+            Flat& flat;
+            bool done = false;
+            static int32_t call(void* user, double fraction) {
+                Beside& beside = *static_cast<Beside*>(user);
+                if (fraction > 0.1 && !beside.done) {
+                    beside.done = true; // this call waits until the other one has ended
+                    std::thread([&] { beside.flat = parameterize(beside.foliation); }).join();
+                }
+                return HMF_PROGRESS_CONTINUE;
+            }
+        } beside{s.foliation, second};
+        hmf_control control{};
+        control.struct_size = sizeof control;
+        control.progress = Beside::call;
+        control.progress_user = &beside;
+        const uint64_t calls = meter.calls;
+        const Flat first = parameterize(s.foliation, nullptr, &control);
+        ASSERT_TRUE(beside.done);
+        const uint64_t both = meter.calls - calls, kept = meter.used - before;
+        const Flat third = parameterize(s.foliation);
+        EXPECT_EQ(first.uv, second.uv);
+        EXPECT_EQ(first.uv, third.uv);
+        EXPECT_EQ(meter.used - before, kept); // one flat surface
+        EXPECT_LT(3 * (meter.calls - calls - both), both);
+    }
+    EXPECT_EQ(meter.used, 0u);
+}
+
 // A limb that no loop goes round: what is known there is less than rounding.
 TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     const Hierarchy hierarchy(torus_with_finger(40, 20, 60, 30), 0.5, 300);
@@ -342,6 +418,31 @@ TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     long sum = 0;
     for (const int32_t c : flat.cone) sum += 2 - c;
     EXPECT_EQ(sum, 0);
+}
+
+// A few vertices above the tolerance may be the work of the flips; many say that the values are not harmonic,
+// also where it would take little to make them so.
+TEST(Parameterize, ManyVerticesAboveTheToleranceAreRefused) {
+    const Hierarchy hierarchy(pretzel(2, 2), 0.5, 300);
+    ASSERT_TRUE(hierarchy);
+    const Foliation start = initialize(hierarchy, library_loops(hierarchy, 0));
+    size_t tried = 0;
+    for (const uint64_t sweeps : {1, 2, 4}) {
+        const Solution some = relax(start, solve_options(HMF_METHOD_WHITEHEAD, 1e-15, sweeps));
+        const LevelMesh mesh = read_level(hierarchy, 0);
+        const std::vector<double> residual = residuals(some.foliation, mesh.vertex_count);
+        for (const double tolerance : {0.1, 0.3, 0.6}) {
+            const auto above = static_cast<size_t>(
+                std::count_if(residual.begin(), residual.end(), [&](double r) { return r > tolerance; }));
+            if (above <= 16 + mesh.vertex_count / 20) continue;
+            ++tried;
+            hmf_parameterize_options options = parameterize_options();
+            options.tolerance = tolerance;
+            EXPECT_EQ(parameterize(some.foliation, &options).status, HMF_ERROR_VALUE_NOT_HARMONIC)
+                << sweeps << " sweeps, " << above << " above " << tolerance;
+        }
+    }
+    EXPECT_GT(tried, 1u);
 }
 
 TEST(Parameterize, Refusals) {

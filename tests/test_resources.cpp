@@ -588,6 +588,26 @@ TEST(ProgressOf, LimitsStillGiveAFoliation) {
     }
 }
 
+// What runs out on the coarsest level is carried to the finest, and nothing is done on the way.
+TEST(ProgressOf, NothingIsOptimisedAfterTheTimeLimit) {
+    const Hierarchy hierarchy(pretzel(3, 3), 0.5, 400);
+    ASSERT_TRUE(hierarchy);
+    ASSERT_GE(hierarchy.levels(), 3u);
+    for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD}) {
+        SCOPED_TRACE(method);
+        hmf_solve_options options = solve_options(method, 1e-15);
+        options.time_limit = 1e-9;
+        const Solution solution = solve(hierarchy, nullptr, options);
+        EXPECT_EQ(solution.status, HMF_LIMIT_TIME);
+        ASSERT_EQ(solution.report.level_count, hierarchy.levels());
+        for (size_t k = 0; k < hierarchy.coarsest(); ++k) {
+            EXPECT_EQ(solution.report.levels[k].iterations, 0u) << k;
+            EXPECT_EQ(solution.report.levels[k].linear_solves, 0u) << k;
+        }
+        expect_foliation(read_level(hierarchy, 0), solution.foliation);
+    }
+}
+
 // --- Determinism -------------------------------------------------------------
 
 TEST(SameBits, TwiceAndFromTwoThreads) {

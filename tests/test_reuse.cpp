@@ -218,6 +218,22 @@ TEST(Reuse, ValuesFromElsewhere) {
     EXPECT_LT(relative(energy(read), 1048576 * energy(create(hierarchy, 0, solution.values))), 1e-15);
 }
 
+// In a triangle with three odd sides the middle lies between two integers: the unit is halved, if there is a bit left.
+TEST(Reuse, OddSums) {
+    const Hierarchy hierarchy(torus(20, 10, 2, 1));
+    ASSERT_TRUE(hierarchy);
+    const std::vector<double> odd(hierarchy.edges(0), std::ldexp(1, 44) + 1);
+    const Foliation foliation = create(hierarchy, 0, odd);
+    ASSERT_TRUE(foliation);
+    EXPECT_EQ(values_of(foliation), odd);
+    EXPECT_EQ(hmf_foliation_unit(foliation.get()), 0.5);
+    const std::vector<double> full(hierarchy.edges(0), std::ldexp(1, 52) + 1);
+    hmf_foliation* none = nullptr;
+    EXPECT_EQ(hmf_foliation_create(hierarchy.get(), 0, full.data(), full.size(), nullptr, &none, nullptr),
+              HMF_ERROR_VALUE_NOT_CLOSED);
+    EXPECT_EQ(none, nullptr);
+}
+
 TEST(Reuse, Errors) {
     const Hierarchy hierarchy(pretzel(2, 2), 0.5, 100), other(pretzel(3, 2), 0.5, 100);
     ASSERT_TRUE(hierarchy && other);

@@ -58,7 +58,7 @@ public:
         if (!measure_heights() || !find_tips() || !add_far_tip()) return false;
         for (const Tip& tip : tips_)
             if (!add_pair(tip.vertex, marks)) return false;
-        while (marks.size() < 4) // a mesh of a few vertices
+        while (marks.size() < 4 && marks.size() < mesh_.vertex_count) // a mesh of a few vertices
             if (!add(first_unused(), marks)) return false;
         return true;
     }

@@ -1,0 +1,147 @@
+#!/bin/bash
+# Tests of the tests: each defect of a table is put into a copy of the sources,
+# and the test named beside it must fail.
+#
+#     tests/mutations.sh FOLDER [PATTERN]
+#
+# FOLDER is for the copy and its build, only lines that match PATTERN are done.
+#
+# Columns: file, sed expression, program, cases of it.  An expression that
+# changes nothing is a failure: the table goes with the sources.
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+mkdir -p "$1"
+folder=$(cd "$1" && pwd)
+pattern=${2:-.}
+jobs=${JOBS:-$(nproc)}
+tree=$folder/tree
+
+table() {
+    grep -v -e '^#' -e '^$' << 'END' | grep -E -- "$pattern"
+# The certificate of the class, and the way back
+src/leaves/class_certificate.cpp  s/if (found == wanted) continue/continue/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (same(spoke_.data() + offset_\[c\], .* walk)) {$/if (c == d) {/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (m != n) {/if (false) {/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/if (taken.size() == n)/if (true)/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/(taken\[d\] || cylinders.list\[d\].height != height_\[c\] \* finer)/taken[d]/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/ taken\[d\] = 1;/ taken[d] = 0;/  test_class  ClassCertificate.*
+src/leaves/class_certificate.cpp  s/const int64_t wanted = height_\[c\] \* finer/const int64_t wanted = height_[c]/  test_class  ClassCertificate.*
+src/solve/class_watch.cpp  s/^    std::memcpy(f.value, values.data(), .*//  test_class  ClassGuard.*
+src/solve/class_watch.cpp  s/careful.guarded = true/careful.guarded = false/  test_class  ClassGuard.*
+src/solve/cascade.cpp  s/^        std::memcpy(f.value, values.data(), .*//  test_class  ClassGuard.*
+
+# Marked vertices stay, and are no poles
+src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return false;//  test_marked  Marked.*-*RealSurfaces*
+src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return 0;.*//  test_marked  Marked.*-*RealSurfaces*
+src/foliation/cluster.cpp  s/result.marked += mesh.is_marked(v)/result.marked += 0/  test_marked  Marked.*-*RealSurfaces*
+src/foliation/cluster_move.cpp  s/part.closed_corners >= 2 || part.marked > 0/part.closed_corners >= 2/  test_marked  Marked.*-*RealSurfaces*
+src/foliation/transport.cpp  s/cluster.closed_corners == 1 || cluster.marked > 0/cluster.closed_corners == 1/  test_marked  Marked.*-*RealSurfaces*
+src/hierarchy/simplify.cpp  s/if (work.mesh.is_marked(v) || work.mesh.is_marked(w)) return place_on_mark.*//  test_marked  Marked.StayInPlace*
+src/mesh/marked_vertices.cpp  s/if (mark)$/if (false)/  test_marked  Marked.Unusable*
+
+# The interface: results, limits, values
+src/api/shared_flat.cpp  s/if (!is_minimum(foliation)) return HMF_OK;//  test_parameterize  Parameterize.Refusals
+src/api/shared_flat.cpp  s/else free_part(h, made);//  test_parameterize  Parameterize.IsShared*
+src/api/shared_flat.cpp  s/^            free_part(h, made);//  test_resources  Resources.EveryAllocationMayFail
+src/api/shared_flat.cpp  s/SharedFlat\* part = foliation.flat.load(.*/SharedFlat* part = nullptr;/  test_parameterize  Parameterize.IsShared*
+src/api/result.cpp  s/h.allocator_user, bytes}/h.allocator_user, size}/  test_parameterize  Parameterize.IsShared*
+src/api/result.cpp  s/return (bytes + 15) \/ 16 \* 16;/return bytes;/  test_parameterize  Parameterize.Arrays*
+src/api/result.cpp  s/at += aligned(part.bytes)/at += 0/  test_parameterize  Parameterize.SeamsEnd*
+src/api/read_loop_set.cpp  s/ || w < 1e-100//  test_errors  OnTorus.LoopWeights
+src/api/foliation_object.cpp  s/corner2 >= 0 \&\& corner2 % 2 == 0/corner2 % 2 == 0/  test_errors  OnTorus.ValueDefects
+src/api/foliation_object.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
+
+# Solve
+src/solve/cascade.cpp  s/status == HMF_LIMIT_TIME || call.finishing()/call.finishing()/  test_resources  ProgressOf.Nothing*
+src/solve/cascade.cpp  s/if (work.call.out_of_time()) return HMF_LIMIT_TIME;//  test_resources  ProgressOf.Nothing*
+src/mesh/weights.cpp  s/sum\[edge_of(ij)\] += corners.cot_k/sum[edge_of(ij)] += corners.cot_i/  test_levels  Levels.WeightsOfCoarseLevels
+src/mesh/weights.cpp  s/: w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;/: w;/  test_hierarchy  Weights.*
+src/mesh/weights.cpp  s/!(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR/w < 0 ? COARSE_WEIGHT_FLOOR/  test_hierarchy  Weights.*
+
+# Loops
+src/loops/check_loops.cpp  s/static_cast<Long>(d), static_cast<Long>(c), word/static_cast<Long>(c), static_cast<Long>(d), word/  test_library_loops  DrawnLoops.*
+src/loops/check_loops.cpp  s/else bad = middle;/else good = middle;/  test_library_loops  DrawnLoops.*
+
+# What is made of the result
+src/parameterize/seams.cpp  s/if (degree\[v\] == 1 \&\& !is_cone\[v\]) queue/if (false) queue/  test_parameterize  Parameterize.SeamsEnd*
+src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
+src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
+src/leaves/quad_sizes.cpp  s/LEAST_ROWS = 3/LEAST_ROWS = 1/  test_leaves  LeavesContract.NoTwoEdges*
+src/leaves/quad_sizes.cpp  s/LEAST_COLUMNS = 2/LEAST_COLUMNS = 1/  test_leaves  LeavesContract.NoTwoEdges*
+src/leaves/quad_sizes.cpp  s/LEAST_ON_LOOP = 3/LEAST_ON_LOOP = 1/  test_leaves  LeavesContract.NoTwoEdges*
+END
+}
+
+# A fresh copy; files that are as before keep their times, so that little is built again.
+copy() {
+    local part file
+    rm -rf "$folder/new"
+    mkdir -p "$tree" "$folder/new"
+    (cd "$root" && tar cf - CMakeLists.txt include src bindings/readers tests) | (cd "$folder/new" && tar xf -)
+    (cd "$folder/new" && find . -type f) | while read -r file; do
+        cmp -s "$folder/new/$file" "$tree/$file" && continue
+        mkdir -p "$(dirname "$tree/$file")"
+        cp "$folder/new/$file" "$tree/$file"
+    done
+    rm -rf "$folder/new"
+}
+
+build() { # program ...
+    cmake --build "$folder/build" -j "$jobs" --target "$@" > "$folder/build.log" 2>&1
+}
+
+# To the first failure; a defect may also let a case run on and on.
+run() { # program, cases
+    timeout 60 "$folder/build/tests/$1" --gtest_fail_fast --gtest_filter="$2" > "$folder/run.log" 2>&1
+}
+
+# The case that failed, or that was running when the program died or its time ended.
+noticed() {
+    local name
+    name=$(sed -n 's/^\[  FAILED  \] \([^ ,]*[.][^ ,]*\).*/\1/p' "$folder/run.log" | head -1)
+    echo "${name:-$(sed -n 's/^\[ RUN      \] //p' "$folder/run.log" | tail -1)}"
+}
+
+copy
+cmake -S "$tree" -B "$folder/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG" -DHMF_BUILD_TESTS=ON \
+    -DHMF_BUILD_CLI=OFF -DHMF_INSTALL=OFF > "$folder/configure.log" 2>&1 || {
+    echo "not ok mutations: cmake failed, see $folder/configure.log"
+    exit 1
+}
+read -r -d '' -a programs < <(table | awk '{ print $(NF - 1) }' | sort -u)
+if [ ${#programs[@]} -eq 0 ]; then
+    echo "skip mutations (skipped: no line matches $pattern)"
+    exit 0
+fi
+build "${programs[@]}" || {
+    echo "not ok mutations: the build failed"
+    tail -20 "$folder/build.log"
+    exit 1
+}
+
+failed=0
+report() { # ok or not ok, text
+    echo "$1 $2"
+    [ "$1" = ok ] || failed=1
+}
+
+# Without a defect the same cases pass.
+while read -r program cases; do
+    if run "$program" "$cases" && grep -q '^\[  PASSED  \] [1-9]' "$folder/run.log"; then report ok "$program $cases"
+    else report "not ok" "$program $cases fails without a defect, or selects no test"; fi
+done < <(table | awk '{ print $(NF - 1), $NF }' | sort -u)
+
+while read -r line; do
+    file=${line%% *}
+    program=$(awk '{ print $(NF - 1) }' <<< "$line")
+    cases=${line##* }
+    change=$(sed "s/^[^ ]* *//; s/ *$program *[^ ]*$//" <<< "$line")
+    cp -p "$tree/$file" "$folder/original"
+    sed "$change" "$folder/original" > "$tree/$file"
+    if cmp -s "$folder/original" "$tree/$file"; then report "not ok" "$file: '$change' changes nothing"
+    elif ! build "$program"; then report "not ok" "$file: with '$change' it does not compile"
+    elif run "$program" "$cases"; then report "not ok" "$file: '$change' survives $program $cases"
+    else report ok "$file: '$change' is noticed by $(noticed)"; fi
+    cp "$folder/original" "$tree/$file" # a new time: what was built of the defect is built again
+done < <(table)
+exit $failed
