@@ -447,7 +447,8 @@ typedef struct hmf_solve_options {
     uint64_t iteration_limit;    /* sweeps per level, default 100000 */
     uint64_t stop_level;         /* finest level to solve, default 0 = the input mesh */
     const hmf_foliation *start;  /* hmf_solve: a foliation to start from instead of loops, which are then NULL; of
-                                    this hierarchy or of another one of the same triangles; NULL = none */
+                                    this hierarchy, or of another one of the same triangles (then on level 0);
+                                    NULL = none */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
@@ -584,7 +585,8 @@ typedef struct hmf_singularity_set {
     uint64_t vertex_count;
     uint64_t triangle_count;
     uint64_t count;
-    const hmf_singularity *list; /* count: zeros and poles; vertices and clusters, then triangles, each by number */
+    const hmf_singularity *list; /* count: zeros and poles, vertices and clusters, then triangles, each by number;
+                                    behind them the marked vertices that are in no zero, index 0 */
     const int32_t *vertex_index; /* vertex_count: index of each vertex; for the vertices of a cluster the index of the
                                     cluster at its lowest vertex and 0 at the others */
     const uint32_t *vertex_cluster; /* vertex_count: lowest vertex of the cluster */
@@ -593,8 +595,9 @@ typedef struct hmf_singularity_set {
 
 /*
  * Zeros and poles ([W] Eq. 1 and 3; a cluster has twice its Euler
- * characteristic minus the number of its closed corners).  The indices add up
- * to 4 - 4 * genus.  Free with hmf_free.
+ * characteristic minus the number of its closed corners; a marked vertex counts
+ * as a closed corner).  The indices add up to 4 - 4 * genus - marked vertices.
+ * Free with hmf_free.
  */
 HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,
                                      hmf_singularity_set **out, hmf_error *error);

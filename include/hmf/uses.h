@@ -75,7 +75,8 @@ typedef struct hmf_parameterization {
  * along its side 0, y to the left of it.
  *
  * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
- * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  Near the zeros u differs
+ * vertices, and the sum of (2 - cone) is 4 - 4 * genus.
+ * A marked vertex that is a pole has the cone angle pi.  Near the zeros u differs
  * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
  * goes round) triangles are degenerate.
  *

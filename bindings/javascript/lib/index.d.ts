@@ -379,6 +379,8 @@ export interface Singularity {
 export interface Report {
     /** "HMF_OK", or why the optimisation ended early: "HMF_LIMIT_ITERATIONS", "HMF_LIMIT_TIME", "HMF_LIMIT_STALLED", "HMF_LIMIT_CLASS" (no step that stays in the class of the loops reaches the minimum), "HMF_CANCELLED". */
     status: string;
+    /** Where it ended early, more about it as in HmfError: for "HMF_LIMIT_CLASS" a loop that the others lose.  Else null. */
+    stopped: Pick<HmfError, "element" | "index" | "advice"> | null;
     method: string;
     converged: boolean;
     energy: number;

@@ -24,9 +24,11 @@ export function readReport(frame, foliation, status) {
     if (address === 0) return null;
     const { level_count, history_count, levels, history } = frame.read('hmf_report', address);
     const { levelCount, historyCount, ...report } = frame.plain('hmf_report', address);
+    const { element, index, advice } = frame.error(status);
     return {
         ...report,
         status: statusName(status),
+        stopped: status === 0 ? null : { element, index, advice },
         method: methods.byValue.get(report.method) ?? `method ${report.method}`,
         converged: report.converged !== 0,
         classState: classStates.get(report.classState) ?? `class ${report.classState}`,

@@ -51,6 +51,7 @@ test('a solution is closed, without poles, harmonic, and its report tells the sa
     const foliation = hierarchy.solve(), { report } = foliation;
     assert.equal(report.status, 'HMF_OK');
     assert.equal(report.method, 'newton');
+    assert.equal(report.stopped, null);
     assert.equal(report.classState, 'proven');
     assert.ok(report.classRepeats < hierarchy.levels.length && report.classSeconds > 0 && report.classSeconds < report.solveSeconds);
     assert.equal(brokenTriangles(foliation.values, hierarchy.levels[0].triangleEdges()), 0);
@@ -233,6 +234,7 @@ test('limits are results, not exceptions', () => {
     const hierarchy = new hmf.Hierarchy(positions, triangles, { coarsest: 100 });
     const { report, values } = hierarchy.solve({ method: 'whitehead', iterationLimit: 1, tolerance: 1e-15 });
     assert.equal(report.status, 'HMF_LIMIT_ITERATIONS');
+    assert.match(report.stopped.advice, /iteration_limit/);
     assert.equal(report.converged, false);
     assert.ok(report.history.length > 2);
     assert.equal(brokenTriangles(values, hierarchy.levels[0].triangleEdges()), 0);

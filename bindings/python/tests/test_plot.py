@@ -99,7 +99,8 @@ def test_without_matplotlib(foliation: foliations.Foliation, monkeypatch: pytest
 
 def lines(ax: object) -> int:
     """Segments that are drawn."""
-    return sum(len(collection.get_segments()) for collection in ax.collections if hasattr(collection, "get_segments"))  # type: ignore[attr-defined]
+    collections = ax.collections  # type: ignore[attr-defined]
+    return sum(len(each.get_segments()) for each in collections if hasattr(each, "get_segments"))
 
 
 def test_loops(foliation: foliations.Foliation) -> None:

@@ -34,6 +34,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     const sphere: Hierarchy = new hmf.Hierarchy(positions, triangles, { markedVertices: marks });
     const proven: boolean = sphere.solve().report?.classState === "proven";
 
+    const lost: number | undefined = sphere.solve().report?.stopped?.index;
+
     const corners: Uint32Array = foliation.quads({ edgeLength: 0.1 }).quads;
 
     // @ts-expect-error: positions are numbers
@@ -60,7 +62,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     next.dispose();
     sphere.dispose();
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, Number(proven), ...moduli, ...corners, ...(place ?? []));
+    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, Number(proven), lost ?? 0, ...moduli, ...corners, ...(place ?? []));
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {

@@ -108,7 +108,10 @@ def _pyvista(module: Any, foliation: Foliation, leaves: Any, zeros: Any, curves:
 
     plotter = module.Plotter()
     surface = module.PolyData(np.array(level.positions), counted(level.triangles))
-    plotter.add_mesh(surface, color=_CREAM, smooth_shading=True, name="mesh")
+    mapper = plotter.add_mesh(surface, color=_CREAM, smooth_shading=True, name="mesh").mapper
+    # Somewhat behind the lines that lie on it.
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2, 40)
     points, segments = leaves
     plotter.add_mesh(module.PolyData(points, lines=counted(segments)), color=_RED, line_width=2, name="leaves")
     if len(zeros):

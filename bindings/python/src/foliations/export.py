@@ -343,7 +343,7 @@ def export_foliation(
 
 
 def export_leaves(leaves: Leaves, path: str | os.PathLike[str]) -> None:
-    """Writes the polylines: ``.obj``, ``.glb``, ``.ply`` or ``.vtp``, the last with kind, cylinder and length of each."""
+    """Writes the polylines: ``.obj``, ``.glb``, ``.ply`` or ``.vtp`` (with kind, cylinder and length of each)."""
     lines = []
     offsets = leaves.offsets.astype(np.int64)
     rows = leaves._rows
@@ -358,7 +358,7 @@ def export_leaves(leaves: Leaves, path: str | os.PathLike[str]) -> None:
 
 
 def export_quads(mesh: QuadMesh, path: str | os.PathLike[str]) -> None:
-    """Writes the quad mesh: ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb``, where each quad becomes two triangles."""
+    """Writes the quad mesh: ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb`` (two triangles for each)."""
     save(path, Drawing(mesh.positions, mesh.quads))
 
 

@@ -96,7 +96,7 @@ class Loops(Sequence[Indices]):
 
     @classmethod
     def through(cls, hierarchy: Hierarchy, *picked: ArrayLike, weights: ArrayLike | None = None) -> Loops:
-        """Loops through picked vertices or points of your mesh: the shortest path along edges from each to the next, and back.
+        """Loops through picked vertices or points: the shortest path along edges to each next one, and back.
 
         Parameters
         ----------
