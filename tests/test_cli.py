@@ -1096,6 +1096,8 @@ class Components(Case):
         self.assertIn("class checked", done.stdout)
         report = json.loads(self.read("r.json"))
         self.assertEqual([c["class"] for c in report["components"]], ["proven", "checked", "proven"])
+        for count in (report["mesh"]["triangles"], report["mesh"]["marked"], report["zeros"], report["class_repeats"], report["levels"][0]["edges"]):
+            self.assertIsInstance(count, int)
         own, found = self.alone(1, "--save-marks", self.path("own.txt"))
         marked = found["mesh"]["marked"]
         self.assertEqual((report["class"], report["converged"], report["mesh"]["marked"], report["index_sum"]), ("checked", True, marked, 4 - marked))

@@ -445,6 +445,9 @@ TEST(PantsLoops, CasesOnTheInput) {
         TriMesh mesh;
         if (!read_obj(path, mesh)) GTEST_SKIP() << "skipped: no " << path;
         for (const double ratio : {0.25, 0.5, 0.75}) expect_pants_on_the_input(mesh, ratio);
+    }
+}
+
 // Of several loops the first that crosses an earlier one.
 TEST(DrawnLoops, FirstCrossingIsNamed) {
     const Hierarchy hierarchy(torus(40, 16, 3, 1));

@@ -40,7 +40,10 @@ Json sum(const Json::Array& reports, const char* key) {
         const Json* const number = report.find(key);
         if (number && !number->is_null()) total = Json(total.number() + number->number());
     }
-    return total;
+    // Counts stay whole numbers in the file.
+    const double value = total.number();
+    const bool is_whole = !total.is_null() && value == std::floor(value) && std::fabs(value) < 1e15;
+    return is_whole ? Json(static_cast<int64_t>(value)) : total;
 }
 
 // Levels of several reports as those of one, the finest first.
