@@ -7,7 +7,8 @@
 # a copy of the repository.  Lines begin with ok, not ok, skip.
 #
 # Environment: HMF_BINDING_WORK  folder for all of it (default build/python of the repository)
-#              HMF_PYTHON_OTHERS  packages to try it with (default all; "": none, their tests skip)
+#              HMF_PYTHON_OTHERS  packages to try it with (default "trimesh meshio"; "": none).  Large ones too:
+#                                 pyvista polyscope libigl dask distributed ray[data].  Without it, its tests skip.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -18,7 +19,7 @@ venv=$work/venv
 python=$venv/bin/python
 log=$work/log
 failed=0
-others=${HMF_PYTHON_OTHERS-trimesh meshio pyvista polyscope libigl dask distributed ray[data]}
+others=${HMF_PYTHON_OTHERS-trimesh meshio}
 
 # What is not ours: without a network there is nothing to test.
 make_environment() {

@@ -69,6 +69,7 @@ def test_each_error_has_a_class() -> None:
         ("HMF_LOOPS_", foliations.hierarchy.LoopsKind),
         ("HMF_LEAVES_", foliations.leaves.LeavesKind),
         ("HMF_LOOP_", foliations.loops.LoopKind),
+        ("HMF_CLASS_", foliations.ClassState),
     ],
 )
 def test_names_of_choices(prefix: str, literal: object) -> None:
@@ -92,7 +93,7 @@ def fields(structure: str) -> set[str]:
 
 def test_options_are_keywords() -> None:
     hidden = {"struct_size", "reserved", "allocate", "release", "allocator_user"}
-    hidden |= {"seam_edge_count", "point_count", "position_stride"}  # those of arrays
+    hidden |= {"seam_edge_count", "point_count", "position_stride", "marked_count"}  # those of arrays
     common = {"foliation", "progress"}
     build = set(inspect.signature(foliations.Hierarchy.__init__).parameters)
     solve = set(inspect.signature(foliations.Hierarchy.solve).parameters)
@@ -125,7 +126,11 @@ def test_each_call_with_a_control_takes_progress() -> None:
     """But hmf_energy, which is a property: Control-C ends it all the same."""
     control = ffi.typeof("hmf_control *")
     long = {name for name in FUNCTIONS if control in ffi.typeof(getattr(lib, name)).args}
-    owners = {"hmf_build": foliations.Hierarchy.__init__, "hmf_foliation_create": foliations.Hierarchy.foliation}
+    owners = {
+        "hmf_build": foliations.Hierarchy.__init__,
+        "hmf_foliation_create": foliations.Hierarchy.foliation,
+        "hmf_suggest_marks": foliations.suggest_marks,
+    }
     for name in long - {"hmf_energy"}:
         short = name[len("hmf_") :]
         function = (

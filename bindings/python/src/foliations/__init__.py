@@ -30,13 +30,13 @@ from .errors import (
     UnsupportedError,
 )
 from .foliation import Foliation, Singularities, Singularity
-from .hierarchy import Hierarchy, Level, memory_estimate, solve
+from .hierarchy import Hierarchy, Level, memory_estimate, solve, suggest_marks
 from .leaves import Leaf, Leaves
 from .loops import Loops
 from .meshes import MeshLike, as_mesh, read_mesh
 from .parameterization import Parameterization
 from .quads import QuadMesh
-from .report import HistoryEntry, LevelReport, Report
+from .report import ClassState, HistoryEntry, LevelReport, Report
 from .rows import solve_row
 
 
@@ -49,6 +49,7 @@ __version__ = _version()
 
 __all__ = [
     "Cancelled",
+    "ClassState",
     "Cylinder",
     "Cylinders",
     "Element",
@@ -87,4 +88,5 @@ __all__ = [
     "read_mesh",
     "solve",
     "solve_row",
+    "suggest_marks",
 ]

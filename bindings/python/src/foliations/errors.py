@@ -25,6 +25,7 @@ class Status(IntEnum):
     LIMIT_TIME = 11
     LIMIT_STALLED = 12
     CANCELLED = 13
+    LIMIT_CLASS = 14
     ERROR_NULL = 100
     ERROR_OPTIONS = 101
     ERROR_CAPACITY = 102
@@ -141,7 +142,7 @@ class OutOfMemoryError(Error, MemoryError):
 
 
 class MeshError(Error, ValueError):
-    """The mesh is not closed, connected, oriented, manifold and of genus 1 or more."""
+    """The mesh is not closed, connected, oriented and manifold, or of genus 0 without four marked vertices."""
 
 
 class LoopError(Error, ValueError):
@@ -170,7 +171,10 @@ class Cancelled(Error):
 
 
 class LimitWarning(UserWarning):
-    """The result is closed and without poles, but not harmonic to the tolerance."""
+    """The result is closed and without poles, but not harmonic to the tolerance.
+
+    With LIMIT_CLASS it may not belong to the loops either: ``class_state`` of the report.
+    """
 
 
 _CLASSES: dict[int, type[Error]] = {

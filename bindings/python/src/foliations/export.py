@@ -363,6 +363,6 @@ def export_quads(mesh: QuadMesh, path: str | os.PathLike[str]) -> None:
 
 
 def export_singularities(zeros: Singularities, path: str | os.PathLike[str]) -> None:
-    """Writes the points: ``.obj``, ``.glb``, ``.ply`` or ``.vtp``; the last two with the index of each."""
+    """Writes the points: ``.obj``, ``.glb``, ``.ply`` or ``.vtp``; the last two with the index of each (0: a mark)."""
     data = {name: np.array(zeros._rows[name]) for name in ("index", "kind")}
     save(path, Drawing(np.array(zeros.positions), dots=True, point_data=data))

@@ -50,24 +50,26 @@ SingularityKind = Literal["vertex", "triangle", "cluster"]
 quiet: ContextVar[bool] = ContextVar("quiet", default=False)
 
 #: Statuses with which hmf_solve and hmf_relax may give a foliation.
-STOPPED = frozenset({Status.LIMIT_ITERATIONS, Status.LIMIT_TIME, Status.LIMIT_STALLED, Status.CANCELLED})
+STOPPED = frozenset(status for status in Status if status.name.startswith("LIMIT_")) | {Status.CANCELLED}
 _HERE = Path(__file__).parent
 _SINGULARITY_KINDS: dict[int, SingularityKind] = names("SINGULAR")
 
 
 @dataclass(frozen=True)
 class Singularity:
-    """A zero or a pole."""
+    """A zero, a pole, or a marked vertex that is neither."""
 
     kind: SingularityKind  #: where it is
-    index: int  #: below 0 a zero of order -index, above 0 a pole
+    index: int  #: below 0 a zero of order -index, above 0 a pole, 0 a marked vertex that is no zero
     element: int  #: the vertex or triangle; of a cluster its lowest vertex
     size: int  #: vertices of a cluster, otherwise 1
     position: tuple[float, float, float]  #: of the vertex, the middle of the triangle, the mean of the cluster
 
 
 class Singularities(Rows[Singularity]):
-    """Zeros and poles of a foliation; their indices add up to 4 - 4 genus.
+    """Zeros and poles of a foliation, behind them the marked vertices that are in no zero.
+
+    Indices add up to 4 - 4 genus - marked vertices.
 
     Attributes
     ----------
@@ -109,14 +111,20 @@ class Singularities(Rows[Singularity]):
         return tuple(entry for entry in self if entry.index > 0)
 
     @property
+    def marks(self) -> tuple[Singularity, ...]:
+        """Those of index 0: marked vertices that are in no zero."""
+        return tuple(entry for entry in self if entry.index == 0)
+
+    @property
     def index_sum(self) -> int:
-        """4 - 4 genus."""
+        """4 - 4 genus - marked vertices."""
         return int(self._rows["index"].sum())
 
     export = export_singularities
 
     def __repr__(self) -> str:
-        return f"<{len(self.zeros)} zeros, {len(self.poles)} poles>"
+        marks = f", {len(self.marks)} marks" if self.marks else ""
+        return f"<{len(self.zeros)} zeros, {len(self.poles)} poles{marks}>"
 
 
 class Foliation:
@@ -251,7 +259,7 @@ class Foliation:
         return result
 
     def singularities(self, *, progress: ProgressOption = None) -> Singularities:
-        """Zeros and poles."""
+        """Zeros and poles, and the marked vertices that are neither."""
         made = call(lib.hmf_singularities, self._pointer, progress=progress)
         return Singularities(
             view(made, made.list, made.count),

@@ -24,6 +24,7 @@ from ._boundary import (
     progress_callback,
     run,
     structure,
+    view,
 )
 from ._native import ffi, lib
 from .foliation import STOPPED, Foliation, Method, solve_options, solved
@@ -37,8 +38,16 @@ LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 _BUILD_SHARE = 0.25
 
 
-def _build_options(collapse: Collapse | None = None, **others: Any) -> Any:
+def _build_options(collapse: Collapse | None = None, marked_vertices: Indices | None = None, **others: Any) -> Any:
+    """hmf_build_options; the caller keeps the marked vertices alive."""
+    if marked_vertices is not None and len(marked_vertices):
+        others.update(marked_vertices=pointer(marked_vertices, "uint32_t *"), marked_count=len(marked_vertices))
     return structure("hmf_build_options", collapse=constant("COLLAPSE", collapse, "collapse"), **others)
+
+
+def _marks(vertices: Sequence[int] | NDArray[Any]) -> Indices:
+    """A copy of our own, which nobody writes to."""
+    return frozen(as_indices(vertices, "marked_vertices").copy())
 
 
 def _mesh(positions: Any, triangles: ArrayLike | None) -> tuple[Floats, Indices]:
@@ -139,6 +148,9 @@ class Hierarchy:
         area and edges without length: the edges of level 0 get longer by the
         least amount with which every triangle inequality holds by a margin of
         mollify * mean length.
+    marked_vertices : sequence of int, optional
+        Vertices that may carry a pole, such as those of :func:`suggest_marks`;
+        a sphere needs four or more.  They stay where they are on every level.
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
@@ -149,7 +161,7 @@ class Hierarchy:
     Raises
     ------
     MeshError
-        The mesh is not closed, connected, oriented, manifold, of genus 1 or more.
+        The mesh is not closed, connected, oriented, manifold, of genus 1 or more (0 with four marked vertices).
     OptionsError, OutOfMemoryError, Cancelled
         See there.
     KeyboardInterrupt
@@ -168,6 +180,7 @@ class Hierarchy:
         collapse: Collapse | None = None,
         memory_limit: int | None = None,
         mollify: float | None = None,
+        marked_vertices: Sequence[int] | NDArray[Any] | None = None,
         progress: ProgressOption = None,
     ) -> None:
         self._options: dict[str, Any] = {
@@ -176,6 +189,7 @@ class Hierarchy:
             "collapse": collapse,
             "memory_limit": memory_limit,
             "mollify": mollify,
+            "marked_vertices": None if marked_vertices is None else _marks(marked_vertices),
         }
         points, corners = _mesh(positions, triangles)
         stride = points.strides[0] if len(points) > 1 else None
@@ -206,7 +220,7 @@ class Hierarchy:
 
     @property
     def genus(self) -> int:
-        """Genus of the surface, at least 1."""
+        """Genus of the surface; 0 only with marked vertices."""
         return int(lib.hmf_genus(self._pointer))
 
     @property
@@ -222,7 +236,9 @@ class Hierarchy:
         kind : "cut", "handle", "tunnel" or "pants"
             genus many, which together cut the surface into one planar piece;
             those of "handle" bound inside the surface, those of "tunnel" outside.
-            "pants": 3 genus - 3 (genus 1: one), which leave pairs of pants.
+            Genus 0: "cut" goes round pairs of marked vertices.
+            "pants": 3 genus - 3 + marked vertices (genus 1 without those: one),
+            which leave pairs of pants.
         level : int, optional
             Default: the coarsest, where they are found fastest.
         progress : bool or function, optional
@@ -357,6 +373,33 @@ class Hierarchy:
         )
 
 
+def suggest_marks(
+    positions: ArrayLike | MeshLike,
+    triangles: ArrayLike | None = None,
+    *,
+    memory_limit: int | None = None,
+    mollify: float | None = None,
+    progress: ProgressOption = None,
+) -> Indices:
+    """Marked vertices for a mesh of genus 0, as (n,) uint32: two at the tip of each limb, 4 to 24; none for genus 1 up.
+
+    Parameters, progress and errors as for :class:`Hierarchy`, which takes the
+    result as ``marked_vertices``.  The same mesh gives the same marks.
+    """
+    points, corners = _mesh(positions, triangles)
+    stride = points.strides[0] if len(points) > 1 else None
+    made = call(
+        lib.hmf_suggest_marks,
+        pointer(points, "double *"),
+        len(points),
+        pointer(corners, "uint32_t *"),
+        len(corners),
+        _build_options(memory_limit=memory_limit, mollify=mollify, position_stride=stride),
+        progress=progress,
+    )
+    return view(made, made.vertices, made.count)
+
+
 def memory_estimate(
     vertex_count: int,
     triangle_count: int,
@@ -383,6 +426,7 @@ def solve(
     collapse: Collapse | None = None,
     memory_limit: int | None = None,
     mollify: float | None = None,
+    marked_vertices: Sequence[int] | NDArray[Any] | None = None,
     initial: Foliation | None = None,
     method: Method | None = None,
     tolerance: float | None = None,
@@ -406,6 +450,7 @@ def solve(
             collapse=collapse,
             memory_limit=memory_limit,
             mollify=mollify,
+            marked_vertices=marked_vertices,
             progress=part(callback, 0.0, _BUILD_SHARE),
         )
         return hierarchy.solve(

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from ._boundary import names, view
 from ._native import ffi
+
+#: What is known of the class of a result.
+ClassState = Literal["unknown", "proven", "lost", "checked"]
 
 _HISTORY_KINDS = ("interpolation", "sweep", "linear solve")
 
@@ -43,14 +46,20 @@ class Report:
     residual_max: float  #: relative coclosedness residual, see Foliation.residuals
     residual_mean: float
     poles: int  #: always 0
-    zeros: int  #: counted with their orders: 4 genus - 4
-    index_sum: int  #: 4 - 4 genus
+    zeros: int  #: counted with their orders: 4 genus - 4 + marked vertices
+    index_sum: int  #: 4 - 4 genus - marked vertices
     bad_flips: int  #: flips of case 4 of the paper that would have made a pole
     bad_flips_left: int  #: and did
     solve_seconds: float
     peak_memory_bytes: int  #: of the call, without the hierarchy
     levels: tuple[LevelReport, ...]  #: finest first
     history: tuple[HistoryEntry, ...]  #: in order of time
+    #: Do the values belong to the loops?  "proven": exactly, one cylinder for each loop, as high as its weight and
+    #: freely homotopic to it; "checked": heights alone, with marked vertices; "lost": no, never with OK; "unknown":
+    #: not looked at, as after relax.
+    class_state: ClassState
+    class_repeats: int  #: levels that were solved once more, as the first result had left the class
+    class_seconds: float  #: for the certificate, part of solve_seconds
 
     def __str__(self) -> str:
         """Several lines: what was reached, at what cost, and on which level."""
@@ -58,7 +67,7 @@ class Report:
         residual = f"residual {self.residual_max:.2g}" if self.residual_max >= 0 else "residual not evaluated"
         lines = [
             f"{self.method}: {reached}, {residual}",
-            f"energy {self.energy:.12g}, {self.zeros} zeros, {self.poles} poles",
+            f"energy {self.energy:.12g}, {self.zeros} zeros, {self.poles} poles, class {self.class_state}",
             f"{self.solve_seconds:.3g} s, {self.peak_memory_bytes / 1e6:.3g} MB, {len(self.history)} steps",
             "level  vertices     edges  sweeps  linear solves  seconds",
         ]
@@ -82,6 +91,7 @@ def read_report(pointer: Any) -> Report | None:
     # Read at once, so that nothing has to keep the memory.
     fields: dict[str, Any] = {name: getattr(pointer, name) for name in Report.__dataclass_fields__}
     fields["method"] = names("METHOD").get(pointer.method, str(pointer.method))
+    fields["class_state"] = names("CLASS").get(pointer.class_state, str(pointer.class_state))
     fields["converged"] = bool(pointer.converged)
     fields["levels"] = tuple(LevelReport(*row) for row in view(None, pointer.levels, pointer.level_count).tolist())
     fields["history"] = tuple(_entry(row) for row in view(None, pointer.history, pointer.history_count).tolist())

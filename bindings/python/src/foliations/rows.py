@@ -15,11 +15,11 @@ from .hierarchy import Hierarchy
 from .loops import Loops
 from .meshes import as_mesh
 
-_BUILD = ("ratio", "coarsest", "collapse", "memory_limit", "mollify")
+_BUILD = ("ratio", "coarsest", "collapse", "memory_limit", "mollify", "marked_vertices")
 _SOLVE = ("method", "tolerance", "time_limit", "iteration_limit", "stop_level")
 _INPUT = ("mesh", "positions", "triangles", "loops", "weights", *_BUILD, *_SOLVE, "save", "export", "with_values")
-# Not carried on: the mesh may be large, and loops are a list of lists.
-_DROPPED = ("positions", "triangles", "loops", "weights")
+# Not carried on: the mesh may be large, and these are lists, or lists of lists.
+_DROPPED = ("positions", "triangles", "loops", "weights", "marked_vertices")
 
 
 def _given(value: Any) -> bool:
@@ -61,7 +61,8 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
         exception, "" without), ``message`` (of the error or of the limit),
         ``status`` ("OK", a limit, or the status of the error), ``converged``,
         ``vertices``, ``edges``, ``triangles_count``, ``genus``, ``zeros``,
-        ``energy``, ``residual_max``, ``build_seconds``, ``solve_seconds``.
+        ``energy``, ``residual_max``, ``class`` (:attr:`Report.class_state`),
+        ``build_seconds``, ``solve_seconds``.
         Each column has one type: where there is no result, numbers are -1 or
         NaN and texts are empty.
     """
@@ -91,6 +92,7 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
         zeros=-1,
         energy=float("nan"),
         residual_max=float("nan"),
+        **{"class": ""},
         build_seconds=float("nan"),
         solve_seconds=float("nan"),
     )
@@ -145,6 +147,7 @@ def _solve(given: dict[str, Any], result: dict[str, Any]) -> None:
         zeros=report.zeros,
         energy=report.energy,
         residual_max=report.residual_max if report.residual_max >= 0 else float("nan"),
+        **{"class": report.class_state},
         solve_seconds=report.solve_seconds,
     )
     if given.get("with_values"):
