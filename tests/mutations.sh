@@ -35,7 +35,6 @@ src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return false;//  test_ma
 src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return 0;.*//  test_marked  Marked.*-*RealSurfaces*
 src/foliation/cluster.cpp  s/result.marked += mesh.is_marked(v)/result.marked += 0/  test_marked  Marked.*-*RealSurfaces*
 src/foliation/cluster_move.cpp  s/part.closed_corners >= 2 || part.marked > 0/part.closed_corners >= 2/  test_marked  Marked.*-*RealSurfaces*
-src/foliation/transport.cpp  s/cluster.closed_corners == 1 || cluster.marked > 0/cluster.closed_corners == 1/  test_marked  Marked.*-*RealSurfaces*
 src/hierarchy/simplify.cpp  s/if (work.mesh.is_marked(v) || work.mesh.is_marked(w)) return place_on_mark.*//  test_marked  Marked.StayInPlace*
 src/mesh/marked_vertices.cpp  s/if (mark)$/if (false)/  test_marked  Marked.Unusable*
 
@@ -67,8 +66,6 @@ src/parameterize/seams.cpp  s/if (degree\[v\] == 1 \&\& !is_cone\[v\]) queue/if 
 src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
 src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
 src/leaves/quad_sizes.cpp  s/LEAST_ROWS = 3/LEAST_ROWS = 1/  test_leaves  LeavesContract.NoTwoEdges*
-src/leaves/quad_sizes.cpp  s/LEAST_COLUMNS = 2/LEAST_COLUMNS = 1/  test_leaves  LeavesContract.NoTwoEdges*
-src/leaves/quad_sizes.cpp  s/LEAST_ON_LOOP = 3/LEAST_ON_LOOP = 1/  test_leaves  LeavesContract.NoTwoEdges*
 END
 }
 
