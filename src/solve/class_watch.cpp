@@ -17,7 +17,9 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
     const bool walks = mesh.marked_count == 0;
     if (walks && !words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
         return call.out_of_memory();
+    if (!call.tick(0, true)) return call.was_cancelled();
     if (reference.take(state.foliation, words, call)) return call.status();
+    if (!call.tick(0, true)) return call.was_cancelled();
     if (reference.known()) {
         if (loops && walks) {
             if (reference.number_by_class(mesh, words, *loops, call)) return call.status();

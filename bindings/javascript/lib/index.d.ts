@@ -169,6 +169,11 @@ export interface OptimizeOptions extends ProgressOptions {
     method?: "default" | "newton" | "whitehead" | "single-level";
     /** newton: the largest residual, default 1e-8; others: relative change of the energy per sweep, default 1e-6. */
     tolerance?: number;
+    /**
+     * The largest residual that counts as converged. newton: in place of tolerance; others: sweeps go on until it is
+     * reached, default none, and 1e-8 counts as converged.
+     */
+    residualTolerance?: number;
     /** Seconds; default 0, no limit. */
     timeLimit?: number;
     /** Sweeps per level; default 100000. */

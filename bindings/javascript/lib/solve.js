@@ -6,13 +6,15 @@ const methods = namesOf('HMF_METHOD_');
 const classStates = namesOf('HMF_CLASS_').byValue;
 const historyKinds = ['interpolation', 'sweep', 'linear-solve'];
 
-export const OPTIMIZE_OPTIONS = ['method', 'tolerance', 'timeLimit', 'iterationLimit', 'progress'];
+export const OPTIMIZE_OPTIONS = ['method', 'tolerance', 'residualTolerance', 'timeLimit', 'iterationLimit', 'progress'];
 
 /** An hmf_solve_options. */
 export function writeOptions(frame, options, more = {}) {
     const fields = { ...more };
     if (options.method !== undefined) fields.method = choice(options.method, 'method', methods);
     if (options.tolerance !== undefined) fields.tolerance = realNumber(options.tolerance, 'tolerance');
+    if (options.residualTolerance !== undefined)
+        fields.residual_tolerance = realNumber(options.residualTolerance, 'residualTolerance');
     if (options.timeLimit !== undefined) fields.time_limit = realNumber(options.timeLimit, 'timeLimit');
     if (options.iterationLimit !== undefined) fields.iteration_limit = wholeNumber(options.iterationLimit, 'iterationLimit');
     return frame.structure('hmf_solve_options', fields);

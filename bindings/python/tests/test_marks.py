@@ -68,7 +68,7 @@ def test_a_torus_is_proven() -> None:
     foliation = foliations.solve(*torus)
     assert foliation.report is not None and foliation.report.class_state == "proven"
     assert not foliation.singularities().marks
-    assert foliation.relax().report.class_state == "unknown"  # type: ignore[union-attr]
+    assert foliation.relax().report.class_state == "proven"  # type: ignore[union-attr]
 
 
 def test_rows(sphere: Mesh) -> None:

@@ -286,6 +286,7 @@ class Foliation:
         *,
         method: Method | None = None,
         tolerance: float | None = None,
+        residual_tolerance: float | None = None,
         time_limit: float | None = None,
         iteration_limit: int | None = None,
         progress: ProgressOption = None,
@@ -297,7 +298,7 @@ class Foliation:
         FoliationError
             The values have a pole.
         """
-        options = solve_options(method, tolerance, time_limit, iteration_limit)
+        options = solve_options(method, tolerance, residual_tolerance, time_limit, iteration_limit)
         outcome = run(lib.hmf_relax, self._pointer, options, progress=progress, accept=STOPPED)
         return solved(self._hierarchy, outcome)
 
@@ -319,13 +320,19 @@ def _checksum(hierarchy: Hierarchy, level: int) -> int:
 
 
 def solve_options(
-    method: Method | None, tolerance: float | None, time_limit: float | None, iteration_limit: int | None, **others: Any
+    method: Method | None,
+    tolerance: float | None,
+    residual_tolerance: float | None,
+    time_limit: float | None,
+    iteration_limit: int | None,
+    **others: Any,
 ) -> Any:
     """hmf_solve_options."""
     return structure(
         "hmf_solve_options",
         method=constant("METHOD", method, "method"),
         tolerance=tolerance,
+        residual_tolerance=residual_tolerance,
         time_limit=time_limit,
         iteration_limit=iteration_limit,
         **others,

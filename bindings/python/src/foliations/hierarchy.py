@@ -305,6 +305,7 @@ class Hierarchy:
         initial: Foliation | None = None,
         method: Method | None = None,
         tolerance: float | None = None,
+        residual_tolerance: float | None = None,
         time_limit: float | None = None,
         iteration_limit: int | None = None,
         stop_level: int = 0,
@@ -330,6 +331,10 @@ class Hierarchy:
         tolerance : float, optional
             newton: largest residual, default 1e-8; the others: relative change
             of the energy per sweep, default 1e-6.
+        residual_tolerance : float, optional
+            Residual up to which a result counts as converged.  newton: in place
+            of ``tolerance``; the others: sweeps go on until it is reached,
+            default none, and 1e-8 counts as converged.
         time_limit : float, optional
             Seconds; default none.
         iteration_limit : int, optional
@@ -360,7 +365,9 @@ class Hierarchy:
             loops = self.loops(level=0 if method == "single_level" else None)
         given, alive = loop_structure(loops, weights)
         start = None if initial is None else initial._pointer
-        options = solve_options(method, tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start)
+        options = solve_options(
+            method, tolerance, residual_tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start
+        )
         outcome = run(lib.hmf_solve, self._pointer, given, options, progress=progress, accept=STOPPED)
         del alive
         return solved(self, outcome)
@@ -430,6 +437,7 @@ def solve(
     initial: Foliation | None = None,
     method: Method | None = None,
     tolerance: float | None = None,
+    residual_tolerance: float | None = None,
     time_limit: float | None = None,
     iteration_limit: int | None = None,
     stop_level: int = 0,
@@ -459,6 +467,7 @@ def solve(
             initial=initial,
             method=method,
             tolerance=tolerance,
+            residual_tolerance=residual_tolerance,
             time_limit=time_limit,
             iteration_limit=iteration_limit,
             stop_level=stop_level,

@@ -16,7 +16,7 @@ from .loops import Loops
 from .meshes import as_mesh
 
 _BUILD = ("ratio", "coarsest", "collapse", "memory_limit", "mollify", "marked_vertices")
-_SOLVE = ("method", "tolerance", "time_limit", "iteration_limit", "stop_level")
+_SOLVE = ("method", "tolerance", "residual_tolerance", "time_limit", "iteration_limit", "stop_level")
 _INPUT = ("mesh", "positions", "triangles", "loops", "weights", *_BUILD, *_SOLVE, "save", "export", "with_values")
 # Not carried on: the mesh may be large, and these are lists, or lists of lists.
 _DROPPED = ("positions", "triangles", "loops", "weights", "marked_vertices")

@@ -227,6 +227,7 @@ pub struct hmf_solve_options {
     pub iteration_limit: u64,
     pub stop_level: u64,
     pub start: *const hmf_foliation,
+    pub residual_tolerance: f64,
 }
 impl Default for hmf_solve_options {
     fn default() -> Self {

@@ -94,6 +94,14 @@ impl<'a> Solver<'a> {
         self
     }
 
+    /// The largest residual that counts as converged. [`Method::Newton`]: in place
+    /// of the tolerance; the others: sweeps go on until it is reached. Default of
+    /// these: none, and 1e-8 counts as converged.
+    pub fn residual_tolerance(mut self, tolerance: f64) -> Self {
+        self.options.residual_tolerance = tolerance;
+        self
+    }
+
     /// After this time the best foliation so far is the result. Default: no limit.
     pub fn time_limit(mut self, limit: Duration) -> Self {
         self.options.time_limit = limit.as_secs_f64();
