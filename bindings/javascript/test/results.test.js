@@ -156,7 +156,7 @@ test('values go down to a coarse level and up again, relax brings them back', ()
     assert.ok(up.energy() > fine.energy());
     const relaxed = up.relax();
     assert.equal(relaxed.report.converged, true);
-    assert.equal(relaxed.report.classState, 'unknown');
+    assert.equal(relaxed.report.classState, 'proven');
     fine.values.forEach((x, e) => assert.ok(Math.abs(x - relaxed.values[e]) < 1e-6));
     assert.deepEqual(up.interpolate(coarsest).values, coarse.values, 'finer and back is the identity');
     assert.equal(fine.interpolate(coarsest).level, coarsest);
