@@ -497,7 +497,10 @@ Owned<hmf_foliation> foliation_of(const hmf_hierarchy* h, const Stop& stop, bool
     if (!f) return f;
     const hmf_report* report = hmf_foliation_report(made);
     FUZZ_ASSERT(report && report->poles == 0 && report->bad_flips_left == 0);
-    FUZZ_ASSERT(report->converged == (status == HMF_OK) && report->class_state != HMF_CLASS_LOST);
+    // Sweeps may end by the energy; a stopped call may have arrived all the same.
+    const bool has_arrived = status == HMF_OK && report->method == HMF_METHOD_NEWTON;
+    FUZZ_ASSERT(report->converged ? report->residual_max >= 0 : !has_arrived);
+    FUZZ_ASSERT(report->class_state != HMF_CLASS_LOST);
     expect_closed(h, made);
     expect_singularities(h, made, memory_is_short);
     return f;
