@@ -137,8 +137,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
 }
 
 // Runs the cascade and hands the result over; the state lies on level `given`,
-// on the caller's side of level 0.
-// loops: those of the foliation, NULL if it was given.
+// on the caller's side of level 0.  loops: those of the foliation, NULL if it was given.
 hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, double unit, const SolveOptions& options,
                       Call& call, hmf_foliation** out) {
     Recorder recorder(true, call, unit);
