@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "../../include/hmf/hmf.h"
+#include "exact_arithmetic.hpp"
 
 namespace hmf {
 
