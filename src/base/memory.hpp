@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "../../include/hmf/hmf.h"
+#include "exact_arithmetic.hpp"
 
 namespace hmf {
 
