@@ -188,7 +188,7 @@ struct Start {
         load(weight);
         // The walks go with the mesh of the state.
         state.words = &watch.words;
-        ASSERT_TRUE(watch.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, memory));
+        ASSERT_TRUE(watch.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, call));
     }
     const hmf_hierarchy& h() const { return *hierarchy.get(); }
     hmf::ClassResult look() {

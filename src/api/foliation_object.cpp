@@ -34,8 +34,10 @@ hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& sta
     const size_t level = foliation.level;
     if (!state.allocate(h, std::min(level, finest), call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
-    for (size_t e = 0; e < foliation.count; ++e)
+    for (size_t e = 0; e < foliation.count; ++e) {
+        if (e % 131072 == 0 && !call.tick(0, true)) return call.was_cancelled();
         state.foliation.value[internal_edge(h, level, e)] = static_cast<int64_t>(foliation.values[e] / foliation.unit);
+    }
     return HMF_OK;
 }
 
@@ -160,7 +162,8 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             static_cast<unsigned long long>(edge));
     }
     if (!call.tick(0.5)) return call.was_cancelled();
-    const SingularityCount found = count_singularities(f);
+    const SingularityCount found = count_singularities(f, {}, &call);
+    if (call.cancelled()) return call.was_cancelled();
     poles = found.poles;
     return HMF_OK;
 }

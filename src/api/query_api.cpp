@@ -23,7 +23,7 @@ struct Indices {
             || !lowest.allocate_filled(call.memory, n, NONE) || !face.allocate(call.memory, m))
             return call.out_of_memory();
         if (!call.tick(0.3)) return call.was_cancelled();
-        count_singularities(f, {at_vertex.data(), cluster.data(), size.data(), at_face.data()});
+        count_singularities(f, {at_vertex.data(), cluster.data(), size.data(), at_face.data()}, &call);
         if (!call.tick(0.5)) return call.was_cancelled();
         internal_vertex = state.level == 0 ? h.vertex_internal : nullptr;
         // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
@@ -122,8 +122,8 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Star star;
     Array<double> residual;
     if (load_solved(*foliation, state, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree)
-        || !residual.allocate(call.memory, n))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (call.cancelled()) return call.was_cancelled();
@@ -145,8 +145,8 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     if (!call.tick(0.6)) return call.was_cancelled();
     const uint32_t n = state.foliation.mesh.vertex_count, m = state.foliation.mesh.face_count;
     if (!place.allocate_filled(call.memory, n, NONE)
-        || !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
-        return call.out_of_memory();
+        || !side_of_triangles(*foliation->hierarchy, foliation->level, side, call))
+        return call.stopped();
     if (!call.tick(0.7)) return call.was_cancelled();
     uint64_t found = 0;
     for (uint32_t v = 0; v < n; ++v) found += indices.index_at(v) != 0;

@@ -232,7 +232,7 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
         return check_harmonic(state, all.tolerance > 0 ? all.tolerance : 1e-2, call);
     };
     if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
-    if (!side_of_triangles(h, level, side, call.memory)) return call.out_of_memory();
+    if (!side_of_triangles(h, level, side, call)) return call.stopped();
     if (made.build(mesh, h.levels[level].position, *flat.flat, flat.unit, side, seam_edges, call)) return call.status();
 
     hmf_parameterization counts{};
@@ -272,8 +272,8 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
     hmf_trace_options all;
     if (read_trace_options(options, level, all, call)) return call.status();
     Array<uint32_t> side;
-    if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
-        return call.out_of_memory();
+    if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call))
+        return call.stopped();
     if (all.leaves != HMF_LEAVES_CONJUGATE) {
         Leaves leaves;
         if (leaves.load(*foliation, call)) return call.status();
@@ -309,6 +309,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     const hmf_hierarchy& h = *foliation->hierarchy;
     WeightedLoops given;
     if (loops && read_loop_set(h, loops, 0, given, call)) return call.status();
+    const GivenWeights of_loops{given.level, given.loops, given.weights, given.unit};
     Leaves leaves;
     State solved;
     Curves curves;
@@ -317,20 +318,15 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     Array<double> heights;
     if (leaves.load(*foliation, call) || name_middle_leaves(leaves, curves, triangles, call)) return call.status();
     const size_t n = leaves.cylinders.list.size();
-    if (!list.allocate(call.memory, n) || !heights.allocate(call.memory, n)
-        || !leaves.cylinders.find_vertices(leaves.state.foliation, call.memory))
-        return call.out_of_memory();
+    if (!list.allocate(call.memory, n) || !heights.allocate(call.memory, n)) return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) {
         heights[c] = static_cast<double>(leaves.cylinders.list[c].height) * foliation->unit;
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
     double unit = foliation->unit;
     if (load_solved(*foliation, solved, call) || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
-        || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, unit, list, call))
-        return call.status();
-    if (loops
-        && match_loops(h, leaves.state, leaves.cylinders, foliation->unit, given.level, given.loops, given.weights,
-                       given.unit, list, call))
+        || measure_cylinders({leaves.state, leaves.cylinders, foliation->unit}, loops ? &of_loops : nullptr, solved,
+                             unit, list, call))
         return call.status();
 
     struct Made {

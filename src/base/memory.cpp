@@ -93,6 +93,14 @@ Call::Call(Memory& m, hmf_error* error, const hmf_control& control) :
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
     memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 
+Call::Call(Call* whole) :
+    Call(
+        whole->memory, nullptr,
+        [](void* user, double) -> int32_t {
+            return static_cast<Call*>(user)->tick(0, true) ? HMF_PROGRESS_CONTINUE : HMF_PROGRESS_CANCEL;
+        },
+        whole) {}
+
 hmf_status Call::fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...) {
     if (status_ != HMF_OK) return status_;
     status_ = status;

@@ -191,6 +191,8 @@ class Call {
 public:
     Call(Memory& memory, hmf_error* error, const hmf_control& control);
     Call(Memory& memory, hmf_error* error, hmf_progress_fn progress, void* progress_user);
+    // Part of another call that may fail without it: reports to that call and is cancelled with it.
+    explicit Call(Call* whole);
 
     Memory& memory;
     const Parallel parallel; // what the host lends of its threads

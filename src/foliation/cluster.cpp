@@ -65,11 +65,13 @@ bool is_plain_and_regular(const Foliation& f, uint32_t v) {
 
 } // namespace
 
-SingularityCount count_singularities(Foliation& f, const SingularityMaps& maps) {
+SingularityCount count_singularities(Foliation& f, const SingularityMaps& maps, Call* call) {
+    constexpr uint32_t stride = 131072; // elements between two reports
     const Mesh& mesh = f.mesh;
     SingularityCount count;
     // A face is visited from the lowest of its three half-edges.
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        if (call && h % stride == 0 && !call->tick(0, true)) return count;
         const uint32_t n = mesh.next[h], p = mesh.next[n];
         if (h > n || h > p) continue;
         const int64_t a = f.corner2(h), b = f.corner2(n), c = f.corner2(p);
@@ -85,6 +87,7 @@ SingularityCount count_singularities(Foliation& f, const SingularityMaps& maps) 
     // Clusters are found from their lowest vertex; stamps of this call stay.
     const uint32_t before = f.epoch;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (call && v % stride == 0 && !call->tick(0, true)) return count;
         if (f.stamp[v] > before) {
             if (maps.vertex_index) maps.vertex_index[v] = 0;
             if (maps.cluster_size) maps.cluster_size[v] = 0;

@@ -99,8 +99,9 @@ struct SingularityMaps {
     int32_t* face_index = nullptr;
 };
 
-// Counts over the whole mesh.
-SingularityCount count_singularities(Foliation& foliation, const SingularityMaps& maps = SingularityMaps());
+// Counts over the whole mesh.  Stops early if the call (NULL: none) is cancelled.
+SingularityCount count_singularities(Foliation& foliation, const SingularityMaps& maps = SingularityMaps(),
+                                     Call* call = nullptr);
 
 // ---- transport between levels (transport.cpp) -----------------
 

@@ -7,10 +7,13 @@ namespace hmf {
 
 namespace {
 
+constexpr size_t STRIDE = 65536; // vertices, triangles or edges between two reports
+
 enum : uint8_t { SIDE, IN_TREE, ACROSS }; // an edge: side of the polygon, contracted, or inside the polygon
 
 // A tree through all vertices, and one through all triangles that crosses none of its edges.
-Done find_trees(const Mesh& mesh, Array<uint8_t>& kind, Memory& memory) {
+Done find_trees(const Mesh& mesh, Array<uint8_t>& kind, Call& call) {
+    Memory& memory = call.memory;
     Array<uint32_t> queue;
     Array<uint8_t> seen;
     queue.start(memory);
@@ -21,6 +24,7 @@ Done find_trees(const Mesh& mesh, Array<uint8_t>& kind, Memory& memory) {
     seen[0] = 1;
     queue.add(0);
     for (size_t i = 0; i < queue.size(); ++i) {
+        if (i % STRIDE == 0 && !call.tick(0, true)) return false;
         for (const uint32_t h : mesh.around(queue[i])) {
             const uint32_t v = mesh.target(h);
             if (!seen[v]) {
@@ -35,6 +39,7 @@ Done find_trees(const Mesh& mesh, Array<uint8_t>& kind, Memory& memory) {
     seen[mesh.face[0]] = 1;
     queue.add(0); // a half-edge of each triangle
     for (size_t i = 0; i < queue.size(); ++i) {
+        if (i % STRIDE == 0 && !call.tick(0, true)) return false;
         uint32_t h = queue[i];
         for (uint32_t side = 0; side < 3; ++side, h = mesh.next[h]) {
             if (kind[edge_of(h)] != SIDE || seen[mesh.face[twin(h)]]) continue;
@@ -57,7 +62,8 @@ uint64_t hash_of(const uint32_t* items, size_t n) {
 
 } // namespace
 
-Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) {
+Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) {
+    Memory& memory = call.memory;
     Array<uint8_t> kind;
     Array<uint32_t> corner, twin_side;
     memory_ = &memory;
@@ -65,7 +71,7 @@ Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) 
     spoke_.start(memory);
     offset_.start(memory);
     twin_side.start(memory);
-    if (!find_trees(mesh, kind, memory) || !corner.allocate_filled(memory, size_t{2} * mesh.edge_count, NONE)
+    if (!find_trees(mesh, kind, call) || !corner.allocate_filled(memory, size_t{2} * mesh.edge_count, NONE)
         || !bits_.allocate_filled(memory, edge_capacity / 64 + size_t{1}, uint64_t{0})
         || !word_.allocate(memory, edge_capacity) || !offset_.push(0) || !table_.allocate_filled(memory, 1024, NONE))
         return false;
@@ -86,6 +92,7 @@ Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) 
     for (uint32_t& side : twin_side) side = corner[twin(side)];
     if (!quads_.start(twin_side, memory)) return false;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (e % STRIDE == 0 && !call.tick(0, true)) return false;
         if (kind[e] == IN_TREE) continue;
         const uint32_t from = corner[2 * e] % n;
         const uint32_t to = kind[e] == SIDE ? (corner[2 * e] + 1) % n : corner[2 * e + 1] % n;

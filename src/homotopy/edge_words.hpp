@@ -22,7 +22,7 @@ namespace hmf {
 class EdgeWords {
 public:
     // On a mesh, with room for edge_capacity edges.
-    Done start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory);
+    Done start(const Mesh& mesh, uint32_t edge_capacity, Call& call);
 
     // After a flip, in either direction, and after a split, of the same mesh.
     Done flipped(const Mesh& mesh, uint32_t edge) {

@@ -1,33 +1,14 @@
 // Cylinders against loops; see class_certificate.hpp.
 #include "class_certificate.hpp"
 
+#include "curve_classes.hpp"
+
 namespace hmf {
 
 namespace {
 
 // Failures but this one only say that the class is another one: the caller does not see them.
 bool is_memory(hmf_status status) { return status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT; }
-
-// The edge path on the left of a closed curve that crosses these half-edges;
-// half_edge(i) for i in [begin, end), closed behind the last.
-template <class HalfEdge>
-Done walk_on_the_left(const Mesh& mesh, const EdgeWords& words, uint64_t begin, uint64_t end, HalfEdge half_edge,
-                      Walk& walk, Memory& memory) {
-    walk.start(memory);
-    for (uint64_t i = begin; i < end; ++i) {
-        const uint32_t h = half_edge(i), after = half_edge(i + 1 < end ? i + 1 : begin);
-        const uint32_t ahead = mesh.next[twin(h)]; // crossed where the curve turns right
-        if (after == ahead && !words.append(twin(mesh.next[ahead]), walk)) return false;
-    }
-    return words.quads().canonical(walk, memory);
-}
-
-Done boundary_walk(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary, Walk& walk,
-                   Memory& memory) {
-    const Boundary& b = graph.boundaries[boundary];
-    return walk_on_the_left(
-        mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; }, walk, memory);
-}
 
 bool has_pole(const CriticalGraph& graph, int64_t& index_sum) {
     bool pole = false;
@@ -38,49 +19,36 @@ bool has_pole(const CriticalGraph& graph, int64_t& index_sum) {
     return pole;
 }
 
-bool same(const uint32_t* a, size_t n, const Walk& b) {
-    return n == b.size() && (n == 0 || std::memcmp(a, b.data(), n * sizeof(uint32_t)) == 0);
-}
-
 } // namespace
 
 hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call) {
-    Call quiet(call.memory, nullptr, nullptr, nullptr);
+    Call quiet(&call);
     Cylinders cylinders;
-    Walk walk;
     height_.start(call.memory);
-    spoke_.start(call.memory);
-    offset_.start(call.memory);
-    if (cylinders.build(f, nullptr, nullptr, quiet)) return is_memory(quiet.status()) ? call.out_of_memory() : HMF_OK;
+    names_.start(call.memory);
+    if (cylinders.build(f, nullptr, nullptr, quiet)) {
+        if (is_memory(quiet.status())) return call.out_of_memory();
+        return call.cancelled() ? call.was_cancelled() : HMF_OK;
+    }
     const size_t n = cylinders.list.size();
     heights_only_ = f.mesh.marked_count > 0;
-    if (!loop_.allocate(call.memory, n) || !offset_.push(0)) return call.out_of_memory();
+    if (!loop_.allocate(call.memory, n)) return call.out_of_memory();
     for (uint32_t c = 0; c < n; ++c) {
         loop_[c] = c;
-        if (heights_only_) {
-            if (!height_.push(cylinders.list[c].height)) return call.out_of_memory();
-            continue;
-        }
-        if (!boundary_walk(f.mesh, words, cylinders.graph, cylinders.list[c].lower, walk, call.memory))
+        if (!heights_only_ && !add_boundary(f.mesh, words, cylinders.graph, cylinders.list[c].lower, names_))
             return call.out_of_memory();
-        for (const uint32_t spoke : walk)
-            if (!spoke_.push(spoke)) return call.out_of_memory();
-        if (!height_.push(cylinders.list[c].height) || !offset_.push(spoke_.size())) return call.out_of_memory();
+        if (!height_.push(cylinders.list[c].height)) return call.out_of_memory();
     }
     return HMF_OK;
 }
 
 hmf_status ClassReference::number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call) {
-    Walk walk;
-    for (uint32_t& l : loop_) l = NONE;
-    for (uint32_t l = 0; l < loops.count(); ++l) {
-        if (!walk_on_the_left(
-                mesh, words, loops.offsets[l], loops.offsets[l + 1], [&](uint64_t i) { return loops.crossings[i]; },
-                walk, call.memory))
-            return call.out_of_memory();
-        for (size_t c = 0; c < height_.size(); ++c)
-            if (same(spoke_.data() + offset_[c], offset_[c + 1] - offset_[c], walk)) loop_[c] = l;
-    }
+    CurveNames of_loops;
+    of_loops.start(call.memory);
+    const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
+    for (uint32_t l = 0; l < loops.count(); ++l)
+        if (!of_loops.add(mesh, words, loops.offsets[l], loops.offsets[l + 1], half_edge)) return call.out_of_memory();
+    for (size_t c = 0; c < height_.size(); ++c) loop_[c] = heights_only_ ? NONE : names_.find(c, of_loops);
     return HMF_OK;
 }
 
@@ -129,7 +97,7 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
                                    Call& call, ClassResult& result) const {
     result = {};
     if (!known()) return HMF_OK;
-    Call quiet(call.memory, nullptr, nullptr, nullptr);
+    Call quiet(&call);
     Cylinders cylinders;
     hmf_status status = HMF_OK;
     // All zeros are there if their indices have the sum that Poincare and Hopf ask for.
@@ -139,14 +107,15 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
     if (zeros.known && !heights_only_) {
         status = cylinders.build(f, zeros, quiet);
         int64_t sum = 0;
-        if (!is_memory(status) && (has_pole(cylinders.graph, sum) || sum != whole)) {
-            Call again(call.memory, nullptr, nullptr, nullptr);
+        if (!is_memory(status) && !call.cancelled() && (has_pole(cylinders.graph, sum) || sum != whole)) {
+            Call again(&call);
             status = cylinders.build(f, nullptr, nullptr, again);
         }
     } else {
         status = cylinders.build(f, nullptr, nullptr, quiet);
     }
     if (is_memory(status)) return call.out_of_memory();
+    if (call.cancelled()) return HMF_CANCELLED;
     result.crossings = cylinders.graph.crossings.size();
     result.state = ClassState::lost;
     int64_t sum = 0;
@@ -158,16 +127,14 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
     // Each loop and its cylinder.
     const size_t n = height_.size(), m = cylinders.list.size();
     Array<uint32_t> of_loop;
-    Walk walk;
+    CurveNames found_names;
+    found_names.start(call.memory);
     if (!of_loop.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
     for (uint32_t d = 0; d < m; ++d) {
-        if (!boundary_walk(f.mesh, words, cylinders.graph, cylinders.list[d].lower, walk, call.memory))
+        if (!add_boundary(f.mesh, words, cylinders.graph, cylinders.list[d].lower, found_names))
             return call.out_of_memory();
-        for (size_t c = 0; c < n; ++c)
-            if (same(spoke_.data() + offset_[c], offset_[c + 1] - offset_[c], walk)) {
-                of_loop[c] = d;
-                break;
-            }
+        const uint32_t c = found_names.find(d, names_);
+        if (c != NONE) of_loop[c] = d;
     }
     for (size_t c = 0; c < n; ++c) {
         const int64_t wanted = height_[c] * finer;

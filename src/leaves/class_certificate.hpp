@@ -22,7 +22,7 @@
 // the marks; there only the heights are compared.
 #pragma once
 
-#include "../homotopy/edge_words.hpp"
+#include "../homotopy/curve_names.hpp"
 #include "../loops/loops.hpp"
 #include "cylinders.hpp"
 
@@ -77,8 +77,7 @@ private:
     bool heights_only_ = false;
     Array<int64_t> height_;
     Array<uint32_t> loop_;
-    Array<uint64_t> offset_; // of the canonical walks
-    Array<uint32_t> spoke_;
+    CurveNames names_;
 };
 
 } // namespace hmf

@@ -114,7 +114,7 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
     if (!at_vertex.allocate(call.memory, mesh.vertex_count) || !at_face.allocate(call.memory, mesh.face_count)
         || !cluster.allocate(call.memory, mesh.vertex_count) || !side_of_face.allocate(call.memory, mesh.face_count))
         return call.out_of_memory();
-    count_singularities(f, {at_vertex.data(), cluster.data(), nullptr, at_face.data()});
+    count_singularities(f, {at_vertex.data(), cluster.data(), nullptr, at_face.data()}, &call);
     if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
         const uint32_t v = vertex_order ? vertex_order[i] : i, lowest = cluster[v];

@@ -7,12 +7,18 @@
 
 namespace hmf {
 
-namespace {
-
 hmf_status wrong_class(Call& call) {
     return call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
                      "The values do not belong to these loops: heights of cylinders and weights of loops differ, or "
                      "their classes do. Pass the loops that were solved.");
+}
+
+namespace {
+
+bool is_among(const Array<int64_t>& items, size_t n, int64_t x) {
+    for (size_t i = 0; i < n; ++i)
+        if (items[i] == x) return true;
+    return false;
 }
 
 } // namespace
@@ -24,11 +30,7 @@ Done Labels::choose(const Cylinders& cylinders, Memory& memory) {
         const int64_t own = cylinders.list[c].height;
         factor[c] = 1;
         height[c] = own;
-        for (size_t d = 0; d < c; ++d)
-            if (height[d] == height[c]) {
-                height[c] = ++factor[c] * own;
-                d = static_cast<size_t>(-1); // once more from the start
-            }
+        while (is_among(height, c, height[c])) height[c] = ++factor[c] * own;
     }
     return true;
 }
@@ -131,11 +133,7 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     const double scale = static_cast<double>(int64_t{1} << 46) / static_cast<double>(largest);
     for (size_t c = 0; c < n; ++c) {
         labels.height[c] = static_cast<int64_t>(static_cast<double>(key[c]) * scale);
-        for (size_t d = 0; d < c; ++d)
-            if (labels.height[d] == labels.height[c]) {
-                labels.height[c] += 1 << 18;
-                d = static_cast<size_t>(-1); // once more from the start
-            }
+        while (is_among(labels.height, c, labels.height[c])) labels.height[c] += 1 << 18;
     }
     state.load(state.level, state.side);
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] = 0;
@@ -152,7 +150,7 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     const int64_t finer = static_cast<int64_t>(1 / recorder.unit());
     for (int64_t& height : labels.height) height *= finer;
     if (cylinders.build(f, nullptr, nullptr, call) || labels.find(cylinders, found, call)) return call.status();
-    return cylinders.find_vertices(f, call.memory) ? HMF_OK : call.out_of_memory();
+    return cylinders.find_vertices(f, call) ? HMF_OK : call.stopped();
 }
 
 } // namespace

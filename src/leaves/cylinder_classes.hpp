@@ -1,11 +1,15 @@
 // Which loop each cylinder belongs to, and cylinders found again on another
-// triangulation.
+// triangulation, where free homotopy on the surface does not tell: with marked
+// vertices.
 #pragma once
 
 #include "../solve/state.hpp"
 #include "cylinders.hpp"
 
 namespace hmf {
+
+// The values do not belong to the loops.
+hmf_status wrong_class(Call& call);
 
 // Heights that tell cylinders apart: each is stretched by a factor of its own.
 // A stretched foliation is as exact as the first, and the heights go with it

@@ -1,5 +1,7 @@
 #include "cylinder_measures.hpp"
 
+#include "curve_classes.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -26,8 +28,7 @@ hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels
     if (measured.build(solved.foliation, nullptr, nullptr, call)
         || labelled.build(stretched.foliation, nullptr, nullptr, call) || labels.find(labelled, of_label, call))
         return call.status();
-    if (!measured.find_vertices(solved.foliation, call.memory) || !call.tick(0)
-        || !labelled.find_vertices(stretched.foliation, call.memory) || !call.tick(0)
+    if (!measured.find_vertices(solved.foliation, call) || !labelled.find_vertices(stretched.foliation, call)
         || !found.allocate(call.memory, of_label.size()))
         return call.stopped();
     if (match_on_edges(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
@@ -64,25 +65,113 @@ hmf_status loops_on_coarsest(const hmf_hierarchy& h, size_t level, const Loops& 
     return middle_leaves(state.foliation, cylinders, &order, curves, call);
 }
 
-} // namespace
+Done keys_of_cylinders(const GivenCylinders& given, Array<int64_t>& keys, Memory& memory) {
+    if (!keys.allocate(memory, given.cylinders.list.size())) return false;
+    for (size_t c = 0; c < keys.size(); ++c) keys[c] = given.cylinders.list[c].height;
+    return true;
+}
 
-hmf_status measure_cylinders(const Foliation& f, const Cylinders& cylinders, State& solved, double unit,
-                             Array<hmf_cylinder>& out, Call& call) {
-    const size_t n = cylinders.list.size();
+// The heights that the cylinders of the loops must have.
+Done keys_of_loops(const GivenCylinders& given, const GivenWeights& loops, Array<int64_t>& keys, Memory& memory) {
+    if (!keys.allocate(memory, loops.weights.size())) return false;
+    for (size_t c = 0; c < keys.size(); ++c)
+        keys[c] = static_cast<int64_t>(static_cast<double>(loops.weights[c]) * (loops.unit / given.unit));
+    return true;
+}
+
+// Fills out[c].loop with two minima on the coarsest level.
+hmf_status match_loops_by_minima(const GivenCylinders& given, const GivenWeights& loops, Array<hmf_cylinder>& out,
+                                 Call& call) {
+    const hmf_hierarchy& h = *given.state.hierarchy;
+    const size_t n = given.cylinders.list.size(), coarsest = h.level_count - 1;
     Labels labels;
     State stretched;
+    Curves of_loops, own;
+    Array<int64_t> loop_keys, keys;
+    Array<uint32_t> order, loop_of;
+    Cylinders on_coarsest;
+    if (!labels.choose(given.cylinders, call.memory) || !keys_of_cylinders(given, keys, call.memory)
+        || !keys_of_loops(given, loops, loop_keys, call.memory))
+        return call.out_of_memory();
+    if (loops_on_coarsest(h, loops.level, loops.loops, of_loops, call)
+        || stretch(h, given.state.level, given.state.foliation, given.cylinders, labels, stretched, call))
+        return call.status();
+    if (!stretched.go_to(coarsest, call) || (coarsest == 0 && !stretched.to_intrinsic(call))) return call.stopped();
+    if (on_coarsest.build(stretched.foliation, nullptr, nullptr, call) || labels.find(on_coarsest, order, call)
+        || middle_leaves(stretched.foliation, on_coarsest, &order, own, call)
+        || match_classes(stretched, own, keys, of_loops, loop_keys, loop_of, call))
+        return call.status();
+    for (size_t c = 0; c < n; ++c) out[c].loop = loop_of[c];
+    return HMF_OK;
+}
+
+// Builds `measured`, with find_vertices done; found[c]: its cylinder that is cylinder c.  Fills out[c].loop unless loops is NULL.
+hmf_status match_by_labels(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
+                           Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
+    const Foliation& f = given.state.foliation;
+    Labels labels;
+    State stretched;
+    if (!given.cylinders.find_vertices(f, call) || !labels.choose(given.cylinders, call.memory)) return call.stopped();
+    if (stretch(*solved.hierarchy, solved.level, f, given.cylinders, labels, stretched, call)
+        || find_at_minimum(solved, stretched, labels, measured, found, call))
+        return call.status();
+    return loops ? match_loops_by_minima(given, *loops, out, call) : HMF_OK;
+}
+
+// The same by free homotopy classes, without marked vertices.
+hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
+                            Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
+    const size_t n = given.cylinders.list.size(), level = given.state.level;
+    const size_t first = loops ? std::max(level, loops->level) : level,
+                 last = loops ? std::min(level, loops->level) : level;
+    CurveClasses classes;
+    CurveNames own, at_minimum, of_loops;
+    if (measured.build(solved.foliation, nullptr, nullptr, call) || classes.start(*solved.hierarchy, first, last, call))
+        return call.status();
+    for (;;) {
+        const size_t here = classes.level();
+        if (here == level && classes.name(given.cylinders, own, call)) return call.status();
+        if (here == level && level > 0 && classes.name(measured, at_minimum, call)) return call.status();
+        if (loops && here == loops->level && classes.name(loops->loops, of_loops, call)) return call.status();
+        if (here == last) break;
+        if (classes.refine(call)) return call.status();
+    }
+    if (level == 0 && (classes.to_intrinsic(call) || classes.name(measured, at_minimum, call))) return call.status();
+    if (at_minimum.count() != n) return wrong_class(call);
+    if (!measured.find_vertices(solved.foliation, call)) return call.stopped();
+    if (!found.allocate(call.memory, n)) return call.out_of_memory();
+    for (size_t c = 0; c < n; ++c) {
+        found[c] = own.find(c, at_minimum);
+        if (found[c] == NONE)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c,
+                             "A cylinder is lost between two foliations. Please report it.");
+    }
+    if (!loops) return HMF_OK;
+    Array<int64_t> keys, loop_keys;
+    if (!keys_of_cylinders(given, keys, call.memory) || !keys_of_loops(given, *loops, loop_keys, call.memory))
+        return call.out_of_memory();
+    if (of_loops.count() != n) return wrong_class(call);
+    for (size_t c = 0; c < n; ++c) {
+        out[c].loop = own.find(c, of_loops);
+        if (out[c].loop == NONE || keys[c] != loop_keys[out[c].loop]) return wrong_class(call);
+    }
+    return HMF_OK;
+}
+
+} // namespace
+
+hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved, double unit,
+                             Array<hmf_cylinder>& out, Call& call) {
+    const size_t n = given.cylinders.list.size();
     Cylinders measured;
     Array<uint32_t> found;
     Array<double> area;
     Curves middle;
-    if (!labels.choose(cylinders, call.memory)) return call.out_of_memory();
-    if (stretch(*solved.hierarchy, solved.level, f, cylinders, labels, stretched, call)
-        || find_at_minimum(solved, stretched, labels, measured, found, call))
-        return call.status();
-    const double* weight = solved.hierarchy->levels[solved.level].weight;
+    const auto match = given.state.foliation.mesh.marked_count > 0 ? match_by_labels : match_by_classes;
+    if (match(given, loops, solved, measured, found, out, call)) return call.status();
     if (!area.allocate(call.memory, n)) return call.out_of_memory();
-    if (!call.tick(0)) return call.was_cancelled();
-    cylinder_areas(solved.foliation, measured, weight, area.data());
+    const double* weight = solved.hierarchy->levels[solved.level].weight;
+    if (cylinder_areas(solved.foliation, measured, weight, area.data(), call)) return call.status();
     if (middle_leaves(solved.foliation, measured, &found, middle, call)) return call.status();
     for (size_t c = 0; c < n; ++c) {
         double flux = 0;
@@ -94,34 +183,6 @@ hmf_status measure_cylinders(const Foliation& f, const Cylinders& cylinders, Sta
         out[c].modulus = out[c].height / out[c].circumference;
         out[c].area = area[found[c]] * unit * unit;
     }
-    return HMF_OK;
-}
-
-hmf_status match_loops(const hmf_hierarchy& h, const State& state, const Cylinders& cylinders, double unit,
-                       size_t level, const Loops& loops, const Array<int64_t>& weights, double loops_unit,
-                       Array<hmf_cylinder>& out, Call& call) {
-    const size_t n = cylinders.list.size(), coarsest = h.level_count - 1;
-    Labels labels;
-    State stretched;
-    Curves of_loops, own;
-    Array<int64_t> loop_keys, keys;
-    Array<uint32_t> order, loop_of;
-    Cylinders on_coarsest;
-    if (!labels.choose(cylinders, call.memory) || !keys.allocate(call.memory, n)
-        || !loop_keys.allocate(call.memory, weights.size()))
-        return call.out_of_memory();
-    for (size_t c = 0; c < n; ++c) keys[c] = cylinders.list[c].height;
-    for (size_t c = 0; c < weights.size(); ++c)
-        loop_keys[c] = static_cast<int64_t>(static_cast<double>(weights[c]) * (loops_unit / unit));
-    if (loops_on_coarsest(h, level, loops, of_loops, call)
-        || stretch(h, state.level, state.foliation, cylinders, labels, stretched, call))
-        return call.status();
-    if (!stretched.go_to(coarsest, call) || (coarsest == 0 && !stretched.to_intrinsic(call))) return call.stopped();
-    if (on_coarsest.build(stretched.foliation, nullptr, nullptr, call) || labels.find(on_coarsest, order, call)
-        || middle_leaves(stretched.foliation, on_coarsest, &order, own, call)
-        || match_classes(stretched, own, keys, of_loops, loop_keys, loop_of, call))
-        return call.status();
-    for (size_t c = 0; c < n; ++c) out[c].loop = loop_of[c];
     return HMF_OK;
 }
 

@@ -1,5 +1,10 @@
 // What belongs to a cylinder at the minimum: circumference, modulus, area, and
 // the loop whose class it fills.
+//
+// Cylinders of the caller's side, of the side where the foliation is solved, and
+// loops are told apart by their free homotopy classes (curve_classes.hpp).  With
+// marked vertices that is not enough: there heights and minima do it
+// (cylinder_classes.hpp), which takes two solves on the coarsest level.
 #pragma once
 
 #include "../../include/hmf/uses.h"
@@ -8,16 +13,24 @@
 
 namespace hmf {
 
-// cylinders: of `foliation` on its level (level 0: the caller's side), with
-// find_vertices done.  solved: the same foliation where it is solved, at
-// the minimum; unit: of its values.  Fills circumference, modulus and area.
-[[nodiscard]] hmf_status measure_cylinders(const Foliation& foliation, const Cylinders& cylinders, State& solved,
-                                           double unit, Array<hmf_cylinder>& out, Call& call);
+// A foliation on its level (level 0: the caller's side) and its cylinders.
+struct GivenCylinders {
+    const State& state;
+    Cylinders& cylinders;
+    double unit; // of the values
+};
 
-// Fills out[c].loop.  loops: on `level`, with weights in units of loops_unit;
-// unit: of the cylinders.
-[[nodiscard]] hmf_status match_loops(const hmf_hierarchy& h, const State& state, const Cylinders& cylinders,
-                                     double unit, size_t level, const Loops& loops, const Array<int64_t>& weights,
-                                     double loops_unit, Array<hmf_cylinder>& out, Call& call);
+struct GivenWeights {
+    size_t level;
+    const Loops& loops; // on the caller's side of the level
+    const Array<int64_t>& weights;
+    double unit; // of the weights
+};
+
+// Fills circumference, modulus and area, and loop unless loops is NULL.
+// solved: the same foliation where it is solved, at the minimum; unit: of its
+// values.
+[[nodiscard]] hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved,
+                                           double unit, Array<hmf_cylinder>& out, Call& call);
 
 } // namespace hmf

@@ -9,6 +9,10 @@
 
 namespace hmf {
 
+namespace {
+constexpr uint32_t STRIDE = 65536; // elements between two reports
+} // namespace
+
 hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
     if (graph.build(f, vertex_order, face_order, call)) return call.status();
     return find_cylinders(f, call);
@@ -145,13 +149,15 @@ bool closed_leaf(const Foliation& f, const Crossing& start, uint64_t limit, Arra
     return true;
 }
 
-Done Cylinders::find_vertices(const Foliation& f, Memory& memory) {
+Done Cylinders::find_vertices(const Foliation& f, Call& call) {
+    Memory& memory = call.memory;
     const Mesh& mesh = f.mesh;
     // A vertex within a cylinder knows it from an edge with a mark, or from a neighbour.
     Array<uint32_t> queue;
     queue.start(memory);
     if (!of_vertex_.allocate_filled(memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return false;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        if (h % STRIDE == 0 && !call.tick(0)) return false;
         Mark first;
         const uint32_t v = mesh.origin[h];
         if (of_vertex_[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
@@ -159,6 +165,7 @@ Done Cylinders::find_vertices(const Foliation& f, Memory& memory) {
         queue.add(v);
     }
     for (size_t at = 0; at < queue.size(); ++at) {
+        if (at % STRIDE == 0 && !call.tick(0)) return false;
         const uint32_t v = queue[at];
         for (const uint32_t h : mesh.around(v)) {
             const uint32_t w = mesh.target(h);
@@ -172,14 +179,17 @@ Done Cylinders::find_vertices(const Foliation& f, Memory& memory) {
     return true;
 }
 
-void cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area) {
+hmf_status cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area,
+                          Call& call) {
     for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+        if (e % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         const double pull = weight[e] * static_cast<double>(f.value[e]);
         cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) {
             area[c] += pull * static_cast<double>(to - from) / 2;
         });
     }
+    return HMF_OK;
 }
 
 } // namespace hmf

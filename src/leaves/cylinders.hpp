@@ -38,7 +38,7 @@ public:
     [[nodiscard]] hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
 
     // The cylinder of each vertex, NONE on critical leaves; for visit_parts.
-    Done find_vertices(const Foliation& f, Memory& memory);
+    Done find_vertices(const Foliation& f, Call& call);
 
     // visit(cylinder, from, to) for the parts of edge e between critical
     // leaves, along half-edge 2e in half units.
@@ -78,6 +78,7 @@ bool closed_leaf(const Foliation& f, const Crossing& c, uint64_t limit, Array<Cr
 
 // Areas of the cylinders in the flat metric, the sum of weight * F * (part of F
 // in the cylinder): together the energy.  Squared units; after find_vertices.
-void cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area);
+[[nodiscard]] hmf_status cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight,
+                                        double* area, Call& call);
 
 } // namespace hmf

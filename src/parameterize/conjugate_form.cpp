@@ -21,6 +21,8 @@ namespace hmf {
 
 namespace {
 
+constexpr uint32_t STRIDE = 65536; // vertices between two reports
+
 class Fluxes {
 public:
     Fluxes(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, TwistedForm& flux) :
@@ -36,7 +38,8 @@ public:
         return true;
     }
 
-    Done balance(Memory& memory) {
+    Done balance(Call& call) {
+        Memory& memory = call.memory;
         const uint32_t n = mesh_.vertex_count;
         constexpr uint32_t unseen = NONE - 1;
         if (!parent_.allocate_filled(memory, n, unseen) || !order_.allocate(memory, n)) return false;
@@ -53,6 +56,7 @@ public:
         }
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
+            if (i % STRIDE == 0 && !call.tick(0)) return false;
             for (const uint32_t h : mesh_.around(order_[i])) {
                 const uint32_t w = mesh_.target(h);
                 if (parent_[w] == unseen) {
@@ -61,7 +65,10 @@ public:
                 }
             }
         }
-        for (uint32_t i = size; i-- > roots;) carry(order_[i]);
+        for (uint32_t i = size; i-- > roots;) {
+            if (i % STRIDE == 0 && !call.tick(0)) return false;
+            carry(order_[i]);
+        }
         return has_odd || missing(0) == 0 || turn_round(size, memory);
     }
 
@@ -124,9 +131,9 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
             HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
             "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
     if (!call.tick(0)) return HMF_CANCELLED;
-    if (!fluxes.balance(call.memory)) return call.out_of_memory();
+    if (!fluxes.balance(call)) return call.stopped();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        if (v % 65536 == 0 && !call.tick(0)) return HMF_CANCELLED;
+        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
         int64_t V = 0;
         double sum = 0;
         uint32_t degree = 0;
@@ -139,6 +146,7 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
         const int64_t mean = charts.odd[v] ? V / 2 : static_cast<int64_t>(sum / degree);
         for (const uint32_t h : mesh.around(v)) q[h] = charts.chart[h] * (mean - q[h]);
     }
+    if (!call.tick(0)) return HMF_CANCELLED;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];
 #ifndef NDEBUG
     for (uint32_t h = 1; h < 2 * mesh.edge_count; h += 2) assert(dv.at(bundle, h) == q[mesh.next[h]] - q[h]);

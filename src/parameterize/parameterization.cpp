@@ -157,7 +157,9 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
     if (!charts.build(mesh, flat.bundle, memory) || !cone.allocate(memory, mesh.vertex_count)
         || !is_cone.allocate(memory, mesh.vertex_count))
         return call.out_of_memory();
+    if (!call.tick(0.81)) return call.was_cancelled();
     cone_angles(mesh, flat, cone.data());
+    if (!call.tick(0.81)) return call.was_cancelled();
     uint32_t start = side[0];
     for (uint32_t v = mesh.vertex_count; v-- > 0;) {
         is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));

@@ -43,6 +43,8 @@ Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& mem
 
 namespace {
 
+constexpr uint32_t STRIDE = 131072; // elements between two reports
+
 class FormOfFoliation {
 public:
     FormOfFoliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call) :
@@ -53,13 +55,14 @@ public:
         tripod_.start(memory_);
         corner_.start(memory_);
         queue_.start(memory_);
-        if (mesh_.marked_count > 0 && !part_zeros_from_marks()) return call_.out_of_memory();
+        if (mesh_.marked_count > 0 && !part_zeros_from_marks()) return call_.stopped();
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
             || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m)
             || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return call_.was_cancelled();
-        if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.out_of_memory();
+        if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.stopped();
+        if (!call_.tick(0)) return call_.was_cancelled();
         for (uint32_t e = 0; e < m; ++e) {
             const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
             bundle_.turn[e] = a == 0 ? 1 : static_cast<int8_t>(-a * b);
@@ -67,7 +70,7 @@ public:
         }
         for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
         if (!call_.tick(0)) return call_.was_cancelled();
-        return turn_zero_edges() ? HMF_OK : call_.out_of_memory();
+        return turn_zero_edges() ? HMF_OK : call_.stopped();
     }
 
 private:
@@ -81,6 +84,7 @@ private:
 
     Done sign_faces() {
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
+            if (h % STRIDE == 0 && !call_.tick(0)) return false;
             const uint32_t n = mesh_.next[h], p = mesh_.next[n];
             if (h > n || h > p) continue;
             const uint32_t side[3] = {h, n, p};
@@ -235,6 +239,7 @@ private:
         const uint32_t unseen = NONE;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) seen_[v] = unseen;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            if (v % STRIDE == 0 && !call_.tick(0)) return false;
             if (seen_[v] != unseen || !has_zero_edge(v)) continue;
             const Cluster cluster = explore_cluster(f_, v);
             const int64_t index = cluster.index();

@@ -23,7 +23,8 @@ void Recorder::event(size_t level, uint32_t kind, double energy_units, double re
 }
 
 bool LevelWork::prepare() {
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree))
         return false;
     // Searches round clusters may look at all of a small level.
     const uint32_t n = state.foliation.mesh.vertex_count;
@@ -149,11 +150,11 @@ hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& ca
         }
         status = optimise(state, options, call, recorder, &watch, gated, statistics);
         if (status >= HMF_ERROR_NULL || call.cancelled() || call.finishing()) return status;
-        if (watch.look(state, recorder.unit(), call)) return call.status();
+        if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
         if (watch.holds()) return gated && status == HMF_LIMIT_STALLED ? HMF_LIMIT_CLASS : status;
     }
     go_back();
-    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
     return HMF_LIMIT_CLASS;
 }
 

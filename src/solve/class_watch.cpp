@@ -15,8 +15,7 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
     unit = unit_of_values;
     // Room for the finest level.
     const bool walks = mesh.marked_count == 0;
-    if (walks && !words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
-        return call.out_of_memory();
+    if (walks && !words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call)) return call.stopped();
     if (!call.tick(0, true)) return call.was_cancelled();
     if (reference.take(state.foliation, words, call)) return call.status();
     if (!call.tick(0, true)) return call.was_cancelled();
@@ -60,7 +59,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     }
     hmf_status status = run_cascade(state, options, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
-    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
     if (watch.holds() || values.empty()) return status;
     if (call.finishing()) return HMF_CANCELLED; // there is no time for another try
     if (call.out_of_time()) return HMF_LIMIT_TIME;
@@ -71,8 +70,8 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     recorder.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
-    if (state.words && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call.memory))
-        return call.out_of_memory();
+    if (state.words && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
+        return call.stopped();
     SolveOptions careful = options;
     careful.guarded = true;
     recorder.certificate.known = false;
@@ -80,7 +79,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     status = run_cascade(state, careful, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     const ClassResult lost = watch.lost;
-    if (watch.look(state, recorder.unit(), call)) return call.status();
+    if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
     if (watch.holds()) watch.lost = lost;
     else if (status == HMF_OK) status = HMF_LIMIT_CLASS;
     return status;

@@ -181,7 +181,7 @@ private:
             if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
                 bool kept = true;
                 if (w_.gated) {
-                    if (w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return w_.call.status();
+                    if (const hmf_status status = w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return status;
                     kept = w_.watch->holds();
                 }
                 if (kept) {

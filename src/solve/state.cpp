@@ -7,27 +7,14 @@ namespace hmf {
 Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
     hierarchy = &h;
     const Mesh& mesh = h.levels[finest].mesh;
-    return origin_.allocate(memory, size_t{2} * mesh.edge_count) && next_.allocate(memory, size_t{2} * mesh.edge_count)
-        && face_.allocate(memory, size_t{2} * mesh.edge_count) && out_.allocate(memory, mesh.vertex_count)
-        && value_.allocate(memory, mesh.edge_count) && foliation.allocate_scratch(mesh.vertex_count, memory);
+    return copy_.allocate(mesh, memory) && value_.allocate(memory, mesh.edge_count)
+        && foliation.allocate_scratch(mesh.vertex_count, memory);
 }
 
 void State::load(size_t at, Side which) {
     const Mesh& from = at == 0 && which == Side::input ? hierarchy->input : hierarchy->levels[at].mesh;
-    Mesh& mesh = foliation.mesh;
-    mesh.vertex_count = from.vertex_count;
-    mesh.edge_count = from.edge_count;
-    mesh.face_count = from.face_count;
-    mesh.marked_count = from.marked_count;
-    mesh.origin = origin_.data();
-    mesh.next = next_.data();
-    mesh.face = face_.data();
-    mesh.out = out_.data();
+    foliation.mesh = copy_.of(from);
     foliation.value = value_.data();
-    std::memcpy(mesh.origin, from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(mesh.next, from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(mesh.face, from.face, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(mesh.out, from.out, from.vertex_count * sizeof(uint32_t));
     level = at;
     side = which;
 }

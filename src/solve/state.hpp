@@ -5,6 +5,7 @@
 #include "../foliation/restriction.hpp"
 #include "../homotopy/edge_words.hpp"
 #include "../hierarchy/hierarchy.hpp"
+#include "../mesh/mesh_copy.hpp"
 
 namespace hmf {
 
@@ -36,7 +37,7 @@ struct State {
     Done to_input(Call& call); // words stay behind
 
 private:
-    Array<uint32_t> origin_, next_, face_, out_;
+    MeshCopy copy_;
     Array<int64_t> value_;
 };
 

@@ -1,0 +1,72 @@
+#include "curve_classes.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr size_t STRIDE = 4096; // flips or splits between two reports
+
+} // namespace
+
+Done add_boundary(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary,
+                  CurveNames& names) {
+    const Boundary& b = graph.boundaries[boundary];
+    return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
+}
+
+hmf_status CurveClasses::start(const hmf_hierarchy& hierarchy, size_t level, size_t finest, Call& call) {
+    hierarchy_ = &hierarchy;
+    level_ = level;
+    const Mesh& largest = hierarchy.levels[finest].mesh;
+    if (!arrays_.allocate(largest, call.memory)) return call.out_of_memory();
+    mesh_ = arrays_.of(level == 0 ? hierarchy.input : hierarchy.levels[level].mesh);
+    return words_.start(mesh_, largest.edge_count, call) ? HMF_OK : call.stopped();
+}
+
+hmf_status CurveClasses::refine(Call& call) {
+    const Level& finer = hierarchy_->levels[--level_];
+    for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
+        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        unflip(mesh_, hierarchy_->flips[i]);
+        if (!words_.flipped(mesh_, hierarchy_->flips[i])) return call.out_of_memory();
+    }
+    mesh_.vertex_count = finer.mesh.vertex_count;
+    mesh_.edge_count = finer.mesh.edge_count;
+    mesh_.face_count = finer.mesh.face_count;
+    for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
+        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        split(mesh_, hierarchy_->collapses[i]);
+        words_.was_split(hierarchy_->collapses[i]);
+    }
+    return HMF_OK;
+}
+
+hmf_status CurveClasses::to_intrinsic(Call& call) {
+    for (size_t i = 0; i < hierarchy_->intrinsic_flip_count; ++i) {
+        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        flip(mesh_, hierarchy_->intrinsic_flips[i]);
+        if (!words_.flipped(mesh_, hierarchy_->intrinsic_flips[i])) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+hmf_status CurveClasses::name(const Loops& loops, CurveNames& names, Call& call) const {
+    names.start(call.memory);
+    const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
+    for (size_t c = 0; c < loops.count(); ++c) {
+        if (!call.tick(0)) return call.was_cancelled();
+        if (!names.add(mesh_, words_, loops.offsets[c], loops.offsets[c + 1], half_edge)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+hmf_status CurveClasses::name(const Cylinders& cylinders, CurveNames& names, Call& call) const {
+    names.start(call.memory);
+    for (const Cylinder& c : cylinders.list) {
+        if (!call.tick(0)) return call.was_cancelled();
+        if (!add_boundary(mesh_, words_, cylinders.graph, c.lower, names)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+} // namespace hmf

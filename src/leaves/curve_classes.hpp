@@ -1,0 +1,41 @@
+// Curves on several levels of a hierarchy, compared by their free homotopy
+// classes: the walks of the edges (edge_words.hpp) go along from a coarse level
+// to the finer ones, and curves are named (curve_names.hpp) where they lie.  For
+// surfaces without marked vertices.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "../homotopy/curve_names.hpp"
+#include "../loops/loops.hpp"
+#include "../mesh/mesh_copy.hpp"
+#include "cylinders.hpp"
+
+namespace hmf {
+
+// Names a boundary leaf.
+Done add_boundary(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary,
+                  CurveNames& names);
+
+class CurveClasses {
+public:
+    // On the caller's side of a level, with room down to `finest`.
+    [[nodiscard]] hmf_status start(const hmf_hierarchy& hierarchy, size_t level, size_t finest, Call& call);
+    // One level finer, on the caller's side.
+    [[nodiscard]] hmf_status refine(Call& call);
+    // From the caller's side of level 0.
+    [[nodiscard]] hmf_status to_intrinsic(Call& call);
+    size_t level() const { return level_; }
+
+    // Loops on this mesh; the cylinders of a foliation on it, by their lower boundaries.
+    [[nodiscard]] hmf_status name(const Loops& loops, CurveNames& names, Call& call) const;
+    [[nodiscard]] hmf_status name(const Cylinders& cylinders, CurveNames& names, Call& call) const;
+
+private:
+    const hmf_hierarchy* hierarchy_ = nullptr;
+    size_t level_ = 0;
+    MeshCopy arrays_;
+    Mesh mesh_;
+    EdgeWords words_;
+};
+
+} // namespace hmf

@@ -1,0 +1,34 @@
+// The arrays of a mesh that is to be changed: a copy with room to grow.
+#pragma once
+
+#include "mesh.hpp"
+
+namespace hmf {
+
+class MeshCopy {
+public:
+    // Room for meshes up to the size of `largest`.
+    Done allocate(const Mesh& largest, Memory& memory) {
+        const size_t sides = size_t{2} * largest.edge_count;
+        return origin_.allocate(memory, sides) && next_.allocate(memory, sides) && face_.allocate(memory, sides)
+            && out_.allocate(memory, largest.vertex_count);
+    }
+    // The copy, in arrays of this object.
+    Mesh of(const Mesh& from) {
+        Mesh mesh = from;
+        mesh.origin = copy(from.origin, size_t{2} * from.edge_count, origin_);
+        mesh.next = copy(from.next, size_t{2} * from.edge_count, next_);
+        mesh.face = copy(from.face, size_t{2} * from.edge_count, face_);
+        mesh.out = copy(from.out, from.vertex_count, out_);
+        return mesh;
+    }
+
+private:
+    static uint32_t* copy(const uint32_t* from, size_t n, Array<uint32_t>& to) {
+        std::memcpy(to.data(), from, n * sizeof(uint32_t));
+        return to.data();
+    }
+    Array<uint32_t> origin_, next_, face_, out_;
+};
+
+} // namespace hmf
