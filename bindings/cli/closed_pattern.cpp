@@ -225,6 +225,25 @@ private:
             is_fixed[v] = 1;
             w_[v] = {step.shift[0] / 2, step.shift[1] / 2};
         }
+        // Steps reach one edge further each: only the vertices so near to a seam.
+        constexpr uint32_t STEPS = 60;
+        std::vector<uint32_t> near, number(n, NONE);
+        const auto take = [&](uint32_t v) {
+            if (number[v] != NONE) return;
+            number[v] = static_cast<uint32_t>(near.size());
+            near.push_back(v);
+        };
+        for (uint32_t v = 0; v < n; ++v)
+            if (degree_[v] > 0 && around_[v] != NONE) take(v);
+        for (size_t ring = 0, at = 0; ring < STEPS && at < near.size(); ++ring)
+            for (const size_t end = near.size(); at < end; ++at) {
+                uint32_t out = around_[near[at]];
+                do {
+                    take(t_[next(out)]);
+                    out = turned(out);
+                } while (out != around_[near[at]]);
+            }
+        const size_t m = near.size();
         // Along each edge: w_i - s w_j - b.
         struct Link {
             uint32_t i, j;
@@ -232,35 +251,36 @@ private:
             Pair b;
         };
         std::vector<Link> links;
-        links.reserve(p_.edge_count);
-        std::vector<double> count(n, 0);
+        std::vector<double> count(m, 0);
         for (uint32_t e = 0; e < p_.edge_count; ++e) {
-            const uint32_t k = sides_[e][0], m = next(k);
-            const Step &a = corner_[k], &b = corner_[m];
-            links.push_back({t_[k],
-                             t_[m],
+            const uint32_t k = sides_[e][0], l = next(k), i = number[t_[k]], j = number[t_[l]];
+            if (i == NONE || j == NONE) continue;
+            const Step &a = corner_[k], &b = corner_[l];
+            links.push_back({i,
+                             j,
                              static_cast<float>(a.sign * b.sign),
                              {a.sign * (b.shift[0] - a.shift[0]), a.sign * (b.shift[1] - a.shift[1])}});
-            ++count[t_[k]];
-            ++count[t_[m]];
+            ++count[i];
+            ++count[j];
         }
-        std::vector<Pair> r(n, {0, 0}), d(n, {0, 0}), q(n);
+        std::vector<Pair> w(m), r(m, {0, 0}), d(m, {0, 0}), q(m);
+        for (size_t v = 0; v < m; ++v) w[v] = w_[near[v]];
         for (const Link& l : links)
             for (size_t i = 0; i < 2; ++i) {
-                const double miss = w_[l.i][i] - double(l.sign) * w_[l.j][i] - l.b[i];
+                const double miss = w[l.i][i] - double(l.sign) * w[l.j][i] - l.b[i];
                 r[l.i][i] -= miss;
                 r[l.j][i] += double(l.sign) * miss;
             }
         Pair rho{0, 0};
-        for (size_t v = 0; v < n; ++v)
+        for (size_t v = 0; v < m; ++v)
             for (size_t i = 0; i < 2; ++i) {
-                if (is_fixed[v]) r[v][i] = 0;
+                if (is_fixed[near[v]]) r[v][i] = 0;
                 d[v][i] = r[v][i] / std::max(1.0, count[v]);
                 rho[i] += r[v][i] * d[v][i];
             }
-        constexpr int STEPS = 100;
-        for (int step = 0; step < STEPS && (rho[0] > 0 || rho[1] > 0); ++step) {
-            q.assign(n, {0, 0});
+        const Pair enough{1e-8 * rho[0], 1e-8 * rho[1]};
+        for (uint32_t step = 0; step < STEPS && (rho[0] > enough[0] || rho[1] > enough[1]); ++step) {
+            q.assign(m, {0, 0});
             for (const Link& l : links)
                 for (size_t i = 0; i < 2; ++i) {
                     const double miss = d[l.i][i] - double(l.sign) * d[l.j][i];
@@ -268,23 +288,25 @@ private:
                     q[l.j][i] -= double(l.sign) * miss;
                 }
             Pair curvature{0, 0}, alpha{0, 0}, beta{0, 0}, fresh{0, 0};
-            for (size_t v = 0; v < n; ++v)
+            for (size_t v = 0; v < m; ++v)
                 for (size_t i = 0; i < 2; ++i) {
-                    if (is_fixed[v]) q[v][i] = 0;
+                    if (is_fixed[near[v]]) q[v][i] = 0;
                     curvature[i] += d[v][i] * q[v][i];
                 }
-            for (size_t i = 0; i < 2; ++i) alpha[i] = curvature[i] > 0 ? rho[i] / curvature[i] : 0;
-            for (size_t v = 0; v < n; ++v)
+            for (size_t i = 0; i < 2; ++i)
+                alpha[i] = rho[i] > enough[i] && curvature[i] > 0 ? rho[i] / curvature[i] : 0;
+            for (size_t v = 0; v < m; ++v)
                 for (size_t i = 0; i < 2; ++i) {
-                    w_[v][i] += alpha[i] * d[v][i];
+                    w[v][i] += alpha[i] * d[v][i];
                     r[v][i] -= alpha[i] * q[v][i];
                     fresh[i] += r[v][i] * r[v][i] / std::max(1.0, count[v]);
                 }
             for (size_t i = 0; i < 2; ++i) beta[i] = rho[i] > 0 ? fresh[i] / rho[i] : 0;
-            for (size_t v = 0; v < n; ++v)
+            for (size_t v = 0; v < m; ++v)
                 for (size_t i = 0; i < 2; ++i) d[v][i] = r[v][i] / std::max(1.0, count[v]) + beta[i] * d[v][i];
             rho = fresh;
         }
+        for (size_t v = 0; v < m; ++v) w_[near[v]] = w[v];
     }
 
     const std::vector<uint32_t>&t_, &e_;

@@ -29,11 +29,11 @@ double distance(const Point& a, const Point& b) {
     return std::sqrt(x * x + y * y + z * z);
 }
 
-struct Flat {
+struct Planar {
     double x = 0, y = 0;
 };
-double turn(Flat a, Flat b, Flat c) { return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y); }
-Flat between(Flat a, Flat b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
+double turn(Planar a, Planar b, Planar c) { return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y); }
+Planar between(Planar a, Planar b, double t) { return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}; }
 
 // An edge that the strip crosses: its ends on the left and on the right.
 struct Gate {
@@ -41,24 +41,25 @@ struct Gate {
 };
 
 // The third corner of a triangle with two sides known: on the far side of the edge from `left` to `right`.
-Flat unfolded(const Foliation& f, Gate gate, Flat left, Flat right, uint32_t third) {
+Planar unfolded(const Foliation& f, Gate gate, Planar left, Planar right, uint32_t third) {
     const Point l = place(f, gate.left), r = place(f, gate.right), p = place(f, third);
     const double width = distance(l, r), to_left = distance(l, p), to_right = distance(r, p);
     if (!(width > 0)) return left;
     const double along = (width * width + to_left * to_left - to_right * to_right) / (2 * width);
     const double off = std::sqrt(std::max(0.0, to_left * to_left - along * along));
-    const Flat axis{(right.x - left.x) / width, (right.y - left.y) / width};
+    const Planar axis{(right.x - left.x) / width, (right.y - left.y) / width};
     return {left.x + along * axis.x - off * axis.y, left.y + along * axis.y + off * axis.x};
 }
 
 // Where the shortest path from `start` to `end` crosses each gate, as a fraction from left to right.
-std::vector<double> funnel(const std::vector<Flat>& left, const std::vector<Flat>& right, Flat start, Flat end) {
+std::vector<double> funnel(const std::vector<Planar>& left, const std::vector<Planar>& right, Planar start,
+                           Planar end) {
     const size_t n = left.size();
     std::vector<double> fraction(n, 0.5);
-    Flat apex = start;
+    Planar apex = start;
     size_t apex_at = 0, left_at = 0, right_at = 0; // gates
-    Flat l = left[0], r = right[0];
-    const auto leg = [&](size_t from, size_t to, Flat a, Flat b) {
+    Planar l = left[0], r = right[0];
+    const auto leg = [&](size_t from, size_t to, Planar a, Planar b) {
         for (size_t k = from; k < to; ++k) {
             const double x = turn(a, b, left[k]), y = turn(a, b, right[k]);
             fraction[k] = x - y != 0 ? std::min(1.0, std::max(0.0, x / (x - y))) : 0.5;
@@ -66,8 +67,8 @@ std::vector<double> funnel(const std::vector<Flat>& left, const std::vector<Flat
     };
     // Each corner of the path starts again behind it: at most n corners, and each looks at gates up to the next one.
     for (size_t k = 0, corners = 0; k <= n && corners <= 2 * n + 2; ++k) {
-        const Flat nl = k < n ? left[k] : end, nr = k < n ? right[k] : end;
-        const auto corner = [&](Flat at, size_t gate, double value) {
+        const Planar nl = k < n ? left[k] : end, nr = k < n ? right[k] : end;
+        const auto corner = [&](Planar at, size_t gate, double value) {
             if (gate >= n) return; // the end itself
             leg(apex_at, gate, apex, at);
             fraction[gate] = value;
@@ -110,17 +111,17 @@ Line shortest(const Foliation& f, std::vector<Gate> gates, std::vector<uint32_t>
     for (int round = 0; round < ROUNDS; ++round) {
         // Opened at another gate each time; its point stays, so that the curve only gets shorter.
         const size_t first = n * size_t(round) / ROUNDS;
-        std::vector<Flat> left(n + 1), right(n + 1);
+        std::vector<Planar> left(n + 1), right(n + 1);
         const double width = distance(place(f, gates[first].left), place(f, gates[first].right));
         right[0] = {0, -width};
         for (size_t k = 0; k < n; ++k) {
             const Gate here = gates[(first + k) % n], next = gates[(first + k + 1) % n];
-            const Flat tip = unfolded(f, here, left[k], right[k], third[(first + k) % n]);
+            const Planar tip = unfolded(f, here, left[k], right[k], third[(first + k) % n]);
             left[k + 1] = next.left == here.left ? left[k] : tip;
             right[k + 1] = next.right == here.right ? right[k] : tip;
         }
-        const Flat start = between(left[0], right[0], fraction[first]),
-                   end = between(left[n], right[n], fraction[first]);
+        const Planar start = between(left[0], right[0], fraction[first]),
+                     end = between(left[n], right[n], fraction[first]);
         if (n < 3) break;
         const std::vector<double> inner =
             funnel({left.begin() + 1, left.end() - 1}, {right.begin() + 1, right.end() - 1}, start, end);

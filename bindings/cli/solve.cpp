@@ -439,29 +439,8 @@ private:
         for (size_t k = 0; k < components_.size(); ++k) {
             const Component& c = components_[k];
             if (c.is_refused()) continue;
-            const Owned<hmf_lines> lines = c.trace_cylinders(control_);
-            const uint32_t before = static_cast<uint32_t>(heights.size());
-            for (uint64_t l = 0; l < lines->line_count; ++l) {
-                const hmf_line& line = lines->lines[l];
-                const bool is_critical = line.kind == HMF_LINE_CRITICAL;
-                if (!is_critical) {
-                    heights.resize(std::max(heights.size(), size_t{before} + line.cylinder + 1), 1);
-                    heights[before + line.cylinder] = 2 * line.height;
-                }
-                for (uint64_t p = lines->offsets[l]; p < lines->offsets[l + 1]; ++p) {
-                    if (lines->point_edges[p] == HMF_NONE) continue;
-                    const uint32_t edge = is_alone() ? lines->point_edges[p] : whole_edges_[k][lines->point_edges[p]];
-                    const double* const a = &f_.positions[size_t{3} * f_.edge_vertices[size_t{2} * edge]];
-                    const double* const b = &f_.positions[size_t{3} * f_.edge_vertices[size_t{2} * edge + 1]];
-                    double along = 0, square = 0;
-                    for (size_t i = 0; i < 3; ++i) {
-                        along += (lines->points[3 * p + i] - a[i]) * (b[i] - a[i]);
-                        square += (b[i] - a[i]) * (b[i] - a[i]);
-                    }
-                    crossings.push_back({edge, square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.5,
-                                         is_critical ? CRITICAL : before + line.cylinder});
-                }
-            }
+            add_crossings(f_, *c.trace_cylinders(control_), is_alone() ? nullptr : whole_edges_[k].data(), crossings,
+                          heights);
         }
         f_.stripe_values = whole_stripes(f_, std::move(crossings), heights, wanted);
         return wanted;
@@ -510,7 +489,7 @@ private:
         double period = 1;
         if (pictured) {
             control_ = progress_.part("picture", 0, 1);
-            attempt("--period", true, [&] { period = choose_period(); });
+            attempt("--period", true, [&] { r_.period = period = choose_period(); });
         }
         attempt("--obj", !r_.obj.empty() && uv, [&] { write_textured_obj(r_.obj, f_, uv, period); });
         const bool has_data = shows_quads ? !quads.empty() : !unfolded || uv;

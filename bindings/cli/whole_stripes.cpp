@@ -29,6 +29,32 @@ private:
 
 } // namespace
 
+void add_crossings(const Foliation& f, const hmf_lines& lines, const uint32_t* whole_edges,
+                   std::vector<Crossing>& crossings, std::vector<double>& heights) {
+    const uint32_t before = static_cast<uint32_t>(heights.size());
+    for (uint64_t l = 0; l < lines.line_count; ++l) {
+        const hmf_line& line = lines.lines[l];
+        const bool is_critical = line.kind == HMF_LINE_CRITICAL;
+        if (!is_critical) {
+            heights.resize(std::max(heights.size(), size_t{before} + line.cylinder + 1), 1);
+            heights[before + line.cylinder] = 2 * line.height;
+        }
+        for (uint64_t p = lines.offsets[l]; p < lines.offsets[l + 1]; ++p) {
+            if (lines.point_edges[p] == HMF_NONE) continue;
+            const uint32_t edge = whole_edges ? whole_edges[lines.point_edges[p]] : lines.point_edges[p];
+            const double* const a = &f.positions[size_t{3} * f.edge_vertices[size_t{2} * edge]];
+            const double* const b = &f.positions[size_t{3} * f.edge_vertices[size_t{2} * edge + 1]];
+            double along = 0, square = 0;
+            for (size_t i = 0; i < 3; ++i) {
+                along += (lines.points[3 * p + i] - a[i]) * (b[i] - a[i]);
+                square += (b[i] - a[i]) * (b[i] - a[i]);
+            }
+            crossings.push_back({edge, square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.5,
+                                 is_critical ? CRITICAL : before + line.cylinder});
+        }
+    }
+}
+
 std::vector<double> whole_stripes(const Foliation& f, std::vector<Crossing> crossings,
                                   const std::vector<double>& heights, double period) {
     std::sort(crossings.begin(), crossings.end(),
