@@ -200,8 +200,8 @@ typedef struct hmf_cylinder_set {
  *
  * Heights are exact.  Circumference, modulus and area are those of the minimum;
  * at the minimum energy = sum of height * circumference = sum of areas.
- * Loop and cylinder are matched by their classes: that takes two runs like
- * hmf_solve on the coarsest level.
+ * Loop and cylinder are matched by their free homotopy classes, exactly; with
+ * marked vertices that takes two runs like hmf_solve on the coarsest level.
  *
  * Errors: classes 100, 200, 400; HMF_ERROR_VALUE_CLASS if the values do not
  * belong to the loops, HMF_ERROR_VALUE_NOT_HARMONIC if their energy is 1 % above
