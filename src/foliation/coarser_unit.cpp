@@ -30,6 +30,13 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
             queue.push(u);
         }
     }
+    // All zeros are in triangles: their branch points lie at 0.
+    for (uint32_t h = 0; h < 2 * mesh.edge_count && queue.empty(); ++h) {
+        const int64_t corner2 = f.corner2(h);
+        if (corner2 == 0 || f.corner2(mesh.next[h]) == 0 || f.corner2(mesh.prev(h)) == 0) continue;
+        place[mesh.origin[h]] = remainder(sign[h] > 0 ? -corner2 / 2 : corner2 / 2);
+        queue.push(mesh.origin[h]);
+    }
     if (queue.empty()) { // genus 1: all places are as good
         place[0] = 0;
         queue.push(0);
