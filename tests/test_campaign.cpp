@@ -225,9 +225,10 @@ void solve_problem(uint64_t seed, Tally& tally) {
     Random random(seed ^ 0x5eed);
     std::vector<double> energies;
     const bool verbose = number("HMF_CAMPAIGN_VERBOSE", 0) != 0;
-    size_t way = 0;
+    const double ratios[] = {0.25, 0.5, 0.75};
     const size_t turn = random.below(3);
-    for (const double ratio : {0.25, 0.5, 0.75}) {
+    for (size_t way = 0; way < 3; ++way) {
+        const double ratio = ratios[way];
         const int32_t collapse = static_cast<int32_t>(1 + (way + turn) % 3);
         const Hierarchy hierarchy(p.mesh, ratio, 40 * p.mesh.genus + 100 + random.below(1500), collapse);
         ASSERT_TRUE(hierarchy);
@@ -268,10 +269,13 @@ void solve_problem(uint64_t seed, Tally& tally) {
         if (way == turn && p.mesh.vertex_count() < 3000) {
             const LevelMesh level = read_level(hierarchy, 0);
             const size_t c = random.below(p.loops.count());
+            std::vector<uint32_t> crossed = crossed_edges(level, p.loops, c);
+            std::sort(crossed.begin(), crossed.end());
+            // Through an edge that the loop crosses there and back there is a way that does not count.
+            if (std::adjacent_find(crossed.begin(), crossed.end()) != crossed.end()) continue;
             const double weight = p.loops.weights.empty() ? 1 : p.loops.weights[c];
             EXPECT_GE(shortest_crossing(level, p.loops, c, s.values), weight * (1 - 1e-9)) << "seed " << seed;
         }
-        ++way;
     }
     for (const double energy : energies)
         if (std::abs(energy - energies[0]) > 1e-8 * energies[0]) {
@@ -307,4 +311,14 @@ TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) {
     // 1e-8 on 99.5 %; in a small sample one may miss it.
     const size_t missed = tally.all.solves - tally.all.converged;
     EXPECT_LE(missed, 1 + tally.all.solves / 200);
+}
+
+// Once these ended in an internal error (cylinders of equal height not told apart; all zeros in triangles when the
+// unit got coarser) or had lost the class (the second try with other walks than the first).
+TEST(Campaign, SeedsThatFailed) {
+    Tally tally;
+    for (const uint64_t seed : {1201, 2180, 2328}) solve_problem(seed, tally);
+    EXPECT_EQ(tally.wrong, 0u);
+    EXPECT_EQ(tally.errors, 0u);
+    EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
