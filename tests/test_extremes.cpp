@@ -210,7 +210,7 @@ TEST(CoarserUnit, RoundsPlacesAndNotValues) {
             EXPECT_LE(std::abs((f.value[e] << bits) - fine[e]), 1 << bits);
         }
         EXPECT_NE(odd, 0); // else nothing was rounded
-        const hmf::SingularityCount count = hmf::count_singularities(f, nullptr, nullptr, nullptr, nullptr);
+        const hmf::SingularityCount count = hmf::count_singularities(f);
         EXPECT_EQ(count.broken_triangles, 0u);
         EXPECT_EQ(count.poles, 0u);
         EXPECT_EQ(count.index_sum, 4 - 4 * static_cast<int64_t>(mesh.genus));

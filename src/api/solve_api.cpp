@@ -44,10 +44,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 // The sentence of a solve that ended with a foliation.
 hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
     switch (status) {
-    case HMF_OK:
-        call.range(1, 1);
-        call.tick(1, true);
-        return HMF_OK;
+    case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
@@ -140,8 +137,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
-    const SingularityCount count = count_singularities(state.foliation, nullptr, nullptr, nullptr, nullptr);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
+    const SingularityCount count = count_singularities(state.foliation);
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;

@@ -42,15 +42,11 @@ double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* si
     }
     int8_t s = 1;
     for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v))
             if (sign[h] > 1) {
                 sign_boundary(h, s);
                 s = -1;
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
     }
     return agreement;
 }

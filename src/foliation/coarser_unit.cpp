@@ -19,15 +19,14 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
     const uint32_t before = f.epoch;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (f.stamp[v] > before) continue;
-        const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-        if (f.out_of_memory) return Coarsened::out_of_memory;
+        const Cluster cluster = explore_cluster(f, v);
         if (cluster.index() == 0 && cluster.marked == 0) {
             sign_regular_cluster(f, weight.data(), sign.data());
             continue;
         }
         for (const uint32_t u : f.members) {
             place[u] = 0;
-            queue.push(u);
+            queue.add(u);
         }
     }
     // All zeros are in triangles: their branch points lie at 0.
@@ -35,11 +34,11 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
         const int64_t corner2 = f.corner2(h);
         if (corner2 == 0 || f.corner2(mesh.next[h]) == 0 || f.corner2(mesh.prev(h)) == 0) continue;
         place[mesh.origin[h]] = remainder(sign[h] > 0 ? -corner2 / 2 : corner2 / 2);
-        queue.push(mesh.origin[h]);
+        queue.add(mesh.origin[h]);
     }
     if (queue.empty()) { // genus 1: all places are as good
         place[0] = 0;
-        queue.push(0);
+        queue.add(0);
     }
     // Of the far end of h, seen from its origin.
     const auto arrival = [&](uint32_t h) {
@@ -47,16 +46,13 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
         return sign[twin(h)] > 0 ? remainder(-ahead) : ahead;
     };
     for (size_t i = 0; i < queue.size(); ++i) {
-        const uint32_t first = mesh.out[queue[i]];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(queue[i])) {
             const uint32_t w = mesh.target(h);
             if (place[w] == unknown) {
                 place[w] = arrival(h);
-                queue.push(w);
+                queue.add(w);
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        }
     }
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
         if (place[mesh.target(h)] != arrival(h)) return Coarsened::no_multiples;

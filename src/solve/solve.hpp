@@ -19,7 +19,7 @@ struct SolveOptions {
     size_t stop_level = 0;
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
-    bool guarded = false; // goes no further where a step would leave the class; needs a ClassWatch
+    bool guarded = false;                     // goes no further where a step would leave the class; needs a ClassWatch
 };
 
 // What a method knows of the foliation as it leaves it.
