@@ -67,7 +67,8 @@ hmf_status load_solved(const hmf_foliation& foliation, State& state, double& uni
 // The same again in the unit of the values: what leaves are followed on.
 hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call);
 
-// The values of a state in a unit that is 2^bits times as large (coarser_unit.hpp); all heights must be multiples of it.
+// The values of a state in a unit that is 2^bits times as large (coarser_unit.hpp);
+// all heights must be multiples of it.
 hmf_status coarsen_unit(State& state, uint32_t bits, Call& call);
 
 // Values of the caller into a state on its level.  Finds the unit.  Validates:

@@ -104,7 +104,7 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight) * unit * unit;
+    *out = energy(state.foliation, weight, call.parallel) * unit * unit;
     return entry.end();
 }
 
@@ -124,8 +124,8 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Array<double> residual;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
-        || !residual.allocate(call.memory, n))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (call.cancelled()) return call.was_cancelled();

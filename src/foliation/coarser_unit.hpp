@@ -14,9 +14,9 @@
 // becomes no extremum.
 //
 // Where on its edge a vertex lies, modulo 2^bits, is found by walking over the
-// mesh from a zero (a vertex, or the branch point of a triangle), which lies at 0: along half-edge h from i to j the position
-// changes by the value, and its sense is the sign of the direction in which h leaves i and
-// its twin leaves j.
+// mesh from a zero (a vertex, or the branch point of a triangle), which lies at
+// 0: along half-edge h from i to j the position changes by the value, and its
+// sense is the sign of the direction in which h leaves i and its twin leaves j.
 #pragma once
 
 #include "foliation.hpp"
