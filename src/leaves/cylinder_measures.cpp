@@ -20,19 +20,22 @@ hmf_status stretch(const hmf_hierarchy& h, size_t level, const Foliation& f, con
 }
 
 // found[c]: the cylinder of `measured`, at the minimum, that is cylinder c of the caller's side.
-hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels, Cylinders& measured,
-                           Array<uint32_t>& found, Call& call) {
+// heights: of these, in units of solved.
+hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels, const Array<double>& heights,
+                           Cylinders& measured, Array<uint32_t>& found, Call& call) {
     Cylinders labelled;
     Array<uint32_t> of_label, on_edges;
+    Array<double> wanted;
     if (stretched.level == 0 && !stretched.to_intrinsic(call)) return call.stopped();
     if (measured.build(solved.foliation, nullptr, nullptr, call)
         || labelled.build(stretched.foliation, nullptr, nullptr, call) || labels.find(labelled, of_label, call))
         return call.status();
     if (!measured.find_vertices(solved.foliation, call) || !labelled.find_vertices(stretched.foliation, call)
-        || !found.allocate(call.memory, of_label.size()))
+        || !found.allocate(call.memory, of_label.size()) || !wanted.allocate(call.memory, of_label.size()))
         return call.stopped();
-    if (match_on_edges(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
-                       on_edges, call))
+    for (size_t c = 0; c < wanted.size(); ++c) wanted[of_label[c]] = heights[c];
+    if (match_cylinders(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
+                        &wanted, on_edges, call))
         return call.status();
     for (size_t c = 0; c < found.size(); ++c) found[c] = on_edges[of_label[c]];
     return HMF_OK;
@@ -106,21 +109,25 @@ hmf_status match_loops_by_minima(const GivenCylinders& given, const GivenWeights
 }
 
 // Builds `measured`, with find_vertices done; found[c]: its cylinder that is cylinder c.  Fills out[c].loop unless loops is NULL.
-hmf_status match_by_labels(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
-                           Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
+hmf_status match_by_labels(const GivenCylinders& given, const GivenWeights* loops, State& solved, double unit,
+                           Cylinders& measured, Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
     const Foliation& f = given.state.foliation;
     Labels labels;
     State stretched;
-    if (!given.cylinders.find_vertices(f, call) || !labels.choose(given.cylinders, call.memory)) return call.stopped();
+    Array<double> heights;
+    if (!given.cylinders.find_vertices(f, call) || !labels.choose(given.cylinders, call.memory)
+        || !heights.allocate(call.memory, out.size()))
+        return call.stopped();
+    for (size_t c = 0; c < heights.size(); ++c) heights[c] = out[c].height / unit; // exact: units are powers of two
     if (stretch(*solved.hierarchy, solved.level, f, given.cylinders, labels, stretched, call)
-        || find_at_minimum(solved, stretched, labels, measured, found, call))
+        || find_at_minimum(solved, stretched, labels, heights, measured, found, call))
         return call.status();
     return loops ? match_loops_by_minima(given, *loops, out, call) : HMF_OK;
 }
 
 // The same by free homotopy classes, without marked vertices.
-hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
-                            Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
+hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved, double,
+                            Cylinders& measured, Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
     const size_t n = given.cylinders.list.size(), level = given.state.level;
     const size_t first = loops ? std::max(level, loops->level) : level,
                  last = loops ? std::min(level, loops->level) : level;
@@ -142,9 +149,7 @@ hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loo
     if (!found.allocate(call.memory, n)) return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) {
         found[c] = own.find(c, at_minimum);
-        if (found[c] == NONE)
-            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c,
-                             "A cylinder is lost between two foliations. Please report it.");
+        if (found[c] == NONE) return wrong_class(call);
     }
     if (!loops) return HMF_OK;
     Array<int64_t> keys, loop_keys;
@@ -168,7 +173,7 @@ hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* lo
     Array<double> area;
     Curves middle;
     const auto match = given.state.foliation.mesh.marked_count > 0 ? match_by_labels : match_by_classes;
-    if (match(given, loops, solved, measured, found, out, call)) return call.status();
+    if (match(given, loops, solved, unit, measured, found, out, call)) return call.status();
     if (!area.allocate(call.memory, n)) return call.out_of_memory();
     const double* weight = solved.hierarchy->levels[solved.level].weight;
     if (cylinder_areas(solved.foliation, measured, weight, area.data(), call)) return call.status();

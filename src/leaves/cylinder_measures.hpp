@@ -29,7 +29,7 @@ struct GivenWeights {
 
 // Fills circumference, modulus and area, and loop unless loops is NULL.
 // solved: the same foliation where it is solved, at the minimum; unit: of its
-// values.
+// values.  The heights in out are there.
 [[nodiscard]] hmf_status measure_cylinders(const GivenCylinders& given, const GivenWeights* loops, State& solved,
                                            double unit, Array<hmf_cylinder>& out, Call& call);
 
