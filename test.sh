@@ -13,7 +13,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large mutations machines"
+variants="$default_variants corpus-large mutations machines static"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -34,6 +34,7 @@ valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
+static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
 mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
@@ -244,16 +245,23 @@ run_corpus() { # name, largest mesh in vertices, seconds
     fi
     HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
 }
+# For long variants: what cannot be installed is skipped there.
+install_if_possible() { # package ...
+    local package sudo=
+    command -v apt-get > /dev/null || return 0
+    [ "$(id -u)" -eq 0 ] || sudo=sudo
+    for package in "$@"; do
+        dpkg -s "$package" > /dev/null 2>&1 ||
+            DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "$package" > /dev/null 2>&1
+    done
+}
+variant_static() {
+    install_if_possible clang-tidy cppcheck
+    run_check static tests/check_static.sh build/static
+}
 variant_machines() {
-    if command -v apt-get > /dev/null; then
-        local package sudo=
-        [ "$(id -u)" -eq 0 ] || sudo=sudo
-        for package in qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
-            g++-mingw-w64-x86-64-posix wine wine64; do
-            dpkg -s "$package" > /dev/null 2>&1 ||
-                DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "$package" > /dev/null 2>&1
-        done
-    fi
+    install_if_possible qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
+        g++-mingw-w64-x86-64-posix wine wine64
     run_check machines tests/check_machines.sh build/machines
 }
 variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }
