@@ -32,7 +32,7 @@ struct SolveRequest {
     std::string camera = "auto", image_size = "1400x1050";
     double period = 0; // of stripes and squares; 0: chosen
     bool legend = false;
-    bool conformality = false;    // in the report
+    bool conformality = false; // in the report
 };
 
 Options solve_options(SolveRequest& request);
