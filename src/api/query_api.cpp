@@ -151,7 +151,7 @@ hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control
         || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory)))
         return call.out_of_memory();
     if (!call.tick(0.8)) return call.was_cancelled();
-    for (size_t t = 0; t < side.size(); ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]];
+    for (size_t t = 0; t < side.size(); ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + scale.offset;
     if (unevenness) *unevenness = scale.unevenness();
     return entry.end();
 }

@@ -31,7 +31,7 @@ double natural_log(double x) {
 bool ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory) {
     constexpr double least = 1e-14; // of the largest density
-    mean = 0;
+    mean = offset = 0;
     if (!log_scale.allocate_filled(memory, mesh.face_count, 0.0) || !area.allocate_filled(memory, mesh.face_count, 0.0))
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
@@ -74,13 +74,13 @@ bool ConformalScale::measure(const Mesh& mesh, const double* position, const int
         for (double& s : log_scale) s = 0;
         return true;
     }
-    const double shift = natural_log(shrink);
+    offset = exponent * -0.69314718055994531;
     for (size_t t = 0; t < area.size(); ++t) {
         area[t] /= whole;
         double density = log_scale[t];
         if (!(density > least * top)) density = least * top;
         if (density > top) density = top;
-        log_scale[t] = 0.5 * natural_log(density) + shift;
+        log_scale[t] = 0.5 * natural_log(density);
         mean += area[t] * log_scale[t];
     }
     return true;

@@ -10,7 +10,8 @@ namespace hmf {
 double natural_log(double x);
 
 struct ConformalScale {
-    Array<double> log_scale; // per face: log |grad u|, u in units of the values, length in units of the positions
+    Array<double> log_scale; // per face: log |grad u| - offset
+    double offset = 0;       // of the unit of the positions: nothing else depends on that
     Array<double> area;      // per face, shares of the whole: their sum is 1
     double mean = 0;         // of log_scale over the surface
 

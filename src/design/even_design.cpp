@@ -89,7 +89,8 @@ hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, Call& 
 }
 
 // From a level to level 0, shortened on each.  marks: internal numbers.
-hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint32_t>& marks, Call& call, Loops& loops) {
+hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint32_t>& marks, Call& call,
+                          Loops& loops) {
     MarkedView view;
     LoopCarrier carrier;
     if (level > 0 && !carrier.load(h, level, 0, loops, call.memory)) return call.out_of_memory();

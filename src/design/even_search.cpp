@@ -13,22 +13,20 @@
 #include "even_search.hpp"
 
 #include "../base/disjoint_sets.hpp"
-#include <cstdio>
-#include <cstdlib>
 #include "../loops/heap_sort.hpp"
 
 namespace hmf {
 
 namespace {
 
-constexpr double PERSISTENCE = 0.3;    // least, of a tip
-constexpr double DEPTH = 0.2;          // least, below the mean
-constexpr double TWO_POLES = 2.0;      // depth from which on two poles are tried first
+constexpr double PERSISTENCE = 0.3; // least, of a tip
+constexpr double DEPTH = 0.2;       // least, below the mean
+constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
 constexpr size_t MOST_TIPS = 24;
-constexpr double PRICE = 0.003;        // of a pole, in unevenness
-constexpr double LONGEST_STEP = 1.2;   // of the logarithm of a weight
+constexpr double PRICE = 0.003;      // of a pole, in unevenness
+constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
-constexpr double CAP_SHAPE = 2.4;      // area of a disk / square of its radius: it covers the end of a limb
+constexpr double CAP_SHAPE = 2.4; // area of a disk / square of its radius: it covers the end of a limb
 
 } // namespace
 
@@ -115,8 +113,8 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     Array<uint8_t> passed, taken;
     found.start(memory_);
     if (!height.allocate(memory_, n) || !smooth.allocate(memory_, n) || !rising.allocate(memory_, n)
-        || !part.allocate(memory_, n) || !lowest.allocate(memory_, n)
-        || !passed.allocate_filled(memory_, n, uint8_t{0}) || !taken.allocate_filled(memory_, n, uint8_t{0}))
+        || !part.allocate(memory_, n) || !lowest.allocate(memory_, n) || !passed.allocate_filled(memory_, n, uint8_t{0})
+        || !taken.allocate_filled(memory_, n, uint8_t{0}))
         return false;
     double mean = 0;
     for (uint32_t v = 0; v < n; ++v) {
@@ -157,7 +155,9 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
             } while (h != first);
         }
     }
-    const auto lower = [&smooth](uint32_t a, uint32_t b) { return smooth[a] != smooth[b] ? smooth[a] < smooth[b] : a < b; };
+    const auto lower = [&smooth](uint32_t a, uint32_t b) {
+        return smooth[a] != smooth[b] ? smooth[a] < smooth[b] : a < b;
+    };
     for (uint32_t v = 0; v < n; ++v) rising[v] = part[v] = lowest[v] = v;
     heap_sort(rising.data(), n, lower);
     const auto add = [&](uint32_t v, double persistence) {
@@ -308,7 +308,6 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
         }
         if (next.tips.size() == best.tips.size()) break;
         if (!list_marks(next) || evaluate(next, ROUNDS)) return call_.status() ? call_.status() : call_.out_of_memory();
-        if (getenv("EVEN_DEBUG")) printf("  tips %zu -> %zu: %.4f -> %.4f (%zu marks) solves %llu\n", best.tips.size(), next.tips.size(), best.unevenness, next.unevenness, next.marks.size(), (unsigned long long)solves);
         if (gain(best, next) <= 0) { // kept as tips without poles: each is tried below
             for (size_t i = best.tips.size(); i < next.tips.size(); ++i) {
                 Tip tip = next.tips[i];
@@ -335,7 +334,6 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
                 if (!list_marks(next)) return call_.out_of_memory();
                 if (like_.genus == 0 && next.marks.size() < 4) continue;
                 if (evaluate(next, ROUNDS)) return call_.status();
-                if (getenv("EVEN_DEBUG")) printf("  tip %zu poles %u -> %u: %.4f -> %.4f solves %llu\n", i, best.tips[i].poles, count, best.unevenness, next.unevenness, (unsigned long long)solves);
                 if (gain(best, next) <= 0) continue;
                 best = static_cast<EvenChoice&&>(next);
                 changed = true;

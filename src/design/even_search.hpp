@@ -8,17 +8,17 @@ namespace hmf {
 // Where the scale decays: the end of a limb, or of what sticks out.
 struct Tip {
     uint32_t vertex;
-    double depth;        // of the log scale there below its mean, when it was found
-    uint32_t poles;      // 0, 1 or 2
-    bool stays;          // marked by the caller
-    uint32_t ends[2];    // where two of them lie; NONE if there is no room
+    double depth;     // of the log scale there below its mean, when it was found
+    uint32_t poles;   // 0, 1 or 2
+    bool stays;       // marked by the caller
+    uint32_t ends[2]; // where two of them lie; NONE if there is no room
 };
 
 struct EvenChoice {
     Array<Tip> tips;
-    Array<uint32_t> marks;  // vertices of the surface
-    Array<double> weights;  // of the pants loops with these marks
-    Array<double> scale;    // log |grad u| at the vertices
+    Array<uint32_t> marks; // vertices of the surface
+    Array<double> weights; // of the pants loops with these marks
+    Array<double> scale;   // log |grad u| at the vertices
     double unevenness = HUGE_VAL;
 };
 
@@ -27,15 +27,16 @@ public:
     // mesh and position: of the surface, in its numbers.
     EvenSearch(const hmf_hierarchy& like, const Mesh& mesh, const double* position, const Surface& surface,
                Call& call) :
-        like_(like), mesh_(mesh), position_(position), surface_(surface), call_(call), memory_(call.memory) {}
+        like_(like),
+        mesh_(mesh), position_(position), surface_(surface), call_(call), memory_(call.memory) {}
 
     // Starts from marked vertices that stay and from tips of limbs with two poles
     // each, then adds and removes poles as long as that makes the scale more even.
     hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best);
 
-    uint64_t budget = 0;  // solves
-    bool poles = true;    // else the weights alone, where that can be
-    double fraction = 0;  // of the work done
+    uint64_t budget = 0; // solves
+    bool poles = true;   // else the weights alone, where that can be
+    double fraction = 0; // of the work done
 
     // Weights for the marks of a choice, from those of the loops that its surface suggests.
     hmf_status evaluate(EvenChoice& choice, uint32_t rounds);

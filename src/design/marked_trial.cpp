@@ -21,8 +21,8 @@ namespace hmf {
 
 namespace {
 
-constexpr int64_t LABELS = 4096;               // low bits of the weights in integers: the number of the loop
-constexpr int64_t LARGEST = int64_t{1} << 40;  // weight in integers
+constexpr int64_t LABELS = 4096;              // low bits of the weights in integers: the number of the loop
+constexpr int64_t LARGEST = int64_t{1} << 40; // weight in integers
 constexpr double LINEAR_ACCURACY = 1e-2;
 constexpr uint32_t LINEAR_ITERATIONS = 12;
 
@@ -39,7 +39,8 @@ int32_t MarkedTrial::pass_on(void* user, double) {
 }
 
 MarkedTrial::MarkedTrial(const hmf_hierarchy& like, Call& call, const double& fraction) :
-    outer_(call), progress_{call, fraction}, h_(like.allocate, like.release, like.allocator_user, room_left(like, call)),
+    outer_(call), progress_{call, fraction},
+    h_(like.allocate, like.release, like.allocator_user, room_left(like, call)),
     call_(h_.memory, &error_, pass_on, &progress_) {}
 
 hmf_status MarkedTrial::failed(Call& inner) {
@@ -63,8 +64,8 @@ hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& mar
         return failed(call_);
     if (library_loops(h_, h_.level_count - 1, kind, call_, loops_)) return failed(call_);
     if (loops_.count() == 0 || loops_.count() >= static_cast<size_t>(LABELS)) return HMF_OK;
-    if (!weights.allocate(call_.memory, loops_.count()) || !guess_weights()
-        || !state_.allocate(h_, 0, call_.memory) || !solved_.allocate(call_.memory, h_.input.edge_count)
+    if (!weights.allocate(call_.memory, loops_.count()) || !guess_weights() || !state_.allocate(h_, 0, call_.memory)
+        || !solved_.allocate(call_.memory, h_.input.edge_count)
         || !input_values_.allocate(call_.memory, h_.input.edge_count)
         || !integer_weights_.allocate(call_.memory, loops_.count()))
         return failed(call_);
@@ -160,8 +161,8 @@ hmf_status MarkedTrial::solve() {
     std::memcpy(solved_.data(), state_.foliation.value, bytes);
     if (!state_.to_input(call_)) return failed(call_);
     std::memcpy(input_values_.data(), state_.foliation.value, bytes);
-    if (!scale_.measure(h_.input, h_.levels[0].position, input_values_.data(), recorder.unit() / static_cast<double>(LARGEST),
-                        call_.memory))
+    if (!scale_.measure(h_.input, h_.levels[0].position, input_values_.data(),
+                        recorder.unit() / static_cast<double>(LARGEST), call_.memory))
         return failed(call_);
     return HMF_OK;
 }
