@@ -61,7 +61,7 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
         hmf_destroy(h);
         *out = nullptr;
     } else {
-        call.tick(1);
+        call.finished();
     }
     return status;
 }
@@ -88,7 +88,7 @@ hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const
     ResultBlock block;
     block.array(set, set.vertices, found.size(), found.data());
     *out = block.make(set, h, call);
-    if (*out) call.tick(1);
+    if (*out) call.finished();
     return call.status();
 }
 

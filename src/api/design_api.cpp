@@ -50,7 +50,6 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
     if (!copied) return call.status();
     copied->design.loops = &copied->loops;
     *out = &copied->design;
-    call.range(1, 1);
-    call.tick(1, true);
+    call.finished();
     return HMF_OK;
 }

@@ -19,8 +19,7 @@ Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* erro
 
 hmf_status Entry::end() {
     if (call.status()) return call.status();
-    call.range(1, 1);
-    call.tick(1, true); // nothing is left to cancel
+    call.finished();
     return HMF_OK;
 }
 

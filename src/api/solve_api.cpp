@@ -42,10 +42,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 // The sentence of a solve that ended with a foliation.
 hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
     switch (status) {
-    case HMF_OK:
-        call.range(1, 1);
-        call.tick(1, true);
-        return HMF_OK;
+    case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
@@ -122,8 +119,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         }
         if (!state.to_input(call)) return call.stopped();
     }
-    const SingularityCount count = count_singularities(state.foliation, nullptr, nullptr, nullptr, nullptr);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
+    const SingularityCount count = count_singularities(state.foliation);
     ConformalScale scale;
     if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
                        recorder.unit(), call.memory))

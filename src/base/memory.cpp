@@ -115,7 +115,7 @@ hmf_status Call::was_cancelled() {
     return fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
 }
 
-bool Call::tick(double fraction, bool can_finish) {
+Done Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
@@ -125,6 +125,11 @@ bool Call::tick(double fraction, bool can_finish) {
     if (answer == HMF_PROGRESS_FINISH && can_finish && may_finish_) finishing_ = true;
     else if (answer != HMF_PROGRESS_CONTINUE) cancelled_ = true;
     return !cancelled_;
+}
+
+void Call::finished() {
+    range(1, 1);
+    (void)tick(1, true);
 }
 
 double Call::seconds() const { return 1e-9 * static_cast<double>(now() - start_); }

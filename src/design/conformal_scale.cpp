@@ -28,7 +28,7 @@ double natural_log(double x) {
     return exponent * 0.69314718055994531 + 2 * z * sum;
 }
 
-bool ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
+Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory) {
     constexpr double least = 1e-14; // of the largest density
     mean = offset = 0;

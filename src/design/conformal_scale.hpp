@@ -16,8 +16,8 @@ struct ConformalScale {
     double mean = 0;         // of log_scale over the surface
 
     // value: per edge.  Where |grad u| is 1e-7 of the largest or less, that counts.  A tripod has
-    // the gradient that its energy stands for.  False: out of memory.
-    bool measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory);
+    // the gradient that its energy stands for.
+    Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory);
 
     // Standard deviation of log_scale over the surface: 0 for a flat metric that
     // is the surface's own.

@@ -23,7 +23,7 @@ constexpr uint64_t LEAST_SOLVES = 60;
 // A mesh with other numbers for its vertices, marked ones first.
 class MarkedView {
 public:
-    bool make(const Mesh& mesh, const double* position, const Array<uint32_t>& marks, Memory& memory) {
+    Done make(const Mesh& mesh, const double* position, const Array<uint32_t>& marks, Memory& memory) {
         const uint32_t n = mesh.vertex_count;
         Array<uint32_t> number; // of each vertex
         if (!number.allocate_filled(memory, n, NONE) || !origin_.allocate(memory, size_t{2} * mesh.edge_count)
@@ -53,7 +53,7 @@ private:
     Array<double> position_;
 };
 
-bool copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surface& surface) {
+Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surface& surface) {
     if (!surface.position.allocate(memory, size_t{3} * mesh.vertex_count)
         || !surface.triangles.allocate(memory, size_t{3} * mesh.face_count))
         return false;

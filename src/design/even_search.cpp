@@ -13,7 +13,7 @@
 #include "even_search.hpp"
 
 #include "../base/disjoint_sets.hpp"
-#include "../loops/heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 namespace hmf {
 
@@ -30,7 +30,7 @@ constexpr double CAP_SHAPE = 2.4; // area of a disk / square of its radius: it c
 
 } // namespace
 
-bool EvenSearch::prepare() {
+Done EvenSearch::prepare() {
     const uint32_t n = mesh_.vertex_count;
     heap_.start(memory_);
     order_.start(memory_);
@@ -54,7 +54,7 @@ bool EvenSearch::prepare() {
 // Dijkstra from a vertex within `allowed` (NULL: everywhere); ends where
 // enough(v) holds and gives the last vertex.
 template <class Enough>
-bool EvenSearch::spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
+Done EvenSearch::spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
     for (double& d : distance_) d = HUGE_VAL;
     order_.clear();
     heap_.clear();
@@ -64,26 +64,23 @@ bool EvenSearch::spread(uint32_t from, const uint8_t* allowed, uint32_t& last, E
         const NearestFirst::Entry entry = heap_.pop();
         const uint32_t v = entry.item;
         if (entry.distance > distance_[v]) continue;
-        order_.push(v); // within the reserve: each vertex once
+        order_.add(v); // each vertex once
         last = v;
         if (enough(v)) break;
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
             const double d = entry.distance + length_[edge_of(h)];
             if (d < distance_[w] && (!allowed || allowed[w])) {
                 distance_[w] = d;
                 if (!heap_.push({d, w})) return false;
             }
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+        }
     }
     return true;
 }
 
 // The ends of a diameter of the disk that covers the end of the limb.
-bool EvenSearch::place_pair(Tip& tip) {
+Done EvenSearch::place_pair(Tip& tip) {
     double area = 0;
     uint32_t reached = 0, ends[2] = {tip.vertex, tip.vertex};
     tip.ends[0] = tip.ends[1] = NONE;
@@ -106,7 +103,7 @@ bool EvenSearch::place_pair(Tip& tip) {
 }
 
 // Persistent minima of the smoothed scale that lie away from the tips there are.
-bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
+Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     const uint32_t n = mesh_.vertex_count;
     Array<double> height, smooth;
     Array<uint32_t> rising, part, lowest;
@@ -123,20 +120,17 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     }
     for (uint32_t v = 0; v < n; ++v) { // one step of smoothing
         double sum = area_[v] * height[v], area = area_[v];
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
             sum += area_[w] * height[w];
             area += area_[w];
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+        }
         smooth[v] = area > 0 ? sum / area : height[v];
     }
     // Rings round the tips there are.
     Array<uint32_t> queue;
     queue.start(memory_);
-    const auto take = [&](uint32_t v) {
+    const auto take = [&](uint32_t v) -> Done {
         if (v == NONE || taken[v]) return true;
         taken[v] = 1;
         return queue.push(v);
@@ -147,12 +141,9 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     for (int ring = 0; ring < 2; ++ring) {
         const size_t end = queue.size();
         for (; begin < end; ++begin) {
-            const uint32_t first = mesh_.out[queue[begin]];
-            uint32_t h = first;
-            do {
+            for (const uint32_t h : mesh_.around(queue[begin])) {
                 if (!take(mesh_.target(h))) return false;
-                h = mesh_.rotate_ccw(h);
-            } while (h != first);
+            }
         }
     }
     const auto lower = [&smooth](uint32_t a, uint32_t b) {
@@ -160,15 +151,13 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     };
     for (uint32_t v = 0; v < n; ++v) rising[v] = part[v] = lowest[v] = v;
     heap_sort(rising.data(), n, lower);
-    const auto add = [&](uint32_t v, double persistence) {
+    const auto add = [&](uint32_t v, double persistence) -> Done {
         if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
         return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
     };
     for (const uint32_t v : rising) {
         passed[v] = 1;
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
             const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
             if (passed[w] && a != b) {
@@ -177,8 +166,7 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
                 unite(part.data(), a, b);
                 lowest[find_root(part.data(), a)] = stays;
             }
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+        }
     }
     if (!add(rising[0], HUGE_VAL)) return false;
     heap_sort(found.data(), found.size(),
@@ -188,9 +176,9 @@ bool EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
     return true;
 }
 
-bool EvenSearch::list_marks(EvenChoice& choice) {
+Done EvenSearch::list_marks(EvenChoice& choice) {
     choice.marks.start(memory_);
-    const auto add = [&](uint32_t v) {
+    const auto add = [&](uint32_t v) -> Done {
         for (const uint32_t w : choice.marks)
             if (w == v) return true;
         return choice.marks.push(v);
@@ -202,7 +190,7 @@ bool EvenSearch::list_marks(EvenChoice& choice) {
     return true;
 }
 
-bool EvenSearch::copy(const EvenChoice& from, EvenChoice& to) {
+Done EvenSearch::copy(const EvenChoice& from, EvenChoice& to) {
     to.tips.start(memory_);
     for (const Tip& tip : from.tips)
         if (!to.tips.push(tip)) return false;
@@ -258,7 +246,7 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds) {
 }
 
 // A mesh of a few vertices may have no two limbs.
-bool EvenSearch::mark_four(EvenChoice& choice) {
+Done EvenSearch::mark_four(EvenChoice& choice) {
     for (uint32_t v = 0; v < mesh_.vertex_count && like_.genus == 0 && choice.marks.size() < 4; ++v) {
         if (!choice.tips.push({v, HUGE_VAL, 1, false, {NONE, NONE}}) || !list_marks(choice)) return false;
     }

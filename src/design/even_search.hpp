@@ -45,15 +45,15 @@ public:
     uint64_t solves = 0;          // a derivative counts as one
 
 private:
-    bool find_tips(const EvenChoice& choice, Array<Tip>& found);
-    bool place_pair(Tip& tip);
-    bool list_marks(EvenChoice& choice);
-    bool copy(const EvenChoice& from, EvenChoice& to);
+    Done find_tips(const EvenChoice& choice, Array<Tip>& found);
+    Done place_pair(Tip& tip);
+    Done list_marks(EvenChoice& choice);
+    Done copy(const EvenChoice& from, EvenChoice& to);
     template <class Enough>
-    bool spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough);
+    Done spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough);
     double gain(const EvenChoice& before, const EvenChoice& after) const;
-    bool prepare();
-    bool mark_four(EvenChoice& choice);
+    Done prepare();
+    Done mark_four(EvenChoice& choice);
     hmf_status measure_before(const EvenChoice& first);
 
     const hmf_hierarchy& like_;

@@ -74,7 +74,7 @@ hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& mar
 }
 
 // The height of a cylinder that covers what is nearest to its loop: area / length.
-bool MarkedTrial::guess_weights() {
+Done MarkedTrial::guess_weights() {
     const size_t coarsest = h_.level_count - 1;
     const Mesh& mesh = loop_mesh(h_, coarsest);
     const double* position = h_.levels[coarsest].position;
@@ -183,8 +183,8 @@ hmf_status MarkedTrial::count_crossings(Array<uint32_t>& offsets, Array<uint32_t
     Call part(call_.memory, &error, pass_on, &progress_); // what fails here is no defect of the trial
     Foliation& f = state_.foliation;
     if (cylinders.build(f, nullptr, nullptr, part)) {
-        const bool fatal = part.status() == HMF_ERROR_MEMORY || part.status() == HMF_ERROR_MEMORY_LIMIT
-                        || part.cancelled() || f.out_of_memory;
+        const bool fatal =
+            part.status() == HMF_ERROR_MEMORY || part.status() == HMF_ERROR_MEMORY_LIMIT || part.cancelled();
         return fatal ? failed(part) : HMF_OK;
     }
     if (cylinders.list.size() != n) return HMF_OK;
@@ -232,10 +232,9 @@ hmf_status MarkedTrial::derive(bool& known) {
         || !change.allocate(call_.memory, mesh.edge_count) || !derivative_.allocate(call_.memory, loops * faces)
         || !smooth_.allocate_filled(call_.memory, faces, uint8_t{0}))
         return failed(call_);
-    model.look(f, rings, weight, star, call_);
+    if (!model.look(f, rings, weight, star, call_)) return failed(call_);
     model.assemble(f, rings, weight, call_);
-    if (f.out_of_memory || call_.cancelled() || !multigrid.setup(model.matrix(), call_.memory, &call_))
-        return failed(call_);
+    if (call_.cancelled() || !multigrid.setup(model.matrix(), call_.memory, &call_)) return failed(call_);
 
     for (size_t c = 0; c < loops; ++c) {
         // Values change by this for one unit of weight: on the leaf first.
@@ -336,7 +335,7 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
     return HMF_OK;
 }
 
-bool MarkedTrial::vertex_scale(Array<double>& out, Memory& memory) const {
+Done MarkedTrial::vertex_scale(Array<double>& out, Memory& memory) const {
     const Mesh& mesh = h_.input;
     Array<double> sum, area;
     if (!out.allocate(memory, mesh.vertex_count) || !sum.allocate_filled(memory, mesh.vertex_count, 0.0)

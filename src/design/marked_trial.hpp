@@ -46,14 +46,14 @@ public:
     const Loops& loops() const { return loops_; } // on the coarsest level
     Array<double> weights;
     // log |grad u| at the vertices of the surface.
-    bool vertex_scale(Array<double>& out, Memory& memory) const;
+    Done vertex_scale(Array<double>& out, Memory& memory) const;
     double derivative(size_t loop, size_t face) const { return derivative_[loop * scale_.area.size() + face]; }
     bool has_derivative(size_t face) const { return smooth_[face]; }
 
 private:
     // A failure inside: memory and cancellation end the search, others this trial.
     hmf_status failed(Call& inner);
-    bool guess_weights();
+    Done guess_weights();
     hmf_status count_crossings(Array<uint32_t>& offsets, Array<uint32_t>& edges, bool& known);
 
     static int32_t pass_on(void* user, double fraction);

@@ -19,11 +19,12 @@
 // what would be one moves along (cluster_move.cpp).  Marked vertices never move.
 #include "whitehead.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
 
-bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
+Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
         || !neighbour.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
         || !monogons.find(mesh, memory))
@@ -51,14 +52,13 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
             h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
-        if (at - offset[v] > max_degree) max_degree = at - offset[v];
+        max_degree = std::max(max_degree, at - offset[v]);
     }
     offset[mesh.vertex_count] = at;
     return true;
 }
 
-bool Star::allocate(Memory& memory, uint32_t max_degree) {
-    pushed.start(memory);
+Done Star::allocate(Memory& memory, uint32_t max_degree) {
     return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && group.allocate(memory, max_degree)
         && group_pull.allocate(memory, max_degree) && step.allocate(memory, max_degree)
         && way.allocate(memory, max_degree);
@@ -163,8 +163,8 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             }
             if (group[u] == group[t] || self_edge) continue;
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
-            const Cluster part =
-                explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
+            const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
+                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.budget));
             if (part.marked > 0) continue; // different directions
             if (!part.complete) {
                 star.decided = false;
@@ -175,8 +175,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             for (uint32_t s = u; s != first_zero; s = side_after(s, degree))
                 elsewhere |= F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
             if (elsewhere) continue;
-            const uint32_t keep = group[t] < group[u] ? group[t] : group[u];
-            const uint32_t drop = group[t] < group[u] ? group[u] : group[t];
+            const uint32_t keep = std::min(group[t], group[u]), drop = std::max(group[t], group[u]);
             star.group_pull[keep] += star.group_pull[drop];
             --groups;
             star.group_pull[drop] = star.group_pull[groups];
@@ -214,8 +213,8 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
             pull += p;
             pull_of_second += p * static_cast<double>(direction);
             const int64_t first = direction ? INT64_MAX : along, other = direction ? along : INT64_MAX;
-            room = first < room ? first : room;
-            room_of_second = other < room_of_second ? other : room_of_second;
+            room = std::min(room, first);
+            room_of_second = std::min(room_of_second, other);
             second |= uint64_t{direction} << t;
         });
     if (closed != 2) return Outcome::undecided;
@@ -260,7 +259,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             ++result.blocked;
             return moved;
         }
-        if (self_edge || (star.has_zero && !star.pushed.empty())) {
+        if (self_edge || (star.has_zero && !f.pushed.empty())) {
             bool lands = false;
             if (!move_together(f, side, weight, star, lands, result.energy_change)) return moved;
             ++result.moves;
@@ -271,11 +270,11 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         int64_t limit = INT64_MAX;
         for (uint32_t t = 0; t < star.degree; ++t) {
             if (star.group[t] != star.best || star.F[t] == 0) continue;
-            if (star.F[t] < limit) limit = star.F[t];
+            limit = std::min(limit, star.F[t]);
             const uint32_t u = side_after(t, star.degree);
             // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
-            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
-                limit = star.corner2[t] / 2;
+            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0)
+                limit = std::min(limit, star.corner2[t] / 2);
         }
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);
@@ -310,7 +309,7 @@ double residual_at(Foliation& f, const Rings& rings, const double* weight, uint3
     read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
     star.budget = sweep_budget;
     const double excess = 2 * star.best_pull - star.pull;
-    const double scale = star.pull > floor ? star.pull : floor;
+    const double scale = std::max(floor, star.pull);
     return excess > 0 && scale > 0 ? excess / scale : 0;
 }
 

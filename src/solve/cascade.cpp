@@ -49,7 +49,6 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
             if (work.call.cancelled()) residual = -1; // it is unfinished
         }
         work.record(1, D, residual);
-        if (f.out_of_memory) return work.call.out_of_memory();
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
