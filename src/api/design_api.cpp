@@ -18,7 +18,7 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
     const bool buildable = read_build_options(readable ? all.build : nullptr, all_build, build);
     if (!buildable) all_build.allocate = nullptr, all_build.release = nullptr;
     hmf_hierarchy h(all_build.allocate, all_build.release, all_build.allocator_user, all_build.memory_limit);
-    Call call(h.memory, error, given.given.progress, given.given.progress_user);
+    Call call(h.memory, error, given.given);
     call.never_finish();
     if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
     if (!given.usable) return unusable_options("hmf_control", call);

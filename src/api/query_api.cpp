@@ -104,7 +104,7 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     State state;
     if (load_solved(*foliation, state, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight) * foliation->unit * foliation->unit;
+    *out = energy(state.foliation, weight, call.parallel) * foliation->unit * foliation->unit;
     return entry.end();
 }
 
@@ -123,7 +123,7 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Star star;
     Array<double> residual;
     if (load_solved(*foliation, state, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree)
         || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);

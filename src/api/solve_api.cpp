@@ -81,11 +81,11 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
     if (!certificate.known) {
         Rings rings;
         Star star;
-        if (!rings.build(state.foliation.mesh, level.weight, call.memory)
+        if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
             || !star.allocate(call.memory, rings.max_degree))
             return call.out_of_memory();
         const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
-        certificate = {true, energy(state.foliation, level.weight), residual.max, residual.mean};
+        certificate = {true, energy(state.foliation, level.weight, call.parallel), residual.max, residual.mean};
         if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
     }
     recorder.report.energy = certificate.energy * recorder.unit() * recorder.unit();

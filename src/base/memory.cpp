@@ -85,6 +85,10 @@ void* Arena::take_bytes(size_t count, size_t size) {
     return taken;
 }
 
+Call::Call(Memory& m, hmf_error* error, const hmf_control& control) :
+    memory(m), parallel(control.parallel_for, control.parallel_user, control.workers), error_(error),
+    progress_(control.progress), progress_user_(control.progress_user), start_(now()) {}
+
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
     memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 

@@ -15,6 +15,7 @@
 
 #include "../../include/hmf/hmf.h"
 #include "exact_arithmetic.hpp"
+#include "parallel.hpp"
 
 namespace hmf {
 
@@ -188,9 +189,11 @@ private:
 // State of one call of the interface: memory, error, progress, time.
 class Call {
 public:
+    Call(Memory& memory, hmf_error* error, const hmf_control& control);
     Call(Memory& memory, hmf_error* error, hmf_progress_fn progress, void* progress_user);
 
     Memory& memory;
+    const Parallel parallel; // what the host lends of its threads
 
     // Records the first failure (later ones are ignored) and returns status.
     hmf_status fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...)

@@ -24,11 +24,16 @@
 
 namespace hmf {
 
-Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
+Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
         || !neighbour.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
         || !monogons.find(mesh, memory))
         return false;
+    // With monogons degrees are known only after the walk, and alone the walk is enough.
+    if (parallel.slots() > 1 && monogons.vertex.empty()) {
+        build_in_blocks(mesh, weight, parallel);
+        return true;
+    }
     uint32_t at = 0;
     max_degree = 0;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
@@ -56,6 +61,40 @@ Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
     }
     offset[mesh.vertex_count] = at;
     return true;
+}
+
+// As above for a mesh without monogons: counts first, so that each star has its place.
+void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel) {
+    const uint32_t n = mesh.vertex_count;
+    uint32_t* at = offset.data();
+    std::memset(at, 0, (n + size_t{1}) * sizeof(uint32_t));
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) ++at[mesh.origin[h]];
+    uint32_t sum = 0;
+    max_degree = 0;
+    for (uint32_t v = 0; v <= n; ++v) {
+        const uint32_t degree = at[v];
+        if (degree > max_degree) max_degree = degree;
+        at[v] = sum;
+        sum += degree;
+    }
+    Side* const sides = side.data();
+    uint32_t* const neighbours = neighbour.data();
+    parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            uint32_t t = at[v];
+            double weights = 0;
+            const uint32_t first = mesh.out[v];
+            uint32_t h = first;
+            do {
+                const uint32_t across = mesh.next[h];
+                weights += weight[edge_of(h)];
+                sides[t] = {h, edge_of(across)};
+                neighbours[t++] = mesh.target(h);
+                h = twin(mesh.next[across]);
+            } while (h != first);
+            weight_sum[v] = weights;
+        }
+    });
 }
 
 Done Star::allocate(Memory& memory, uint32_t max_degree) {
@@ -335,13 +374,15 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
     return result;
 }
 
-double energy(const Foliation& f, const double* weight) {
-    double sum = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
-        const double x = static_cast<double>(f.value[e]);
-        sum += weight[e] * x * x;
-    }
-    return sum;
+double energy(const Foliation& f, const double* weight, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(f.mesh.edge_count, [&](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t e = begin; e < end; ++e) {
+            const double x = static_cast<double>(f.value[e]);
+            sum += weight[e] * x * x;
+        }
+        return sum;
+    });
 }
 
 } // namespace hmf

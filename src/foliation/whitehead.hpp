@@ -21,7 +21,7 @@ struct Rings {
     Array<double> weight_sum;  // vertex_count, over the sides
     Monogons monogons;
     uint32_t max_degree = 0;
-    Done build(const Mesh& mesh, const double* weight, Memory& memory);
+    Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
     // Asks for what a walk round v will read.  A pass over the vertices does so
     // for one that is `ahead`.
     static constexpr uint32_t ahead = 8;
@@ -32,6 +32,9 @@ struct Rings {
         }
     }
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
+
+private:
+    void build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel);
 };
 
 // The next side of a vertex, counter-clockwise and clockwise.
@@ -125,6 +128,6 @@ double pull_floor(double total, uint32_t vertex_count);
 double residual_at(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor, Star& star);
 
 // Dirichlet energy in squared units ([W] Eq. 5).
-double energy(const Foliation& f, const double* weight);
+double energy(const Foliation& f, const double* weight, const Parallel& parallel = Parallel());
 
 } // namespace hmf

@@ -318,18 +318,24 @@ private:
 
     void set_values(double factor) {
         const Mesh& mesh = f_.mesh;
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) step_[v] = rounded(v, factor);
-        for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
+        w_.call.parallel.for_blocks(mesh.vertex_count, [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) step_[v] = rounded(static_cast<uint32_t>(v), factor);
+        });
+        w_.call.parallel.for_blocks(mesh.edge_count, [&](size_t begin, size_t end) {
+            for (size_t e = begin; e < end; ++e) set_value(mesh, static_cast<uint32_t>(e));
+        });
     }
 
     // From the backup to the values, without the cancellation of two energies.
     double energy_change() const {
-        double sum = 0;
-        for (uint32_t e = 0; e < f_.mesh.edge_count; ++e) {
-            const double change = static_cast<double>(f_.value[e] - backup_[e]);
-            sum += weight_[e] * change * static_cast<double>(f_.value[e] + backup_[e]);
-        }
-        return sum;
+        return w_.call.parallel.sum_blocks<double>(f_.mesh.edge_count, [&](size_t begin, size_t end) {
+            double sum = 0;
+            for (size_t e = begin; e < end; ++e) {
+                const double change = static_cast<double>(f_.value[e] - backup_[e]);
+                sum += weight_[e] * change * static_cast<double>(f_.value[e] + backup_[e]);
+            }
+            return sum;
+        });
     }
 
     // As walk_plain_star; NONE also where a monogon hangs on v.
@@ -367,15 +373,32 @@ private:
 
     // Collects the vertices that are not sound; returns the number of extrema.
     uint64_t find_suspects() {
-        uint64_t extrema = 0;
         suspect_.clear();
         check_all_ = false;
-        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
-            if (v % 65536 == 0 && !go_on()) return 0;
-            const Shape s = shape(v);
-            if (s == Shape::sound) continue;
-            suspect_.add(v);
-            extrema += s == Shape::extremum;
+        if (!go_on()) return 0;
+        // Each block lists its own where it lies; then the lists move together.
+        struct Found {
+            uint32_t suspects = 0;
+            uint64_t extrema = 0;
+        };
+        const size_t n = f_.mesh.vertex_count, size = Parallel::pass_block(n);
+        Found found[Parallel::most_parts];
+        uint32_t* const list = suspect_.data(); // room for all
+        w_.call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            Found here;
+            for (size_t i = begin; i < end; ++i) {
+                const uint32_t v = static_cast<uint32_t>(i);
+                const Shape s = shape(v);
+                if (s == Shape::sound) continue;
+                list[begin + here.suspects++] = v;
+                here.extrema += s == Shape::extremum;
+            }
+            found[begin / size] = here;
+        });
+        uint64_t extrema = 0;
+        for (size_t k = 0; k * size < n; ++k) {
+            for (uint32_t i = 0; i < found[k].suspects; ++i) suspect_.add(list[k * size + i]);
+            extrema += found[k].extrema;
         }
         return extrema;
     }

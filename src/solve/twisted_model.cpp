@@ -83,10 +83,10 @@ Done TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
     return true;
 }
 
-// A vertex without zero edges; not plain: it has one, and nothing was done.
+// A vertex without zero edges; false: it has one or is not of the kind, and nothing was done.
 // floor: the least pull that residuals are measured against.
-Done TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v,
-                                        double floor, bool& plain) {
+bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                                        double floor, Kind kind, Residuals& residuals) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     double pull = 0, pull_of_second = 0, agreement = 0;
@@ -102,16 +102,16 @@ Done TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
             second |= uint64_t{direction} << t % 64; // of the first 64 sides
             tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
         });
-    plain = closed != NONE;
-    if (!plain) return true;
+    if (closed == NONE) return false;
     const bool marked = f.mesh.is_marked(v);
+    if (kind == Kind::regular && (marked || closed != 2 || tripods)) return false;
     index[v] = 2 - marked - static_cast<int32_t>(closed);
     if (marked && closed == 1) {
         hold(rings, v);
     } else if (closed == 2 && !marked) {
         const bool turned = agreement < 0;
         const double excess = pull - 2 * pull_of_second, scale = pull > floor ? pull : floor;
-        add_residual((excess < 0 ? -excess : excess) / scale);
+        residuals.add((excess < 0 ? -excess : excess) / scale);
         rests[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
@@ -127,7 +127,7 @@ Done TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
         set_at_rest(rings, v);
         special_.add(v);
     }
-    return tripods ? find_tripods(f, rings, v) : Done(true);
+    return true;
 }
 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
@@ -177,30 +177,65 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
     const uint32_t n = count = f.mesh.vertex_count;
     offset = rings.offset.data();
     column = rings.neighbour.data();
-    energy = residual_max = residual_sum = 0;
-    double total = 0; // pull of all edges at one of their ends
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
-        const double x = static_cast<double>(f.value[e]);
-        total += weight[e] * x;
-        energy += weight[e] * x * x;
-    }
-    const double floor = pull_floor(total, n);
+    struct Sums {
+        double pull = 0, energy = 0; // of all edges, at one of their ends
+        void operator+=(const Sums& other) {
+            pull += other.pull;
+            energy += other.energy;
+        }
+    };
+    const Sums sums = call.parallel.sum_blocks<Sums>(f.mesh.edge_count, [&](size_t begin, size_t end) {
+        Sums here;
+        for (size_t e = begin; e < end; ++e) {
+            const double x = static_cast<double>(f.value[e]);
+            here.pull += weight[e] * x;
+            here.energy += weight[e] * x * x;
+        }
+        return here;
+    });
+    energy = sums.energy;
+    const double floor = pull_floor(sums.pull, n);
     tripod.clear();
     resting.clear();
     special_.clear();
+    if (!call.tick(0, true)) return false;
+    // Nearly all are regular.  The others are listed by each block where it lies, and follow in order.
+    const size_t size = Parallel::pass_block(n);
+    uint32_t listed[Parallel::most_parts];
+    uint32_t* const list = fixed.data(); // room for all, not in use now
+    Residuals part[Parallel::most_parts], residuals;
+    call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        Residuals here;
+        uint32_t others = 0;
+        for (size_t i = begin; i < end; ++i) {
+            const uint32_t v = static_cast<uint32_t>(i);
+            if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
+            if (rings.is(v, Monogons::HOST) || !look_at_plain_vertex(f, rings, weight, v, floor, Kind::regular, here))
+                list[begin + others++] = v;
+        }
+        part[begin / size] = here;
+        listed[begin / size] = others;
+    });
     const uint32_t before = f.epoch;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % stride == 0 && !call.tick(0, true)) return false;
-        if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
-        bool plain = false;
-        if (!rings.is(v, Monogons::HOST) && !look_at_plain_vertex(f, rings, weight, v, floor, plain)) return false;
-        if (!plain && f.stamp[v] <= before && !look_at_cluster(f, rings, weight, v, floor)) return false;
+    for (size_t k = 0; k * size < n; ++k) {
+        residuals.sum += part[k].sum;
+        if (part[k].max > residuals.max) residuals.max = part[k].max;
+        for (uint32_t i = 0; i < listed[k]; ++i) {
+            const uint32_t v = list[k * size + i];
+            if (i % stride == 0 && !call.tick(0, true)) return false;
+            if (!rings.is(v, Monogons::HOST)
+                && look_at_plain_vertex(f, rings, weight, v, floor, Kind::any, residuals)) {
+                if (!find_tripods(f, rings, v)) return false;
+            } else if (f.stamp[v] <= before && !look_at_cluster(f, rings, weight, v, floor)) return false;
+        }
     }
     // A monogon moves with the vertex on which it hangs.
     for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
-    for (uint32_t v : special_) { add_residual(residual_at(f, rings, weight, v, floor, star)); }
+    for (uint32_t v : special_) residuals.add(residual_at(f, rings, weight, v, floor, star));
+    residual_max = residuals.max;
+    residual_sum = residuals.sum;
     return true;
 }
 
@@ -211,17 +246,21 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
         upper[k] = INT64_MAX;
     }
     bounded.clear();
-    for (uint32_t v = 0; v < count; ++v) {
-        if (v % stride == 0 && !call.tick(0, true)) return;
-        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge;
-            entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
+    if (!call.tick(0, true)) return;
+    call.parallel.for_blocks(count, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+                const uint32_t h = rings.side[t].half_edge;
+                entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
+            }
+            // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
+            diagonal[v] = rings.weight_sum[v];
+            d[v] = 0;
         }
-        // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
-        diagonal[v] = rings.weight_sum[v];
-        d[v] = 0;
+    });
+    for (uint32_t v = 0; v < count && !rings.monogons.vertex.empty(); ++v)
         if (rings.is(v, Monogons::SELF_EDGE)) fill_row_with_self_edges(f, rings, weight, v);
-    }
+    if (!call.tick(0, true)) return;
     for (uint32_t v : resting) {
         bound(v, 0, 0);
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {

@@ -74,13 +74,19 @@ struct TwistedModel {
     double relaxed(uint32_t unknown_index) const;
 
 private:
-    Done look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor,
-                              bool& plain);
+    // Sum and largest of some residuals.
+    struct Residuals {
+        double sum = 0, max = 0;
+        void add(double r) {
+            sum += r;
+            if (r > max) max = r;
+        }
+    };
+    // Which vertices a look is to do: of regular ones without a tripod nothing is listed, so blocks can do them.
+    enum class Kind : uint8_t { regular, any };
+    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                              double floor, Kind kind, Residuals& residuals);
     Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
-    void add_residual(double r) {
-        residual_sum += r;
-        if (r > residual_max) residual_max = r;
-    }
     Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void hold(const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
