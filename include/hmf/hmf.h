@@ -435,7 +435,7 @@ HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop
 typedef struct hmf_design_options {
     uint32_t struct_size;
     int32_t no_poles;            /* 1: no marked vertices but those of `build`, where that can be; else 0 */
-    const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, the allocator, and
+    const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which are then part of every design */
     uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1500 vertices, 5 to 10 ms each;
                                     default 60, or edges / 2000 where that is more.  It is passed by a few */

@@ -123,8 +123,8 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Star star;
     Array<double> residual;
     if (load_solved(*foliation, state, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree)
-        || !residual.allocate(call.memory, n))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (call.cancelled()) return call.was_cancelled();
