@@ -437,8 +437,9 @@ typedef struct hmf_design_options {
     int32_t no_poles;            /* 1: no marked vertices but those of `build`, where that can be; else 0 */
     const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator, and
                                     marked vertices, which are then part of every design */
-    uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1500 vertices, 5 to 10 ms each;
-                                    default 60, or edges / 2000 where that is more.  It is passed by a few */
+    uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1000 vertices, 3 ms each; a solve with n
+                                    loops counts 1 + n / 8.  Default 120, or edges / 400 where that is more: about ten
+                                    solves of the whole mesh.  It is passed by a few */
 } hmf_design_options;
 
 /* Marked vertices, loops and weights that suit each other, in one block. */
@@ -447,8 +448,9 @@ typedef struct hmf_design {
     uint32_t reserved;           /* 0 */
     uint64_t marked_count;
     const uint32_t *marked_vertices; /* marked_count, for hmf_build_options */
-    const hmf_loop_set *loops;   /* triangle loops of level 0 with weights, the largest 1; for hmf_solve on a hierarchy
-                                    with these marked vertices.  Part of this block: not to be freed on its own */
+    const hmf_loop_set *loops;   /* triangle loops of level 0 for hmf_solve on a hierarchy with these marked vertices.
+                                    Weights are whole numbers, so that patterns of period 1 match everywhere; 1 is
+                                    about 1/44 of the size.  Part of this block: not to be freed on its own */
     double unevenness;           /* of the design on the coarse mesh of the search, see hmf_conformal_scale */
     double unevenness_before;    /* there, of HMF_LOOPS_CUT with weights 1 (genus 0: with first marked vertices) */
     uint64_t solves;             /* of the search; derivatives are counted as well */
@@ -460,8 +462,8 @@ typedef struct hmf_design {
  * time gets it: stripes and quads are then about equally wide everywhere.
  *
  * At the tip of a limb that no loop goes round the scale decays; there the design
- * marks one vertex or two.  The loops are some pants loops (HMF_LOOPS_PANTS) of
- * the surface with its marked vertices.
+ * marks one vertex or two.  The loops are pants loops (HMF_LOOPS_PANTS) of the
+ * surface with its marked vertices, without those whose weight would be 0.
  *
  *     hmf_even_design       -> design
  *     hmf_build             with design->marked_vertices

@@ -31,19 +31,21 @@ double natural_log(double x) {
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory) {
     constexpr double least = 1e-14; // of the largest density
-    mean = offset = 0;
+    mean = offset = across = 0;
     if (!log_scale.allocate_filled(memory, mesh.face_count, 0.0) || !area.allocate_filled(memory, mesh.face_count, 0.0))
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    double largest = 0;
+    double largest = 0, low[3], high[3];
     for (size_t i = 0; i < size_t{3} * mesh.vertex_count; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest) largest = x;
+        if (i < 3 || position[i] < low[i % 3]) low[i % 3] = position[i];
+        if (i < 3 || position[i] > high[i % 3]) high[i % 3] = position[i];
     }
     int exponent = 0;
     std::frexp(largest, &exponent);
     const double shrink = std::ldexp(1.0, -exponent);
-    double whole = 0, top = 0;
+    double whole = 0, top = 0, whole_energy = 0, diagonal = 0;
     for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t h, uint32_t g, uint32_t k) {
         const uint32_t side[3] = {h, g, k};
         double p[3][3], cross[3];
@@ -66,6 +68,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
             const double F = static_cast<double>(value[edge_of(side[i])]) * unit;
             energy += 0.5 * dot / doubled * F * F;
         }
+        whole_energy += energy;
         const double density = energy / (doubled / 2);
         log_scale[t] = density;
         if (density > top && density < HUGE_VAL) top = density;
@@ -74,6 +77,8 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         for (double& s : log_scale) s = 0;
         return true;
     }
+    for (size_t c = 0; c < 3; ++c) diagonal += (high[c] - low[c]) * shrink * ((high[c] - low[c]) * shrink);
+    across = whole_energy > 0 ? std::sqrt(whole_energy / whole * diagonal) : 0;
     offset = exponent * -0.69314718055994531;
     for (size_t t = 0; t < area.size(); ++t) {
         area[t] /= whole;

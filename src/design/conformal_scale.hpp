@@ -13,6 +13,7 @@ struct ConformalScale {
     Array<double> log_scale; // per face: log |grad u| - offset
     double offset = 0;       // of the unit of the positions: nothing else depends on that
     Array<double> area;      // per face, shares of the whole: their sum is 1
+    double across = 0;       // how much u changes along the diagonal of the box at the root mean square of |grad u|
     double mean = 0;         // of log_scale over the surface
 
     // value: per edge.  Where |grad u| is 1e-7 of the largest or less, that counts.  A tripod has

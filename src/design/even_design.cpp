@@ -17,8 +17,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t VERTICES = 1500; // of the coarse level
-constexpr uint64_t LEAST_SOLVES = 60;
+constexpr uint64_t VERTICES = 1000;                      // of the coarse level
+constexpr double LEAST_WORK = 120, EDGES_PER_WORK = 400; // EvenSearch::work; some 10 solves of level 0
 
 // A mesh with other numbers for its vertices, marked ones first.
 class MarkedView {
@@ -88,6 +88,23 @@ hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, Call& 
     return HMF_OK;
 }
 
+// Those with a weight.
+Done keep_loops(const Array<double>& weights, EvenDesign& out, Memory& memory) {
+    Loops kept;
+    kept.offsets.start(memory);
+    kept.crossings.start(memory);
+    out.weights.start(memory);
+    if (!kept.offsets.push(0)) return false;
+    for (size_t c = 0; c < weights.size(); ++c) {
+        if (!(weights[c] > 0)) continue;
+        for (uint64_t i = out.loops.offsets[c]; i < out.loops.offsets[c + 1]; ++i)
+            if (!kept.crossings.push(out.loops.crossings[i])) return false;
+        if (!kept.offsets.push(kept.crossings.size()) || !out.weights.push(weights[c])) return false;
+    }
+    out.loops = static_cast<Loops&&>(kept);
+    return true;
+}
+
 // From a level to level 0, shortened on each.  marks: internal numbers.
 hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint32_t>& marks, Call& call,
                           Loops& loops) {
@@ -137,18 +154,22 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     if (h.genus == 0 && !limb_tips(mesh, position, call, tips)) return call.stopped();
     call.range(0.17, 0.9);
     EvenSearch search(h, mesh, position, surface, call);
-    const uint64_t by_size = h.input.edge_count / 2000;
-    search.budget = options.solves > 0 ? options.solves : by_size > LEAST_SOLVES ? by_size : LEAST_SOLVES;
+    const double by_size = static_cast<double>(h.input.edge_count) / EDGES_PER_WORK;
+    search.budget = options.solves > 0   ? static_cast<double>(options.solves)
+                  : by_size > LEAST_WORK ? by_size
+                                         : LEAST_WORK;
     search.poles = options.poles;
     if (search.run(given, tips, best)) return call.status();
     if (!(best.unevenness < HUGE_VAL))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                          "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");
+    if (search.round_weights(best)) return call.status();
     call.range(0.9, 1);
     {
         MarkedTrial trial(h, call, search.fraction);
         if (trial.start(surface, best.marks)) return call.status();
         if (loops_on_surface(trial.hierarchy(), mesh, call, out.loops)) return call.status();
+        if (!keep_loops(best.weights, out, call.memory)) return call.out_of_memory();
     }
     if (carry_to_input(h, level, best.marks, call, out.loops)) return call.status();
     Array<uint32_t> caller;
@@ -156,11 +177,6 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
         return call.out_of_memory();
     for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;
     for (size_t i = 0; i < best.marks.size(); ++i) out.marks[i] = caller[best.marks[i]];
-    double largest = 0;
-    for (const double w : best.weights)
-        if (w > largest) largest = w;
-    for (double& w : best.weights) w /= largest;
-    out.weights.swap(best.weights);
     out.unevenness = best.unevenness;
     out.unevenness_before = search.unevenness_before;
     out.solves = search.solves;

@@ -9,7 +9,7 @@ namespace hmf {
 struct EvenDesign {
     Array<uint32_t> marks; // vertices of the caller
     Loops loops;           // on level 0 of the hierarchy: the caller's mesh in internal numbers
-    Array<double> weights; // the largest is 1
+    Array<double> weights; // whole numbers
     double unevenness_before = 0, unevenness = 0;
     uint64_t solves = 0;
 };

@@ -197,7 +197,13 @@ Done EvenSearch::copy(const EvenChoice& from, EvenChoice& to) {
     return true;
 }
 
-hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds) {
+// A solve, or its derivatives: they take longer with more loops.
+void EvenSearch::count(const MarkedTrial& trial) {
+    ++solves;
+    work += 1 + static_cast<double>(trial.weights.size()) / 8;
+}
+
+hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double rival) {
     choice.unevenness = HUGE_VAL;
     MarkedTrial trial(like_, call_, fraction);
     if (trial.start(surface_, choice.marks) || !trial.usable()) return call_.status();
@@ -209,15 +215,15 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds) {
         for (size_t c = 0; c < kept.size(); ++c) choice.weights[c] = trial.weights[c];
         return trial.vertex_scale(choice.scale, memory_);
     };
-    ++solves;
+    count(trial);
     if (trial.solve() || !trial.usable()) return call_.status();
     if (!keep()) return call_.out_of_memory();
     double damping = DAMPING;
     for (uint32_t round = 0; round < rounds; ++round) {
-        fraction = solves < budget ? static_cast<double>(solves) / static_cast<double>(budget) : 1;
+        fraction = work < budget ? work / budget : 1;
         if (!call_.tick(fraction)) return call_.was_cancelled();
         bool known = false;
-        ++solves;
+        count(trial);
         if (trial.derive(known) || !trial.usable() || !known) return call_.status();
         const double before = choice.unevenness;
         bool better = false;
@@ -233,14 +239,15 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds) {
                 if (x < -LONGEST_STEP) x = -LONGEST_STEP;
                 trial.weights[c] = choice.weights[c] * (1 + x / 2) / (1 - x / 2);
             }
-            ++solves;
+            count(trial);
             if (trial.solve() || !trial.usable()) return call_.status();
             better = trial.unevenness() < choice.unevenness;
             if (!better) damping *= 30;
         }
         if (!better) return HMF_OK;
         if (!keep()) return call_.out_of_memory();
-        if (before - choice.unevenness < 0.002) return HMF_OK;
+        const double fall = before - choice.unevenness;
+        if (fall < 0.002 || choice.unevenness - 1.5 * fall > rival) return HMF_OK;
     }
     return HMF_OK;
 }
@@ -257,7 +264,7 @@ hmf_status EvenSearch::measure_before(const EvenChoice& first) {
     MarkedTrial trial(like_, call_, fraction);
     if (trial.start(surface_, first.marks, HMF_LOOPS_CUT) || !trial.usable()) return call_.status();
     for (double& w : trial.weights) w = 1;
-    ++solves;
+    count(trial);
     if (trial.solve() || !trial.usable()) return call_.status();
     unevenness_before = trial.unevenness();
     return HMF_OK;
@@ -285,7 +292,7 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
     if (measure_before(best) || evaluate(best, ROUNDS)) return call_.status();
     if (!poles) return HMF_OK;
     // All new tips at once, as often as that helps.
-    for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && solves < budget; ++pass) {
+    for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
         EvenChoice next;
         Array<Tip> found;
         if (!find_tips(best, found) || !copy(best, next)) return call_.out_of_memory();
@@ -308,12 +315,12 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
     }
     // Another number of poles at one tip after the other.
     bool changed = true;
-    for (int pass = 0; pass < 3 && changed && solves < budget; ++pass) {
+    for (int pass = 0; pass < 3 && changed && work < budget; ++pass) {
         changed = false;
-        for (size_t i = 0; i < best.tips.size() && solves < budget; ++i) {
+        for (size_t i = 0; i < best.tips.size() && work < budget; ++i) {
             const uint32_t now = best.tips[i].poles;
             if (best.tips[i].stays) continue;
-            for (uint32_t count = 0; count <= 2 && solves < budget; ++count) {
+            for (uint32_t count = 0; count <= 2 && work < budget; ++count) {
                 if (count == now || count == best.tips[i].poles) continue;
                 EvenChoice next;
                 if (!copy(best, next)) return call_.out_of_memory();
@@ -321,13 +328,48 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
                 if (count == 2 && next.tips[i].ends[0] == NONE) continue;
                 if (!list_marks(next)) return call_.out_of_memory();
                 if (like_.genus == 0 && next.marks.size() < 4) continue;
-                if (evaluate(next, ROUNDS)) return call_.status();
+                if (evaluate(next, ROUNDS, best.unevenness)) return call_.status();
                 if (gain(best, next) <= 0) continue;
                 best = static_cast<EvenChoice&&>(next);
                 changed = true;
             }
         }
     }
+    return HMF_OK;
+}
+
+hmf_status EvenSearch::round_weights(EvenChoice& best) {
+    constexpr double STRIPES = 44; // along the diagonal of the box
+    constexpr double STRETCH[3] = {1, 0.87, 1.15};
+    MarkedTrial trial(like_, call_, fraction);
+    if (trial.start(surface_, best.marks) || !trial.usable() || trial.weights.size() != best.weights.size())
+        return call_.status();
+    double largest = 0;
+    for (const double w : best.weights)
+        if (w > largest) largest = w;
+    const auto try_weights = [&](double step) { // 0: as they are
+        for (size_t c = 0; c < best.weights.size(); ++c)
+            trial.weights[c] = step > 0 ? std::floor(best.weights[c] / step + 0.5) : best.weights[c];
+        count(trial);
+        return trial.solve();
+    };
+    if (try_weights(0) || !trial.usable()) return call_.status();
+    const double exact = trial.unevenness(), whole = trial.scale().across * largest / STRIPES;
+    double chosen = 0, least = HUGE_VAL;
+    for (int finer = 1; finer <= 16 && !(least < 1.08 * exact + 0.01); finer *= 2) // mostly once
+        for (const double stretch : STRETCH) {
+            const double step = whole * stretch / finer;
+            if (!(step > 0) || largest / step < 0.5 || largest / step > LARGEST_WEIGHT_RATIO) continue;
+            if (!call_.tick(fraction)) return call_.was_cancelled();
+            if (try_weights(step) || !trial.usable()) return call_.status();
+            if (trial.unevenness() < least) {
+                least = trial.unevenness();
+                chosen = step;
+            }
+        }
+    if (!(chosen > 0)) return HMF_OK;
+    for (double& w : best.weights) w = std::floor(w / chosen + 0.5);
+    best.unevenness = least;
     return HMF_OK;
 }
 

@@ -34,15 +34,21 @@ public:
     // each, then adds and removes poles as long as that makes the scale more even.
     hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best);
 
-    uint64_t budget = 0; // solves
+    double budget = 0;   // work
     bool poles = true;   // else the weights alone, where that can be
     double fraction = 0; // of the work done
 
-    // Weights for the marks of a choice, from those of the loops that its surface suggests.
-    hmf_status evaluate(EvenChoice& choice, uint32_t rounds);
+    // Weights for the marks of a choice, from those of the loops that its surface suggests.  Gives up where
+    // it falls behind a rival.
+    hmf_status evaluate(EvenChoice& choice, uint32_t rounds, double rival = HUGE_VAL);
+
+    // Whole numbers for weights, so that stripes match everywhere; loops of
+    // weight 0 are left out.  A cylinder of height 1 is about 1/44 of the size.
+    hmf_status round_weights(EvenChoice& best);
 
     double unevenness_before = 0; // of the default loops with weights 1
     uint64_t solves = 0;          // a derivative counts as one
+    double work = 0;              // a solve without loops is 1, with n loops 1 + n / 8
 
 private:
     Done find_tips(const EvenChoice& choice, Array<Tip>& found);
@@ -52,6 +58,7 @@ private:
     template <class Enough>
     Done spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough);
     double gain(const EvenChoice& before, const EvenChoice& after) const;
+    void count(const MarkedTrial& trial);
     Done prepare();
     Done mark_four(EvenChoice& choice);
     hmf_status measure_before(const EvenChoice& first);

@@ -55,7 +55,7 @@ hmf_status MarkedTrial::failed(Call& inner) {
 
 hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind) {
     BuildOptions options;
-    options.coarsest = 500;
+    options.coarsest = 250;
     options.marked_vertices = marks.data();
     options.marked_count = marks.size();
     options.mollify = 1e-6; // thin triangles of a coarse level
@@ -143,6 +143,8 @@ hmf_status MarkedTrial::solve() {
     for (const double w : weights)
         if (w > largest) largest = w;
     for (size_t c = 0; c < weights.size(); ++c) {
+        integer_weights_[c] = 0;
+        if (weights[c] == 0) continue; // a loop that is left out
         if (weights[c] * LARGEST_WEIGHT_RATIO < largest) weights[c] = largest / LARGEST_WEIGHT_RATIO;
         const int64_t w = static_cast<int64_t>(weights[c] / largest * static_cast<double>(LARGEST));
         integer_weights_[c] = w / LABELS * LABELS + static_cast<int64_t>(c);
@@ -236,6 +238,33 @@ hmf_status MarkedTrial::derive(bool& known) {
     model.assemble(f, rings, weight, call_);
     if (call_.cancelled() || !multigrid.setup(model.matrix(), call_.memory, &call_)) return failed(call_);
 
+    // Triangles that both triangulations have: cot F / (2 energy) of each side.  Tripods hold zeros.
+    struct Piece {
+        uint32_t face, edge[3];
+        double pull[3];
+    };
+    Array<Piece> pieces;
+    pieces.start(call_.memory);
+    if (!pieces.reserve(faces)) return failed(call_);
+    for_each_face(input, 0, 2 * input.edge_count, [&](uint32_t h, uint32_t g, uint32_t k) {
+        const uint32_t side[3] = {h, g, k};
+        Piece piece{input.face[h], {edge_of(h), edge_of(g), edge_of(k)}, {0, 0, 0}};
+        double energy = 0;
+        bool tripod = true;
+        for (size_t i = 0; i < 3; ++i) {
+            if (mesh.next[side[i]] != input.next[side[i]] || mesh.origin[side[i]] != input.origin[side[i]]) return;
+            const double* at[3];
+            for (size_t x = 0; x < 3; ++x)
+                at[x] = h_.levels[0].position + size_t{3} * input.origin[side[(i + 2 + x) % 3]];
+            const double F = static_cast<double>(f.at(side[i]));
+            piece.pull[i] = cotangent(at[0], at[1], at[2]) * F;
+            energy += 0.5 * piece.pull[i] * F;
+            tripod = tripod && f.corner2(side[i]) > 0;
+        }
+        if (tripod || !(energy > 0)) return;
+        for (double& x : piece.pull) x *= 0.5 / energy;
+        pieces.add(piece);
+    });
     for (size_t c = 0; c < loops; ++c) {
         // Values change by this for one unit of weight: on the leaf first.
         for (double& x : change) x = 0;
@@ -258,27 +287,14 @@ hmf_status MarkedTrial::derive(bool& known) {
         const double by = static_cast<double>(integer_weights_[c]) * factor_;
         double* const out = derivative_.data() + c * faces;
         for (size_t t = 0; t < faces; ++t) out[t] = 0;
-        for_each_face(input, 0, 2 * input.edge_count, [&](uint32_t h, uint32_t g, uint32_t k) {
-            const uint32_t t = input.face[h], side[3] = {h, g, k};
-            double energy = 0, slope = 0, corner = HUGE_VAL;
-            for (size_t i = 0; i < 3; ++i) {
-                const uint32_t e = edge_of(side[i]);
-                if (mesh.next[side[i]] != input.next[side[i]] || mesh.origin[side[i]] != input.origin[side[i]]) return;
-                const double *a = h_.levels[0].position + size_t{3} * input.origin[side[(i + 2) % 3]],
-                             *b = h_.levels[0].position + size_t{3} * input.origin[side[i]],
-                             *p = h_.levels[0].position + size_t{3} * input.origin[side[(i + 1) % 3]];
-                const double cot = cotangent(a, b, p), F = static_cast<double>(f.value[e]);
-                energy += 0.5 * cot * F * F;
-                slope += cot * F * change[e];
-                const double twice = static_cast<double>(f.corner2(side[i]));
-                if (twice < corner) corner = twice;
-            }
-            if (corner > 0 || !(energy > 0)) return; // tripods hold zeros
-            const double d = 0.5 * slope / energy * by;
-            if (!(d > -8 && d < 8)) return;
-            smooth_[t] = 1;
-            out[t] = d;
-        });
+        for (const Piece& p : pieces) {
+            const double slope =
+                p.pull[0] * change[p.edge[0]] + p.pull[1] * change[p.edge[1]] + p.pull[2] * change[p.edge[2]];
+            const double d = slope * by;
+            if (!(d > -8 && d < 8)) continue;
+            smooth_[p.face] = 1;
+            out[p.face] = d;
+        }
     }
     known = true;
     return HMF_OK;

@@ -44,7 +44,7 @@ public:
     const ConformalScale& scale() const { return scale_; } // by internal faces of level 0
     const hmf_hierarchy& hierarchy() const { return h_; }
     const Loops& loops() const { return loops_; } // on the coarsest level
-    Array<double> weights;
+    Array<double> weights;                        // 0: left out; then there are no derivatives
     // log |grad u| at the vertices of the surface.
     Done vertex_scale(Array<double>& out, Memory& memory) const;
     double derivative(size_t loop, size_t face) const { return derivative_[loop * scale_.area.size() + face]; }
