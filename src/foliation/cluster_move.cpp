@@ -89,7 +89,8 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
             while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = side_after(end, degree);
             if (!passes(end)) continue;
             const Cluster part = explore_cluster(
-                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.budget));
+                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.allowance()));
+            star.spend(f.members.size());
             if (part.closed_corners >= 2 || part.marked > 0) continue;
             if (!part.complete) {
                 known = false;

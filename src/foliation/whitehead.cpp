@@ -201,9 +201,10 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
                 u = side_after(u, degree);
             }
             if (group[u] == group[t] || self_edge) continue;
-            if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
+            if (walk_to_next_visit(f, side[t].half_edge, star.allowance(), star.decided) != side[u].half_edge) continue;
             const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
-                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.budget));
+                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.allowance()));
+            star.spend(f.members.size());
             if (part.marked > 0) continue; // different directions
             if (!part.complete) {
                 star.decided = false;
