@@ -14,9 +14,9 @@ struct Pair {
     Solution paper, whitehead;
 };
 
-Pair solve_both(const Hierarchy& hierarchy, const Loops& loops) {
-    return {solve(hierarchy, &loops, solve_options(HMF_METHOD_PAPER, 0)),
-            solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, 0))};
+Pair solve_both(const Hierarchy& hierarchy, const Loops& loops, double tolerance) {
+    return {solve(hierarchy, &loops, solve_options(HMF_METHOD_PAPER, tolerance)),
+            solve(hierarchy, &loops, solve_options(HMF_METHOD_WHITEHEAD, tolerance))};
 }
 
 } // namespace
@@ -25,7 +25,7 @@ TEST(Paper, IsWhiteheadWithoutABadFlip) {
     size_t same = 0;
     for (const TriMesh& mesh : {torus(40, 24, 3, 1), pretzel(2, 2), pretzel(3, 2), joined_tori(24, 14, 8, 5)}) {
         const Hierarchy hierarchy(mesh, 0.5, 150);
-        const Pair both = solve_both(hierarchy, library_loops(hierarchy, 0));
+        const Pair both = solve_both(hierarchy, library_loops(hierarchy, 0), 0);
         EXPECT_EQ(both.paper.report.method, HMF_METHOD_PAPER);
         if (both.whitehead.report.bad_flips > 0) continue;
         ++same;
@@ -37,18 +37,19 @@ TEST(Paper, IsWhiteheadWithoutABadFlip) {
     EXPECT_GT(same, 0u) << "all have bad flips: the test tests nothing";
 }
 
-// Meshes with many flips between levels: the ones that the formula turns into poles are moved first, or not.
+// Meshes with many flips between levels: the ones that the formula turns into poles are moved first, or not.  A few
+// sweeps do not remove them.
 TEST(Paper, LeavesPolesWhereWhiteheadLeavesNone) {
     size_t with_poles = 0, with_bad_flips = 0;
-    for (uint64_t seed = 1; seed <= 24; ++seed) {
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
         SCOPED_TRACE(seed);
         Random random(seed);
         TriMesh mesh = pretzel(2 + random.below(3), 3, random.below(4));
         mesh = with_random_flips(mesh, mesh.triangle_count() / 2, 0.7, seed);
-        mesh = transformed(mesh, {1 + 6 * random.unit(), 0, 0, 0, 1, 0, 0, 0, 1});
+        mesh = transformed(mesh, {2 + 200 * random.unit(), 0, 0, 0, 1, 0, 0, 0, 1});
         const Hierarchy hierarchy(mesh, 0.25, 150);
         ASSERT_TRUE(hierarchy);
-        const Pair both = solve_both(hierarchy, library_loops(hierarchy, 0, HMF_LOOPS_PANTS));
+        const Pair both = solve_both(hierarchy, library_loops(hierarchy, 0, HMF_LOOPS_PANTS), 0.1);
         EXPECT_EQ(both.whitehead.status, HMF_OK);
         EXPECT_EQ(both.whitehead.report.poles, 0u);
         EXPECT_EQ(both.whitehead.report.bad_flips_left, 0u);

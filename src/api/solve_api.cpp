@@ -145,6 +145,10 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
+    if (count.broken_triangles > 0)
+        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "%llu triangles of the result are not closed. Please report it.",
+                         static_cast<unsigned long long>(count.broken_triangles));
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;
