@@ -1,4 +1,5 @@
 // hmf.h: loops, initialize, solve, relax.
+#include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
 
@@ -149,6 +150,12 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "%llu triangles of the result are not closed. Please report it.",
                          static_cast<unsigned long long>(count.broken_triangles));
+    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
+    ConformalScale scale;
+    if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
+                       making.unit, call.memory))
+        return call.out_of_memory();
+    report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;
@@ -156,7 +163,6 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.bad_flips_left = state.statistics.bad_flips_left;
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
-    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
     making.recorder = &recorder;
     if (make_foliation(state, making, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
