@@ -210,7 +210,7 @@ class Usage(Case):
             self.refused(2, "solve", self.mesh, "--weights=" + weights, says=["--weights", "not a number"])
         self.refused(2, "solve", self.mesh, "--conjugate=1", says=["--conjugate", "no value"])
         self.refused(2, "solve", self.mesh, "--coarsest", "1.5", says=["--coarsest", "whole number"])
-        self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead or single-level"])
+        self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead, single-level or paper"])
         for command in ("demo", "info", "solve", "batch"):
             self.assertIn("usage: hmf " + command, self.run_tool(command, "--help").stdout)
         for option in ("--loops", "--save-loops", "--start", "--conformality", "--size", "--marks", "--save-marks", "default auto", "default midpoint", "in (0, 1)"):

@@ -17,6 +17,7 @@ const char* method_name(int32_t method) {
     case HMF_METHOD_NEWTON: return "newton";
     case HMF_METHOD_WHITEHEAD: return "whitehead";
     case HMF_METHOD_SINGLE_LEVEL: return "single-level";
+    case HMF_METHOD_PAPER: return "paper";
     default: return "default";
     }
 }

@@ -516,6 +516,10 @@ HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 #define HMF_METHOD_NEWTON 1       /* Newton steps on the twisted Laplacian, cascadic */
 #define HMF_METHOD_WHITEHEAD 2    /* Whitehead moves, cascadic ([W] section 4) */
 #define HMF_METHOD_SINGLE_LEVEL 3 /* Whitehead moves on the input mesh ([W] 3.3) */
+#define HMF_METHOD_PAPER 4        /* whitehead with "case 4" of [W] 4.2.2 as printed: it may make poles, which moves
+                                    then fix or not; for comparison.  A result with poles, or of another class, has
+                                    HMF_LIMIT_CLASS, and its values are good for hmf_singularities and hmf_energy
+                                    only.  Without a bad flip it is the result of whitehead, bit for bit */
 
 typedef struct hmf_solve_options {
     uint32_t struct_size;
@@ -577,7 +581,7 @@ typedef struct hmf_report {
     uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
     int64_t index_sum;           /* 4 - 4 * genus - marked vertices */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
-    uint64_t bad_flips_left;     /* and did */
+    uint64_t bad_flips_left;     /* and did: 0 but for HMF_METHOD_PAPER, where later moves may have removed it */
     double solve_seconds;
     uint64_t peak_memory_bytes;  /* of this call, without the hierarchy */
     const hmf_level_report *levels; /* level_count, finest first */
@@ -614,7 +618,7 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
  * next branch (counted in bad_flips).  The class is the same in any case.
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in out, closed
- * and without poles; HMF_CANCELLED, with a foliation in the same way if the
+ * and, but for HMF_METHOD_PAPER, without poles; HMF_CANCELLED, with a foliation in the same way if the
  * callback said HMF_PROGRESS_FINISH, or if the asked level had been reached,
  * else without; or an error of classes 100, 200, 400 without a foliation.
  * HMF_ERROR_UNSUPPORTED: an edge is crossed so often (by more than 32 of the

@@ -128,6 +128,7 @@ enum class Method : int32_t {
     newton = HMF_METHOD_NEWTON,
     whitehead = HMF_METHOD_WHITEHEAD,
     single_level = HMF_METHOD_SINGLE_LEVEL,
+    paper = HMF_METHOD_PAPER,
 };
 
 enum class LoopElements : int32_t { triangles = HMF_LOOP_TRIANGLES, vertices = HMF_LOOP_VERTICES };

@@ -15,7 +15,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
                               SolveOptions& options, Call& call) {
     if (read_options(from, all, "hmf_solve_options", call)) return call.status();
     options.method = all.method ? all.method : HMF_METHOD_NEWTON;
-    if (options.method < HMF_METHOD_NEWTON || options.method > HMF_METHOD_SINGLE_LEVEL)
+    if (options.method < HMF_METHOD_NEWTON || options.method > HMF_METHOD_PAPER)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no method %d. Use HMF_METHOD_*.",
                          static_cast<int>(all.method));
     if (!(all.tolerance >= 0) || !(all.tolerance < 1) || !(all.time_limit >= 0))
@@ -44,7 +44,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 }
 
 // The sentence of a solve that ended with a foliation.
-hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
+hmf_status describe(hmf_status status, size_t level, const hmf_report& report, const ClassWatch& watch, Call& call) {
     switch (status) {
     case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
@@ -60,6 +60,12 @@ hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Ca
             status, HMF_ELEMENT_LEVEL, level,
             "No progress above the tolerance is possible; the values are closed and without poles. Loosen tolerance.");
     case HMF_LIMIT_CLASS:
+        if (report.method == HMF_METHOD_PAPER)
+            return call.fail(status, HMF_ELEMENT_NONE, 0,
+                             "%llu flips of case 4 were taken as printed: the result has %llu poles and is not in the "
+                             "class of the loops. HMF_METHOD_WHITEHEAD has none.",
+                             static_cast<unsigned long long>(report.bad_flips_left),
+                             static_cast<unsigned long long>(report.poles));
         if (watch.lost.loop == NONE)
             return call.fail(status, HMF_ELEMENT_NONE, 0,
                              "Steps to the minimum leave the class of the loops; report->class_state tells whether the "
@@ -140,9 +146,14 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
+    if (count.broken_triangles > 0)
+        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "%llu triangles of the result are not closed. Please report it.",
+                         static_cast<unsigned long long>(count.broken_triangles));
+    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
     ConformalScale scale;
     if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
-                       recorder.unit(), call.memory))
+                       making.unit, call.memory))
         return call.out_of_memory();
     report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
@@ -152,10 +163,10 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.bad_flips_left = state.statistics.bad_flips_left;
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
-    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
     making.recorder = &recorder;
     if (make_foliation(state, making, call, out)) return call.status();
-    return describe(status, state.level, watch, call);
+    if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
+    return describe(status, state.level, report, watch, call);
 }
 
 // Runs the cascade and hands the result over; the state lies on level `given`,
@@ -172,6 +183,7 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
     const bool same_mesh = loops && loops->level == start && start > 0; // of the loops and the state
     if (watch.start(state, unit, same_mesh ? &loops->loops : nullptr, loops ? loops->weights : unknown, call))
         return call.status();
+    if (options.method == HMF_METHOD_PAPER) state.bad_flip = BadFlip::as_printed;
     const hmf_status status = solve_in_class(state, options, call, recorder, watch);
     if (status >= HMF_ERROR_NULL) return status;
     if (call.cancelled() && state.level != options.stop_level)

@@ -89,7 +89,8 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
             while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = side_after(end, degree);
             if (!passes(end)) continue;
             const Cluster part = explore_cluster(
-                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.budget));
+                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.allowance()));
+            star.spend(f.members.size());
             if (part.closed_corners >= 2 || part.marked > 0) continue;
             if (!part.complete) {
                 known = false;
@@ -121,12 +122,12 @@ int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& s
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         if (own + other < 0) at_most(f.at(h) / -(own + other));
     });
-    // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
+    // Corners inside S; closed ones only round a pole that a flip as printed has left.
     for (uint32_t t = 0; t < star.degree; ++t) {
         const uint32_t u = side_after(t, star.degree);
         const bool inside =
             star.F[t] != 0 && star.F[u] != 0 && star.group[t] == star.best && star.group[u] == star.best;
-        if (inside && star.corner2[t] > 0) at_most(star.corner2[t] / 2);
+        if (inside) at_most(star.corner2[t] / 2);
     }
     for (const uint32_t u : f.pushed)
         for (const uint32_t h : f.mesh.around(u))

@@ -113,13 +113,20 @@ SingularityCount count_singularities(Foliation& foliation, const SingularityMaps
 // ---- transport between levels (transport.cpp) -----------------
 
 struct TransportStatistics {
-    uint64_t bad_flips = 0;      // flips that needed the end point to be moved first ("case 4")
-    uint64_t bad_flips_left = 0; // flips that left a pole: 0 by construction, counted by a check
+    uint64_t bad_flips = 0; // flips that needed the end point to be moved first ("case 4")
+    uint64_t bad_flips_left =
+        0; // flips that left a pole, counted by a check: 0 by construction if they are moved first
+};
+
+// What to do where the formula of a flip would make a pole ("case 4").
+enum class BadFlip : uint8_t {
+    moved_first, // the end point is moved to the next branch: no pole before, no pole after
+    as_printed,  // nothing, as in [W]: a pole and a zero come
 };
 
 // Flips an edge of mesh and foliation together, counter-clockwise or back.
-// No pole before: no pole after.
-void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, TransportStatistics& statistics);
+void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, TransportStatistics& statistics,
+                    BadFlip bad_flip = BadFlip::moved_first);
 
 // If the cluster of a vertex is an extremum (a disk with all else in one
 // direction), moves it there until it has a second one.  false: the values

@@ -22,6 +22,8 @@
 // next branch point of the tree, a Whitehead move of the whole cluster.  There
 // it has a further direction, and the formula holds.  The neighbours that it
 // meets on the way join the cluster, and the search goes on round them.
+// HMF_METHOD_PAPER takes the formula all the same, as [W] does: i becomes a pole,
+// and triangle ikl of the new ones a zero.
 //
 // Hence: no cluster of positive index before, none after.
 #include "foliation.hpp"
@@ -69,12 +71,12 @@ bool settle_extremum(Foliation& f, uint32_t vertex) {
     return false;
 }
 
-void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics) {
+void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatistics& statistics, BadFlip bad_flip) {
     Mesh& mesh = f.mesh;
     const uint32_t ij = 2 * edge, jk = mesh.next[ij], ki = mesh.next[jk];
     const uint32_t ji = twin(ij), il = mesh.next[ji], lj = mesh.next[il];
     int64_t result = 0;
-    bool moved = false;
+    bool bad = false;
     // Each round but the last enlarges a cluster or gives it a direction.
     for (uint32_t round = 0; round <= mesh.vertex_count; ++round) {
         const int64_t F_ij = f.at(ij), F_jk = f.at(jk), F_ik = f.at(ki), F_il = f.at(il), F_jl = f.at(lj);
@@ -103,18 +105,22 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
             if (closed_end == NONE) break;
             const Cluster cluster = explore_cluster(f, mesh.origin[closed_end], ClusterSearch().up_to_corners(3));
             if (!cluster.complete || !cluster.is_disk()) break;
+            if (bad_flip == BadFlip::as_printed) { // the formula is F_ik + F_il now
+                bad = true;
+                break;
+            }
             advance_cluster(f, closed_end);
         }
-        moved = true;
+        bad = true;
     }
-    if (moved) ++statistics.bad_flips;
+    if (bad) ++statistics.bad_flips;
     if (reverse) unflip(mesh, edge);
     else flip(mesh, edge);
     f.value[edge] = result;
     assert(f.corner2(2 * edge) >= 0 && f.corner2(mesh.next[2 * edge]) >= 0 && f.corner2(mesh.prev(2 * edge)) >= 0);
     assert(f.corner2(2 * edge + 1) >= 0 && f.corner2(mesh.next[2 * edge + 1]) >= 0
            && f.corner2(mesh.prev(2 * edge + 1)) >= 0);
-    if (moved) {
+    if (bad) {
         const uint32_t quad[4] = {ki, il, lj, jk}; // they start at k, i, l and j
         for (uint32_t h : quad)
             if (explore_cluster(f, mesh.origin[h], ClusterSearch().up_to_corners(2)).is_pole()) {

@@ -201,9 +201,10 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
                 u = side_after(u, degree);
             }
             if (group[u] == group[t] || self_edge) continue;
-            if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
+            if (walk_to_next_visit(f, side[t].half_edge, star.allowance(), star.decided) != side[u].half_edge) continue;
             const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
-                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.budget));
+                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.allowance()));
+            star.spend(f.members.size());
             if (part.marked > 0) continue; // different directions
             if (!part.complete) {
                 star.decided = false;
@@ -278,7 +279,13 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    if (f.mesh.is_marked(v)) return false;
+    if (f.mesh.is_marked(v) || rings.is(v, Monogons::INSIDE)) return false;
+    // A monogon has the value 0, unless a flip as printed left a pole inside: then both its ends would move.
+    if (rings.is(v, Monogons::HOST))
+        for (uint32_t t = 0; t < degree; ++t)
+            if (f.mesh.target(side[t].half_edge) == v && f.at(side[t].half_edge) > 0
+                && !rings.is(v, Monogons::SELF_EDGE))
+                return false;
     bool moved = false;
     // Each round lands on a branch or a neighbour and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
@@ -311,10 +318,10 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             if (star.group[t] != star.best || star.F[t] == 0) continue;
             limit = std::min(limit, star.F[t]);
             const uint32_t u = side_after(t, star.degree);
-            // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
-            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0)
-                limit = std::min(limit, star.corner2[t] / 2);
+            if (star.F[u] != 0 && star.group[u] == star.best) limit = std::min(limit, star.corner2[t] / 2);
         }
+        // A closed corner inside of S, as round the pole of a flip as printed: its neighbours have to go first.
+        if (limit == 0) return moved;
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);
         for (uint32_t t = 0; t < star.degree; ++t)

@@ -5,6 +5,8 @@
 #include "../mesh/monogon.hpp"
 #include "foliation.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 // One-rings of a mesh as flat arrays, for sweeps: side t of vertex v has the
@@ -68,7 +70,17 @@ struct Star {
     uint32_t best = 0;              // group of the largest pull
     double best_pull = 0, pull = 0; // of that group; of all
     bool has_zero = false, decided = true;
-    uint32_t budget = 512;  // vertices or steps that one move may look at
+    uint32_t budget = 512; // vertices or steps that one move may look at
+    // And all moves together until it is filled again: a sweep stays linear where large clusters move as a whole,
+    // again and again.  What is left when it is used up waits for a later sweep.
+    uint64_t credit = UINT64_MAX;
+    uint32_t allowance() const {
+        constexpr uint64_t always = 64;
+        return budget == NONE ? NONE : static_cast<uint32_t>(std::min<uint64_t>(budget, std::max(credit, always)));
+    }
+    void spend(size_t vertices) {
+        if (budget != NONE) credit -= std::min<uint64_t>(credit, vertices);
+    }
     Array<int64_t> F;       // per side
     Array<int64_t> corner2; // twice the coordinate of the corner between sides t and t+1
     Array<uint32_t> group;  // per side: direction, NONE for zero edges

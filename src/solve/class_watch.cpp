@@ -63,8 +63,10 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     hmf_status status = run_cascade(state, options, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     if (const hmf_status looked = watch.look(state, recorder.unit(), call)) return looked;
-    if (watch.holds() || values.empty()) return status;
-    if (call.finishing()) return HMF_CANCELLED; // there is no time for another try
+    if (watch.holds()) return status;
+    if (values.empty())
+        return status == HMF_OK ? HMF_LIMIT_CLASS : status; // HMF_METHOD_PAPER: flips may leave the class
+    if (call.finishing()) return HMF_CANCELLED;             // there is no time for another try
     if (call.out_of_time()) return HMF_LIMIT_TIME;
 
     // Once more, on the safe side.

@@ -24,7 +24,7 @@ Done State::refine(Call& call) {
     Mesh& mesh = foliation.mesh;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
-        flip_foliation(foliation, hierarchy->flips[i], true, statistics);
+        flip_foliation(foliation, hierarchy->flips[i], true, statistics, bad_flip);
         if (words && !words->flipped(mesh, hierarchy->flips[i])) return false;
     }
     mesh.vertex_count = finer.mesh.vertex_count;

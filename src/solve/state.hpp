@@ -18,8 +18,9 @@ struct State {
     size_t level = 0;
     Side side = Side::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
-    EdgeWords* words = nullptr;      // go along to finer levels and to the intrinsic side, if there are any
-    int64_t largest_input_value = 0; // on the caller's edges, when they were left for the intrinsic ones
+    BadFlip bad_flip = BadFlip::moved_first; // between levels
+    EdgeWords* words = nullptr;              // go along to finer levels and to the intrinsic side, if there are any
+    int64_t largest_input_value = 0;         // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
     Done allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);

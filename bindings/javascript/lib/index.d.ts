@@ -166,7 +166,7 @@ export interface LoopSet {
 
 export interface OptimizeOptions extends ProgressOptions {
     /** Default "newton", the most exact. */
-    method?: "default" | "newton" | "whitehead" | "single-level";
+    method?: "default" | "newton" | "whitehead" | "single-level" | "paper";
     /** newton: the largest residual, default 1e-8; others: relative change of the energy per sweep, default 1e-6. */
     tolerance?: number;
     /**

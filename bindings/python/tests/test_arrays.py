@@ -246,5 +246,5 @@ def test_options_out_of_range(torus: Mesh, options: dict[str, object]) -> None:
 
 
 def test_a_choice_names_the_others(torus: Mesh) -> None:
-    with pytest.raises(ValueError, match="newton, single_level, whitehead"):
+    with pytest.raises(ValueError, match="newton, paper, single_level, whitehead"):
         foliations.solve(*torus, method="simplex")  # type: ignore[arg-type]

@@ -43,7 +43,7 @@ from .report import Report, read_report
 if TYPE_CHECKING:
     from .hierarchy import Hierarchy
 
-Method = Literal["newton", "whitehead", "single_level"]
+Method = Literal["newton", "whitehead", "single_level", "paper"]
 SingularityKind = Literal["vertex", "triangle", "cluster"]
 
 #: Whether no LimitWarning is wanted: the caller says it in another way.

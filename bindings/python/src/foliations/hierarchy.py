@@ -325,7 +325,7 @@ class Hierarchy:
             lie on another hierarchy of the same triangles, for example of the
             last frame of an animation.  Where it is close to the minimum
             already, :meth:`Foliation.relax` is faster.
-        method : "newton", "whitehead" or "single_level", optional
+        method : "newton", "whitehead", "single_level" or "paper", optional
             Newton steps on the twisted Laplacian (default), Whitehead moves
             up the hierarchy, or Whitehead moves on your mesh alone.
         tolerance : float, optional

@@ -40,7 +40,7 @@ class HistoryEntry(NamedTuple):
 class Report:
     """Report of :meth:`Hierarchy.solve` and :meth:`Foliation.relax`."""
 
-    method: str  #: "newton", "whitehead" or "single_level"
+    method: str  #: "newton", "whitehead", "single_level" or "paper"
     converged: bool  #: to the tolerance
     energy: float  #: on the finest level solved, intrinsic Delaunay weights
     residual_max: float  #: relative coclosedness residual, see Foliation.residuals

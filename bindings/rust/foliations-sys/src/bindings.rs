@@ -68,6 +68,7 @@ pub const HMF_METHOD_DEFAULT: i32 = 0;
 pub const HMF_METHOD_NEWTON: i32 = 1;
 pub const HMF_METHOD_WHITEHEAD: i32 = 2;
 pub const HMF_METHOD_SINGLE_LEVEL: i32 = 3;
+pub const HMF_METHOD_PAPER: i32 = 4;
 pub const HMF_CLASS_UNKNOWN: i32 = 0;
 pub const HMF_CLASS_PROVEN: i32 = 1;
 pub const HMF_CLASS_LOST: i32 = 2;

@@ -22,6 +22,8 @@ codes! {
         Whitehead = sys::HMF_METHOD_WHITEHEAD,
         /// Whitehead moves on the input mesh alone.
         SingleLevel = sys::HMF_METHOD_SINGLE_LEVEL,
+        /// Whitehead moves, level by level, with flips as printed in the paper: they may leave poles.
+        Paper = sys::HMF_METHOD_PAPER,
     }
 }
 
