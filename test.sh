@@ -13,7 +13,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large mutations machines"
+variants="$default_variants corpus-large mutations machines tsan"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -34,6 +34,7 @@ valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
+tsan          threads under the thread sanitizer (minutes; not in the default run)
 mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
@@ -205,6 +206,12 @@ variant_fuzz() {
 }
 
 # Valgrind is some thirty times slower: only the cases that are quick without it.
+# Many threads on one hierarchy and one foliation, and tasks that run at once.
+variant_tsan() {
+    build tsan || return
+    run_gtest tsan-parallel 900 build/tsan/tests/test_parallel '--gtest_filter=-*SameBitsOfEveryFunction*'
+    run_gtest tsan-resources 900 build/tsan/tests/test_resources '--gtest_filter=*Thread*'
+}
 variant_valgrind() {
     build valgrind || return
     local program name filter

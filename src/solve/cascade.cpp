@@ -23,7 +23,8 @@ void Recorder::event(size_t level, uint32_t kind, double energy_units, double re
 }
 
 bool LevelWork::prepare() {
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree))
         return false;
     // Searches round clusters may look at all of a small level.
     const uint32_t n = state.foliation.mesh.vertex_count;

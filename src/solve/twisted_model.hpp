@@ -84,8 +84,8 @@ private:
     };
     // Which vertices a look is to do: of regular ones without a tripod nothing is listed, so blocks can do them.
     enum class Kind : uint8_t { regular, any };
-    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
-                              double floor, Kind kind, Residuals& residuals);
+    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor,
+                              Kind kind, Residuals& residuals);
     Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void hold(const Rings& rings, uint32_t v);
