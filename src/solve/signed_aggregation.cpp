@@ -577,6 +577,7 @@ static bool put_in_order(const GrowingRows<float>& rows, MultigridLevel& level, 
                          Memory& memory) {
     constexpr uint32_t group = MultigridLevel::prolongation_group;
     const uint32_t n = level.n;
+    if (rows.used == 0) return true; // all unknowns are left out
     Array<uint32_t>& start = level.prolongation_start;
     if (!start.allocate(memory, n + size_t{1})) return false;
     uint32_t sum = 0;

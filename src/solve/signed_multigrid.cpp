@@ -91,6 +91,7 @@ static void scale_prolongation(MultigridLevel& fine, const float* coarse_scale, 
             for (uint32_t t = fine.restriction_start[c]; t < fine.restriction_start[c + 1]; ++t)
                 fine.restriction_entry[t] *= coarse_scale[c] / scale[fine.unknown_of(fine.restriction_row[t])];
     });
+    if (fine.prolongation_start.empty()) return;
     parallel.for_blocks(fine.n, [&](size_t begin, size_t end) {
         for (size_t row = begin; row < end; ++row) {
             const float own = scale[fine.unknown_of(static_cast<uint32_t>(row))];

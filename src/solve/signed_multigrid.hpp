@@ -83,7 +83,7 @@ struct MultigridLevel {
     } outer;
     // The prolongation by rows, filled up as above, and its transpose by coarse unknowns.
     static constexpr uint32_t prolongation_group = 3;
-    Array<uint32_t> prolongation_start; // n + 1; empty on the last level
+    Array<uint32_t> prolongation_start; // n + 1; empty where there is none, as on the last level
     Array<uint32_t> prolongation_column;
     Array<float> prolongation_entry;
     Array<uint32_t> restriction_start; // coarse n + 1
