@@ -60,7 +60,7 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
         const double pull = pull_of_first + pull_of_second, scale = pull > floor ? pull : floor;
         const double size = 2 * (to_second ? pull_of_second : pull_of_first) - pull;
         const double excess = to_second ? -size : size;
-        residuals.add(size / scale);
+        residuals.add(size > 0 ? size / scale : 0);
         rests[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
