@@ -14,7 +14,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large campaign mutations machines static"
+variants="$default_variants corpus-large campaign mutations machines static tsan"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
