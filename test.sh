@@ -14,7 +14,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large campaign mutations machines static"
+variants="$default_variants corpus-large campaign mutations machines static tsan"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -37,6 +37,7 @@ corpus-large  all real meshes (long; not in the default run)
 campaign      2 000 random problems with three hierarchies each (long; not in the default run; a sample is in release)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
 static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
+tsan          threads under the thread sanitizer (minutes; not in the default run)
 mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
@@ -208,6 +209,12 @@ variant_fuzz() {
 }
 
 # Valgrind is some thirty times slower: only the cases that are quick without it.
+# Many threads on one hierarchy and one foliation, and tasks that run at once.
+variant_tsan() {
+    build tsan || return
+    run_gtest tsan-parallel 900 build/tsan/tests/test_parallel '--gtest_filter=-*SameBitsOfEveryFunction*'
+    run_gtest tsan-resources 900 build/tsan/tests/test_resources '--gtest_filter=*Thread*'
+}
 variant_valgrind() {
     build valgrind || return
     local program name filter

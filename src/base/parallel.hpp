@@ -70,12 +70,12 @@ public:
         return sum;
     }
 
-    // Elements of a block in a pass over n: at least smallest, where a pass is cheap
-    // against waking a thread, and at most most_parts blocks.
+    // Elements of a block in a pass over n: a multiple of smallest, which takes as long as
+    // waking a thread or more, with which there are at most most_parts blocks.
     static constexpr size_t smallest = 4096, most_parts = 256;
     static size_t pass_block(size_t n) {
-        const size_t even = (n + most_parts - 1) / most_parts;
-        return even > smallest ? even : smallest;
+        constexpr size_t whole = smallest * most_parts;
+        return n <= whole ? smallest : (n + whole - 1) / whole * smallest;
     }
 
 private:

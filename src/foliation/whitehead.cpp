@@ -362,8 +362,11 @@ double residual_at(Foliation& f, const Rings& rings, const double* weight, uint3
 ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight, Star& star, double* residual,
                          Call& call) {
     const uint32_t n = f.mesh.vertex_count;
-    double total = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) total += weight[e] * static_cast<double>(f.value[e]);
+    const double total = call.parallel.sum_blocks<double>(f.mesh.edge_count, [&](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t e = begin; e < end; ++e) sum += weight[e] * static_cast<double>(f.value[e]);
+        return sum;
+    });
     const double floor = pull_floor(total, n);
     ResidualResult result;
     double sum = 0;

@@ -34,14 +34,14 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
                                         double floor, Kind kind, Residuals& residuals) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    double pull = 0, pull_of_second = 0, agreement = 0;
+    double pull_of_first = 0, pull_of_second = 0, agreement = 0;
     uint32_t tripods = 0;
     uint64_t second = 0;
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
             const uint32_t h = side[t].half_edge;
             const double p = weight[edge_of(h)] * static_cast<double>(here), q = p * static_cast<double>(direction);
-            pull += p;
+            pull_of_first += p - q;
             pull_of_second += q;
             agreement += sign[h] * (p - 2 * q);
             second |= uint64_t{direction} << t % 64; // of the first 64 sides
@@ -55,8 +55,12 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
         hold(rings, v);
     } else if (closed == 2 && !marked) {
         const bool turned = agreement < 0;
-        const double excess = pull - 2 * pull_of_second, scale = pull > floor ? pull : floor;
-        residuals.add((excess < 0 ? -excess : excess) / scale);
+        // To the bit the residual that read_star gives.
+        const bool to_second = pull_of_second > pull_of_first;
+        const double pull = pull_of_first + pull_of_second, scale = pull > floor ? pull : floor;
+        const double size = 2 * (to_second ? pull_of_second : pull_of_first) - pull;
+        const double excess = to_second ? -size : size;
+        residuals.add(size > 0 ? size / scale : 0);
         rests[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
