@@ -16,7 +16,7 @@ struct LoopList {
     std::vector<size_t> lines; // of the file, one per loop
     size_t count() const { return offsets.size() - 1; }
     hmf_loop_set view() const {
-        return {sizeof(hmf_loop_set), element_kind, 0, count(), offsets.data(), elements.data(), nullptr};
+        return {sizeof(hmf_loop_set), element_kind, 0, count(), offsets.data(), elements.data(), nullptr, nullptr};
     }
 };
 

@@ -360,6 +360,8 @@ typedef struct hmf_loop_set {
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
     const double *weights;       /* count, > 0; NULL = all 1 */
+    const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie at
+                                    the boundary; NULL = all are closed */
 } hmf_loop_set;
 
 /*

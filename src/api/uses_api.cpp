@@ -337,7 +337,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         hmf_cylinder_set set;
         hmf_loop_set leaves;
     } made{{sizeof(hmf_cylinder_set), 0, n, nullptr, nullptr},
-           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr}};
+           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr, nullptr}};
     ResultBlock block;
     block.array(made, made.set.list, n, list.data());
     block.array(made, made.leaves.offsets, n + 1, curves.offsets.data());

@@ -41,6 +41,7 @@ bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks) {
         marks[mesh.target(g)] = 1;
         g = mesh.rotate_cw(g);
     } while (g != h);
+    marks[i] = 1; // a second edge from j to i counts
     uint32_t shared = 0;
     g = jk;
     do {
@@ -52,7 +53,8 @@ bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks) {
         marks[mesh.target(g)] = 0;
         g = mesh.rotate_cw(g);
     } while (g != h);
-    return shared == 2;
+    marks[i] = 0;
+    return shared == 3; // k, l, and i itself
 }
 
 Collapse collapse(Mesh& mesh, uint32_t h) {
