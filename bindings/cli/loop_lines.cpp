@@ -19,7 +19,9 @@ std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
     for (size_t c = 0; c < loops.count; ++c) {
         Line line;
         const size_t first = loops.offsets[c], count = loops.offsets[c + 1] - first;
+        const bool is_arc = loops.arcs && loops.arcs[c];
         for (size_t i = 0; i < count; ++i) {
+            if (is_arc && i + 1 == count && loops.element_kind != HMF_LOOP_VERTICES) break;
             const uint32_t here = loops.elements[first + i], next = loops.elements[first + (i + 1) % count];
             if (loops.element_kind == HMF_LOOP_VERTICES) {
                 line.push_back(place(f, here));
@@ -37,8 +39,14 @@ std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
             Line smooth(line.size());
             for (size_t i = 0; i < line.size(); ++i)
                 smooth[i] = mean(line[i], mean(line[(i + 1) % line.size()], line[(i + line.size() - 1) % line.size()]));
+            if (is_arc && !line.empty()) { // the ends stay
+                smooth.front() = line.front();
+                smooth.back() = line.back();
+            }
             line = smooth;
         }
+        // An arc is drawn there and back.
+        for (size_t i = line.size(); is_arc && i-- > 1;) line.push_back(line[i - 1]);
         lines.push_back(line);
     }
     return lines;

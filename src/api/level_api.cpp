@@ -10,6 +10,8 @@ size_t hmf_level_count(const hmf_hierarchy* hierarchy) { return hierarchy ? hier
 
 size_t hmf_genus(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->surface_genus : 0; }
 
+size_t hmf_boundary_count(const hmf_hierarchy* hierarchy) { return hierarchy ? hierarchy->boundary_count : 0; }
+
 hmf_status hmf_level_counts(const hmf_hierarchy* hierarchy, size_t level, hmf_level_info* out, hmf_error* error) {
     Entry entry(hierarchy, nullptr, error);
     Call& call = entry.call;

@@ -15,6 +15,7 @@
 //    (___________)
 #include "surface_loops.hpp"
 
+#include "../loops/double_loops.hpp"
 #include "../loops/library_loops.hpp"
 #include "caller_numbers.hpp"
 
@@ -38,7 +39,7 @@ private:
     bool add_capped(const uint32_t* triangles, size_t n);
     bool add_round(uint32_t boundary);
     hmf_status add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside);
-    uint32_t plain_side(uint32_t after, uint32_t until) const;
+    uint8_t number_in_triangle(uint32_t side) const;
     hmf_status add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last);
 
     const hmf_hierarchy& h_;
@@ -187,35 +188,26 @@ bool Finder::add_round(uint32_t boundary) {
     return finish(false);
 }
 
-// A side from `after` on, before `until` comes round, whose triangle has no other
-// one: what an arc may end at.  NONE if there is none.
-uint32_t Finder::plain_side(uint32_t after, uint32_t until) const {
-    uint32_t q = after;
-    do {
-        const uint32_t h = side_[q];
-        if (is_front(mesh_.face[twin(mesh_.next[h])]) && is_front(mesh_.face[twin(mesh_.prev(h))])) return q;
-        q = next_in(first_side_, curve_[q], q);
-    } while (q != until);
-    return NONE;
+// 0, 1 or 2: which side of its triangle a side of the boundary is.
+uint8_t Finder::number_in_triangle(uint32_t side) const {
+    uint32_t h = internal_side(h_, triangle_[mesh_.face[side_[side]]]);
+    uint8_t s = 0;
+    for (; h != side_[side]; h = mesh_.next[h]) ++s;
+    return s;
 }
 
 // Round the marked vertices first .. last of the boundary; marks: the sides that
-// begin at them.
+// begin at them.  From the first side of one stretch to the first one of another.
 hmf_status Finder::add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last) {
-    const size_t before = (first + marks.size() - 1) % marks.size(), after = (last + 1) % marks.size();
-    const uint32_t from = plain_side(marks[before], marks[first]);
-    uint32_t to = plain_side(marks[last], marks[after]);
-    if (from == NONE || to == NONE)
-        return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                          "Between two marked vertices of boundary %u each triangle has two sides on the boundary, so "
-                          "that triangles do not name an arc. Refine the mesh there, or give arcs by vertices.",
-                          static_cast<unsigned>(boundary));
+    const uint32_t from = marks[(first + marks.size() - 1) % marks.size()], to = marks[last];
     uint32_t q = from;
     do {
         if (!walk(q, true)) return call_.out_of_memory();
         q = next_in(first_side_, boundary, q);
     } while (q != to);
-    return finish(true) ? HMF_OK : call_.out_of_memory();
+    if (!finish(true)) return call_.out_of_memory();
+    out_->arcs.back() = arc_between_sides(number_in_triangle(from), number_in_triangle(to));
+    return HMF_OK;
 }
 
 hmf_status Finder::add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside) {
@@ -256,7 +248,9 @@ hmf_status Finder::run(int32_t kind, FoundLoops& out) {
     size_t inside = 0;
     for (uint32_t v = 0; v < h_.surface_vertices; ++v)
         inside += mesh_.is_marked(h_.vertex_internal[v]) && !h_.mirror.is_boundary(v);
-    const bool has_closed = kind == HMF_LOOPS_CUT ? genus > 0 : 3 * size_t{genus} + boundaries + inside > 3;
+    // Without handles a cut system is round pairs of marked vertices.
+    const bool has_pairs = genus == 0 && inside >= 2 && boundaries + inside >= 4;
+    const bool has_closed = kind == HMF_LOOPS_CUT ? genus > 0 || has_pairs : 3 * size_t{genus} + boundaries + inside > 3;
     if (has_closed && add_closed(kind)) return call_.status();
     const bool is_disk = h_.genus == 0, is_annulus = genus == 0 && boundaries == 2 && inside == 0;
     if (!is_disk || inside >= 2)

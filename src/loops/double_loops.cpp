@@ -30,7 +30,7 @@ private:
     // An edge from one vertex to another with a triangle on the sheet; NONE if there is none.
     uint32_t edge_between(uint32_t from, uint32_t to, uint8_t sheet) const;
     uint32_t side_between(uint32_t from, uint32_t to, uint32_t came_in) const;
-    uint32_t boundary_side(uint32_t face, uint32_t not_this) const;
+    uint32_t boundary_side(size_t c, bool at_end) const;
     hmf_status add_path(size_t c, bool is_image, Array<uint32_t>& path);
     hmf_status add_vertex_path(size_t c, bool is_image, Array<uint32_t>& path);
     hmf_status add_triangle_path(size_t c, bool is_image, Array<uint32_t>& path);
@@ -95,11 +95,12 @@ hmf_status Doubler::check_ends(size_t c) {
                           "Arc %llu is a single vertex. Give a path from boundary to boundary.", static_cast<Long>(c));
     for (const uint64_t i : ends) {
         const uint32_t element = given_.elements[i];
-        if (is_triangles() ? boundary_side(face_[element], NONE) != NONE : h_.mirror.is_boundary(element)) continue;
+        const bool at_end = i != ends[0];
+        if (is_triangles() ? boundary_side(c, at_end) != NONE : h_.mirror.is_boundary(element)) continue;
         return call_.fail(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
                           "Arc %llu does not %s at the boundary: %s %llu is not there. Arcs lead from boundary to "
                           "boundary.",
-                          static_cast<Long>(c), i == ends[0] ? "begin" : "end", is_triangles() ? "triangle" : "vertex",
+                          static_cast<Long>(c), at_end ? "end" : "begin", is_triangles() ? "triangle" : "vertex",
                           static_cast<Long>(element));
     }
     return HMF_OK;
@@ -126,9 +127,19 @@ uint32_t Doubler::side_between(uint32_t from, uint32_t to, uint32_t came_in) con
     return back;
 }
 
-// A side of the face beyond which its image lies; not_this only if there is no other.
-uint32_t Doubler::boundary_side(uint32_t face, uint32_t not_this) const {
-    return side_between(face, image_[face], not_this);
+// Where an arc of triangles begins or ends, as a half-edge in front: at the side
+// that is named or else at the first side on the boundary (at the end of an arc in
+// one triangle: the last).  NONE if that is not on the boundary.
+uint32_t Doubler::boundary_side(size_t c, bool at_end) const {
+    const uint64_t first = given_.offsets[c], last = given_.offsets[c + 1] - 1;
+    const uint32_t face = face_[given_.elements[at_end ? last : first]];
+    const uint32_t named = given_.arcs[c] >> (at_end ? 3 : 1) & 3u; // 1 + side
+    uint32_t h = side_[face], found = NONE;
+    for (uint32_t s = 0; s < 3; ++s, h = mesh_.next[h]) {
+        if (mesh_.face[twin(h)] != image_[face] || (named > 0 && named != s + 1)) continue;
+        if (found == NONE || (at_end && first == last)) found = h;
+    }
+    return found;
 }
 
 hmf_status Doubler::not_neighbours(size_t c, uint64_t a, uint64_t b) {
@@ -178,10 +189,10 @@ hmf_status Doubler::add_triangle_path(size_t c, bool is_image, Array<uint32_t>& 
     for (uint64_t i = first; i + 1 < end; ++i)
         if (step(i, i + 1, is_image)) return call_.status();
     if (!is_arc(c)) return step(end - 1, first, is_image);
-    if (cross(boundary_side(face(end - 1, false), came_in))) return call_.status();
+    if (cross(boundary_side(c, true))) return call_.status();
     for (uint64_t i = end - 1; i > first; --i)
         if (step(i, i - 1, true)) return call_.status();
-    return cross(boundary_side(face(first, true), came_in));
+    return cross(twin(boundary_side(c, false)));
 }
 
 hmf_status Doubler::add_path(size_t c, bool is_image, Array<uint32_t>& path) {

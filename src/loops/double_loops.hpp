@@ -23,6 +23,11 @@ struct SurfaceLoops {
     const uint8_t* arcs;      // per loop, or NULL: none is an arc
 };
 
+// hmf_loop_set::arcs of an arc of triangles that begins and ends at these sides of its first and last triangle.
+inline uint8_t arc_between_sides(uint8_t first, uint8_t last) {
+    return static_cast<uint8_t>(1 + 2 * (first + 1) + 8 * (last + 1));
+}
+
 struct DoubledLoops {
     Loops loops;                // on the input side of level 0
     Array<uint32_t> of;         // per loop of the double: that of the caller
