@@ -37,7 +37,8 @@ struct Curves {
     }
 };
 
-Solution solve_curves(const Hierarchy& hierarchy, const Curves& curves, hmf_solve_options options = solve_options(0, 0)) {
+Solution solve_curves(const Hierarchy& hierarchy, const Curves& curves,
+                      hmf_solve_options options = solve_options(0, 0)) {
     const hmf_loop_set set = curves.view();
     Solution s;
     hmf_foliation* raw = nullptr;
@@ -56,7 +57,8 @@ TriMesh annulus(size_t n, size_t m, double R, double jitter, uint64_t seed) {
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j <= m; ++j) {
             const bool inner = j > 0 && j < m;
-            const double a = 2 * pi * (static_cast<double>(i) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(n);
+            const double a =
+                2 * pi * (static_cast<double>(i) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(n);
             const double t = (static_cast<double>(j) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(m);
             const double r = std::pow(R, t);
             mesh.positions.insert(mesh.positions.end(), {r * std::cos(a), r * std::sin(a), 0});

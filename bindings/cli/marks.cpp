@@ -53,8 +53,8 @@ hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& opti
     const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
     const bool may_be_sphere = triangles + 4 == 2 * vertices;
     // Closed surfaces with handles have too few vertices.
-    const bool may_be_disk = !may_be_sphere && 2 * vertices >= triangles + 2
-                          && vertices + triangles == readers::edges_of(mesh).count() + 1;
+    const bool may_be_disk =
+        !may_be_sphere && 2 * vertices >= triangles + 2 && vertices + triangles == readers::edges_of(mesh).count() + 1;
     // Two triangles back to back are a sphere as well, but have no four vertices to mark.
     if ((!may_be_sphere && !may_be_disk) || vertices < 4) return HMF_OK;
     hmf_mark_set* raw = nullptr;

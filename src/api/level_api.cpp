@@ -32,7 +32,8 @@ hmf_status hmf_level_edge_vertices(const hmf_hierarchy* hierarchy, size_t level,
     if (entry.check(hierarchy, static_cast<const void*>(edge_vertices)) || check_level(*hierarchy, level, call))
         return call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
-    if (check_capacity(capacity, size_t{2} * hierarchy->shown_edges(level), "edge_vertices", call)) return call.status();
+    if (check_capacity(capacity, size_t{2} * hierarchy->shown_edges(level), "edge_vertices", call))
+        return call.status();
     if (level > 0) {
         std::memcpy(edge_vertices, mesh.origin, size_t{2} * mesh.edge_count * sizeof(uint32_t));
         return HMF_OK;
@@ -68,9 +69,11 @@ hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level
     if (entry.check(hierarchy, static_cast<const void*>(triangle_edges)) || check_level(*hierarchy, level, call))
         return call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
-    if (check_capacity(capacity, size_t{3} * hierarchy->shown_triangles(level), "triangle_edges", call)) return call.status();
+    if (check_capacity(capacity, size_t{3} * hierarchy->shown_triangles(level), "triangle_edges", call))
+        return call.status();
     if (level == 0) {
-        std::memcpy(triangle_edges, hierarchy->triangle_edges, size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
+        std::memcpy(triangle_edges, hierarchy->triangle_edges,
+                    size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
         return HMF_OK;
     }
     for_each_face(mesh, [&](uint32_t face, uint32_t h) {
@@ -88,9 +91,11 @@ hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t le
     if (entry.check(hierarchy, static_cast<const void*>(triangle_vertices)) || check_level(*hierarchy, level, call))
         return call.status();
     const Mesh& mesh = hierarchy->levels[level].mesh;
-    if (check_capacity(capacity, size_t{3} * hierarchy->shown_triangles(level), "triangle_vertices", call)) return call.status();
+    if (check_capacity(capacity, size_t{3} * hierarchy->shown_triangles(level), "triangle_vertices", call))
+        return call.status();
     if (level == 0) {
-        std::memcpy(triangle_vertices, hierarchy->triangle_vertices, size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
+        std::memcpy(triangle_vertices, hierarchy->triangle_vertices,
+                    size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
         return HMF_OK;
     }
     for_each_face(mesh, [&](uint32_t face, uint32_t h) {

@@ -4,6 +4,7 @@
 #include "caller_numbers.hpp"
 #include "surface_loops.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -16,8 +17,8 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     if (!set && h.is_double()) {
         FoundLoops found;
         if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made, HMF_LOOP_TRIANGLES, 0, found.count(), found.offsets.data(),
-                                   found.triangles.data(), nullptr, found.arcs.data()};
+        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
+                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
         return read_loop_set(h, &made, own, out, call);
     }
     if (!set) {
@@ -92,8 +93,8 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
             return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
                              "The weight of loop %llu is %g. Weights are positive and finite.",
                              static_cast<unsigned long long>(c), w);
-        if (w > largest) largest = w;
-        if (w < smallest) smallest = w;
+        largest = std::max(largest, w);
+        smallest = std::min(smallest, w);
     }
     if (largest / smallest > 1048576.0)
         return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, 0,
@@ -102,8 +103,8 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     out.unit = unit_of_weights(h.is_double() ? 2 * largest : largest);
     if (!out.weights.allocate(call.memory, count)) return call.out_of_memory();
     for (size_t c = 0; c < count; ++c) {
-        out.weights[c] =
-            static_cast<int64_t>((given_weights ? given_weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
+        out.weights[c] = static_cast<int64_t>(
+            (given_weights ? given_weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
         if (c < doubled.factor.size()) out.weights[c] *= doubled.factor[c];
     }
     if (!set) return HMF_OK;

@@ -3,6 +3,8 @@
 #include "read_loop_set.hpp"
 #include "surface_loops.hpp"
 
+#include <algorithm>
+
 using namespace hmf;
 
 namespace {
@@ -42,10 +44,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 // The sentence of a solve that ended with a foliation.
 hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
     switch (status) {
-    case HMF_OK:
-        call.range(1, 1);
-        call.tick(1, true);
-        return HMF_OK;
+    case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
@@ -84,11 +83,11 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
     if (!certificate.known) {
         Rings rings;
         Star star;
-        if (!rings.build(state.foliation.mesh, level.weight, call.memory)
+        if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
             || !star.allocate(call.memory, rings.max_degree))
             return call.out_of_memory();
         const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
-        certificate = {true, energy(state.foliation, level.weight), residual.max, residual.mean};
+        certificate = {true, energy(state.foliation, level.weight, call.parallel), residual.max, residual.mean};
         if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
     }
     const double share = state.hierarchy->share();
@@ -124,8 +123,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         }
         if (!state.to_input(call)) return call.stopped();
     }
-    const SingularityCount count = count_singularities(state.foliation, nullptr, nullptr, nullptr, nullptr);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
+    const SingularityCount count = count_singularities(state.foliation);
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;
@@ -228,7 +226,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     Entry entry(hierarchy, control, error);
     Call& call = entry.call;
     if (entry.check(hierarchy, out) || check_level(*hierarchy, level, call)) return call.status();
-    if (hierarchy->is_double()) return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
+    if (hierarchy->is_double())
+        return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
     Array<uint32_t> faces, triangle;
     if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces))
@@ -240,7 +239,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
             return call.status();
         for (size_t i = 0; i < faces.size(); ++i) faces[i] = triangle[faces[i]];
     }
-    hmf_loop_set made{sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
+    hmf_loop_set made{
+        sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(made, made.offsets, loops.offsets.size(), loops.offsets.data());
     block.array(made, made.elements, faces.size(), faces.data());
@@ -285,8 +285,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     }
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
-    if (!state.allocate(*hierarchy, given.level < solve.stop_level ? given.level : solve.stop_level, call.memory))
-        return call.out_of_memory();
+    if (!state.allocate(*hierarchy, std::min(solve.stop_level, given.level), call.memory)) return call.out_of_memory();
     state.load(given.level, Side::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     return solve_from(state, start, &given, given.unit, solve, call, out);

@@ -31,13 +31,13 @@ public:
 
 private:
     bool is_front(uint32_t face) const { return triangle_[face] < h_.surface_triangles; }
-    bool find_boundaries();
-    bool push(uint32_t triangle);
-    bool walk(uint32_t side, bool forward);
-    bool finish(bool is_arc);
+    [[nodiscard]] Done find_boundaries();
+    Done push(uint32_t triangle);
+    Done walk(uint32_t side, bool forward);
+    Done finish(bool is_arc);
     hmf_status add_closed(int32_t kind);
-    bool add_capped(const uint32_t* triangles, size_t n);
-    bool add_round(uint32_t boundary);
+    Done add_capped(const uint32_t* triangles, size_t n);
+    Done add_round(uint32_t boundary);
     hmf_status add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside);
     uint8_t number_in_triangle(uint32_t side) const;
     hmf_status add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last);
@@ -57,7 +57,7 @@ uint32_t next_in(const Array<uint32_t>& first, uint32_t curve, uint32_t side) {
     return side + 1 < first[curve + 1] ? side + 1 : first[curve];
 }
 
-bool Finder::find_boundaries() {
+Done Finder::find_boundaries() {
     Array<uint32_t> face;
     Array<uint8_t> seen;
     if (caller_faces(h_, face, call_) || inverse_numbers(face.data(), face.size(), triangle_, call_)) return false;
@@ -82,13 +82,14 @@ bool Finder::find_boundaries() {
     return first_side_.push(static_cast<uint32_t>(side_.size()));
 }
 
-bool Finder::push(uint32_t triangle) {
-    return (!loop_.empty() && loop_.back() == triangle) || loop_.push(triangle);
+Done Finder::push(uint32_t triangle) {
+    if (!loop_.empty() && loop_.back() == triangle) return true;
+    return loop_.push(triangle);
 }
 
 // The triangles round the vertex between two sides, from one side to the other;
 // backward: from the next side to this one.
-bool Finder::walk(uint32_t side, bool forward) {
+Done Finder::walk(uint32_t side, bool forward) {
     const uint32_t h = side_[side], end = side_[next_in(first_side_, curve_[side], side)];
     if (forward) {
         for (uint32_t g = mesh_.next[h];; g = mesh_.next[twin(g)]) {
@@ -102,17 +103,18 @@ bool Finder::walk(uint32_t side, bool forward) {
     }
 }
 
-bool Finder::finish(bool is_arc) {
+Done Finder::finish(bool is_arc) {
     size_t begin = 0, end = loop_.size();
     while (!is_arc && end - begin > 1 && loop_[begin] == loop_[end - 1]) --end;
     for (size_t i = begin; i < end; ++i)
         if (!out_->triangles.push(loop_[i])) return false;
     loop_.clear();
-    return out_->offsets.push(out_->triangles.size()) && out_->arcs.push(is_arc);
+    if (!out_->offsets.push(out_->triangles.size())) return false;
+    return out_->arcs.push(is_arc);
 }
 
 // A loop of the capped surface; triangle m + q is the cap beyond side q.
-bool Finder::add_capped(const uint32_t* triangles, size_t n) {
+Done Finder::add_capped(const uint32_t* triangles, size_t n) {
     const uint32_t m = h_.surface_triangles;
     size_t start = 0;
     while (start + 1 < n && triangles[start] >= m) ++start;
@@ -155,8 +157,7 @@ hmf_status Finder::add_closed(int32_t kind) {
             const uint32_t v = number[mesh_.origin[side_[q]]], w = number[mesh_.target(side_[q])];
             const uint32_t corners[3] = {w, v, n + b};
             for (size_t s = 0; s < 3; ++s) triangles[3 * (size_t{m} + q) + s] = corners[s];
-            for (size_t c = 0; c < 3; ++c)
-                position[size_t{3} * (n + b) + c] += share * position[size_t{3} * v + c];
+            for (size_t c = 0; c < 3; ++c) position[size_t{3} * (n + b) + c] += share * position[size_t{3} * v + c];
         }
     }
     number.release();
@@ -182,7 +183,7 @@ hmf_status Finder::add_closed(int32_t kind) {
     return HMF_OK;
 }
 
-bool Finder::add_round(uint32_t boundary) {
+Done Finder::add_round(uint32_t boundary) {
     for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
         if (!walk(q, true)) return false;
     return finish(false);
@@ -250,7 +251,8 @@ hmf_status Finder::run(int32_t kind, FoundLoops& out) {
         inside += mesh_.is_marked(h_.vertex_internal[v]) && !h_.mirror.is_boundary(v);
     // Without handles a cut system is round pairs of marked vertices.
     const bool has_pairs = genus == 0 && inside >= 2 && boundaries + inside >= 4;
-    const bool has_closed = kind == HMF_LOOPS_CUT ? genus > 0 || has_pairs : 3 * size_t{genus} + boundaries + inside > 3;
+    const bool has_closed =
+        kind == HMF_LOOPS_CUT ? genus > 0 || has_pairs : 3 * size_t{genus} + boundaries + inside > 3;
     if (has_closed && add_closed(kind)) return call_.status();
     const bool is_disk = h_.genus == 0, is_annulus = genus == 0 && boundaries == 2 && inside == 0;
     if (!is_disk || inside >= 2)

@@ -14,6 +14,6 @@ struct FoundLoops {
 };
 
 // kind: HMF_LOOPS_CUT or HMF_LOOPS_PANTS; others are refused.
-hmf_status surface_loops(const hmf_hierarchy& hierarchy, int32_t kind, Call& call, FoundLoops& out);
+[[nodiscard]] hmf_status surface_loops(const hmf_hierarchy& hierarchy, int32_t kind, Call& call, FoundLoops& out);
 
 } // namespace hmf

@@ -24,7 +24,7 @@ public:
 private:
     bool is_arc(size_t c) const { return given_.arcs && given_.arcs[c] != 0; }
     bool is_triangles() const { return given_.element_kind == HMF_LOOP_TRIANGLES; }
-    bool find_sheets();
+    Done find_sheets();
     hmf_status check_elements(size_t c);
     hmf_status check_ends(size_t c);
     // An edge from one vertex to another with a triangle on the sheet; NONE if there is none.
@@ -47,7 +47,7 @@ private:
     Array<uint32_t> image_; // per internal face
 };
 
-bool Doubler::find_sheets() {
+Done Doubler::find_sheets() {
     const uint32_t m = h_.mirror.triangle_count;
     if (!sheet_.allocate(call_.memory, mesh_.face_count) || !face_.allocate(call_.memory, mesh_.face_count)
         || !side_.allocate(call_.memory, mesh_.face_count) || !image_.allocate(call_.memory, mesh_.face_count))

@@ -29,13 +29,14 @@ inline uint8_t arc_between_sides(uint8_t first, uint8_t last) {
 }
 
 struct DoubledLoops {
-    Loops loops;                // on the input side of level 0
-    Array<uint32_t> of;         // per loop of the double: that of the caller
-    Array<int64_t> factor;      // likewise, of its weight: 1 or 2
-    Array<uint64_t> offsets;    // with `elements` what a message may name: the caller's elements
+    Loops loops;             // on the input side of level 0
+    Array<uint32_t> of;      // per loop of the double: that of the caller
+    Array<int64_t> factor;   // likewise, of its weight: 1 or 2
+    Array<uint64_t> offsets; // with `elements` what a message may name: the caller's elements
     Array<uint32_t> elements;
 };
 
-hmf_status double_loops(const hmf_hierarchy& hierarchy, const SurfaceLoops& given, Call& call, DoubledLoops& out);
+[[nodiscard]] hmf_status double_loops(const hmf_hierarchy& hierarchy, const SurfaceLoops& given, Call& call,
+                                      DoubledLoops& out);
 
 } // namespace hmf

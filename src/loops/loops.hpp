@@ -60,7 +60,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
 
 // The second half of it: paths are closed sequences of half-edges, along edges
 // (along_edges) or crossed already.
-hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out);
+[[nodiscard]] hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out);
 
 // Removes neighbours of a cyclic sequence that cancel; what is left is
 // sequence[begin], .., sequence[end - 1].

@@ -155,10 +155,10 @@ public:
         out.offsets.start(call.memory);
         out.crossings.start(call.memory);
     }
-    bool start() { return out_.offsets.push(0); }
+    Done start() { return out_.offsets.push(0); }
 
     // False: out of memory.  The path is used up.
-    bool add(Array<uint32_t>& path, bool along_edges) {
+    Done add(Array<uint32_t>& path, bool along_edges) {
         size_t from = 0, to = 0;
         if (along_edges) {
             pull_straight(mesh_, path, from, to);

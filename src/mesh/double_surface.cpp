@@ -16,9 +16,7 @@ hmf_status double_surface(const double* positions, size_t vertex_count, size_t p
     // Vertices of one boundary curve are connected along its sides.
     Array<uint32_t> curve;
     if (!curve.allocate_filled(call.memory, vertex_count, NONE)) return call.out_of_memory();
-    const auto end = [&](uint32_t side, uint32_t which) {
-        return triangles[side - side % 3 + (side % 3 + which) % 3];
-    };
+    const auto end = [&](uint32_t side, uint32_t which) { return triangles[side - side % 3 + (side % 3 + which) % 3]; };
     for (const uint32_t side : sides) {
         out.boundary_side[side] = 1;
         for (uint32_t which = 0; which < 2; ++which) curve[end(side, which)] = end(side, which);

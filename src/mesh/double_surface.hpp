@@ -35,19 +35,20 @@ struct Mirror {
 
 // What the double is made of, in the numbers of the caller.
 struct Doubling {
-    uint32_t vertex_count = 0;  // of the double
-    uint64_t marked_count = 0;  // likewise
+    uint32_t vertex_count = 0; // of the double
+    uint64_t marked_count = 0; // likewise
     uint32_t boundary_count = 0;
-    Array<double> positions;       // 3 * vertex_count
-    Array<uint32_t> marked;        // marked_count
-    Array<uint8_t> boundary_side;  // 3 * triangle_count: the side has one triangle
+    Array<double> positions;      // 3 * vertex_count
+    Array<uint32_t> marked;       // marked_count
+    Array<uint8_t> boundary_side; // 3 * triangle_count: the side has one triangle
 };
 
 // sides: those with one triangle, as 3 * triangle + side.  triangles: those of
 // the surface, 3 * triangle_count, with room for as many again, which are filled.
 // mirror: one for each vertex, filled.  marked: vertices that exist, none twice.
-hmf_status double_surface(const double* positions, size_t vertex_count, size_t position_stride, uint32_t* triangles,
-                          size_t triangle_count, const Array<uint32_t>& sides, const uint32_t* marked,
-                          uint64_t marked_count, uint32_t* mirror, Doubling& out, Call& call);
+[[nodiscard]] hmf_status double_surface(const double* positions, size_t vertex_count, size_t position_stride,
+                                        uint32_t* triangles, size_t triangle_count, const Array<uint32_t>& sides,
+                                        const uint32_t* marked, uint64_t marked_count, uint32_t* mirror, Doubling& out,
+                                        Call& call);
 
 } // namespace hmf
