@@ -414,10 +414,10 @@ typedef struct hmf_loop_set {
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
     const double *weights;       /* count, > 0; NULL = all 1 */
-    const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie at
-                                    the boundary; NULL = all are closed.  1 + 2 * a + 8 * b: an arc of triangles that
-                                    begins at side a - 1 of its first triangle and ends at side b - 1 of the last one; a,
-                                    b = 0: at the first side on the boundary */
+    const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
+                                    at the boundary; NULL = all are closed.  1 + 2 * a + 8 * b: an arc of triangles
+                                    that begins at side a - 1 of its first triangle and ends at side b - 1 of the last
+                                    one; a, b = 0: at the first side on the boundary */
 } hmf_loop_set;
 
 /*

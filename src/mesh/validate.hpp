@@ -25,9 +25,10 @@ struct CallerMesh {
 
 // Refuses triangles without area, and everything that is not an oriented
 // edge-manifold.  Sides with one triangle go to `boundary` (as 3 * triangle of
-// the caller + side); if there are any, the mesh is not to be used.  Fills mesh (whose arrays have room for 3/2 edges a triangle)
-// and degree; the corners in `ordered` become half-edges.  part (vertex_count)
-// becomes a forest of disjoint_sets.hpp over vertices that are connected.
+// the caller + side); if there are any, the mesh is not to be used.  Fills mesh
+// (whose arrays have room for 3/2 edges a triangle) and degree; the corners in
+// `ordered` become half-edges.  part (vertex_count) becomes a forest of
+// disjoint_sets.hpp over vertices that are connected.
 [[nodiscard]] hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const CallerMesh& caller,
                                         Mesh& mesh, Array<uint32_t>& degree, uint32_t* part, Array<uint32_t>& boundary,
                                         Call& call);
