@@ -101,10 +101,10 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     Call& call = entry.call;
     if (entry.check(hierarchy_of(foliation), static_cast<const void*>(out))) return call.status();
     State state;
-    if (load_solved(*foliation, state, call)) return call.status();
+    double unit = 1;
+    if (load_solved(*foliation, state, unit, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight, call.parallel) * foliation->unit * foliation->unit
-         * foliation->hierarchy->share();
+    *out = energy(state.foliation, weight, call.parallel) * unit * unit * foliation->hierarchy->share();
     return entry.end();
 }
 
@@ -122,7 +122,8 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Rings rings;
     Star star;
     Array<double> residual;
-    if (load_solved(*foliation, state, call)) return call.status();
+    double unit = 1;
+    if (load_solved(*foliation, state, unit, call)) return call.status();
     if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
         || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, level.mesh.vertex_count))
         return call.out_of_memory();
