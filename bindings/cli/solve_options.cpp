@@ -25,7 +25,8 @@ Options solve_options(SolveRequest& r) {
                "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
                "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
                "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
-               "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
+               "or FILE: one loop a line, vertex indices from 0 (closed edge path), t: and triangle indices, or "
+               "a: and the vertices of an arc from boundary to boundary"}
             .reads(""),
         Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"},
         Option{"--marks", &r.marks, "auto|none|FILE",
