@@ -26,12 +26,21 @@ struct SolveRequest {
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0; // of leaves, of quads
+    uint64_t count = 0, relax = 0; // of quads: how many instead of their size; steps of relaxation
+    bool merges = false;           // quads: short critical leaves
+    bool no_poles = false;         // no marks of the library
     bool conjugate = false;       // leaves across as well
     int32_t checkerboard = 0;     // in the picture, instead of stripes
     bool conformality = false;    // in the report
 };
 
 Options solve_options(SolveRequest& request);
+Options quads_options(SolveRequest& request);
+// Of both.
+Option loops_option(SolveRequest& request);
+Option weights_option(SolveRequest& request);
+Option marks_option(SolveRequest& request);
+Option mollify_option(SolveRequest& request);
 // Of every command that reads a mesh.
 Option repair_option(bool& target);
 Option join_option(bool& target);
@@ -47,6 +56,7 @@ struct Outcome {
 
 // Throws Failure where there is no result.
 Outcome solve(const std::vector<std::string>& words);
+Outcome quads(const std::vector<std::string>& words);
 
 // hmf_version as text.
 std::string version_text();

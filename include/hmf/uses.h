@@ -215,6 +215,12 @@ typedef struct hmf_quad_options {
     uint32_t reserved;           /* 0 */
     double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as
                                     many quads as triangles / 2 */
+    uint64_t count;              /* wished number of quads instead of edge_length; 0 = none */
+    int32_t merge;               /* not 0: a critical leaf shorter than half an edge gets no quad, its zeros become one
+                                    vertex; others get at least one instead of 2, cylinders at least 2 rows */
+    int32_t keep_poles;          /* not 0: a pole stays a vertex with two edges */
+    uint32_t relax;              /* steps in which vertices move on the surface; 0 = they stay on their leaves */
+    uint32_t reserved_end;       /* 0 */
 } hmf_quad_options;
 
 typedef struct hmf_quad_mesh {
@@ -224,6 +230,9 @@ typedef struct hmf_quad_mesh {
     uint64_t quad_count;
     const double *positions;     /* vertex_count x 3; points of the surface */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
+    uint64_t irregular_count;    /* vertices with another number of edges than 4 */
+    uint64_t inverted_count;     /* quads with a corner of 180 degrees or more, seen along the normal of the quad */
+    double edge_length;          /* root of the area of the surface / number of quads */
 } hmf_quad_mesh;
 
 /*

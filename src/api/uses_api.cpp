@@ -3,6 +3,7 @@
 
 #include "../leaves/cylinder_measures.hpp"
 #include "../leaves/quad_mesh.hpp"
+#include "../leaves/relax_quads.hpp"
 #include "../leaves/trace.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../solve/to_minimum.hpp"
@@ -366,13 +367,25 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     Foliation& f = leaves.state.foliation;
     const double* position = foliation->hierarchy->levels[foliation->level].position;
     if (flat_metric(f, position, leaves.cylinders, metric, call)) return call.status();
-    const double step = all.edge_length > 0
-                          ? all.edge_length * std::sqrt(metric.flat_area / metric.area)
-                          : std::sqrt(metric.flat_area / (0.5 * static_cast<double>(f.mesh.face_count)));
-    if (!(step > 0) || !std::isfinite(step))
+    QuadWish wish;
+    const double by_default = 0.5 * static_cast<double>(f.mesh.face_count);
+    const double number = all.count > 0         ? static_cast<double>(all.count)
+                        : all.edge_length > 0 ? metric.area / (all.edge_length * all.edge_length)
+                                              : by_default;
+    wish.step = std::sqrt(metric.flat_area / number);
+    wish.count = static_cast<int64_t>(all.count);
+    wish.merge = all.merge != 0;
+    wish.keep_poles = all.keep_poles != 0;
+    if (!(wish.step > 0) || !std::isfinite(wish.step))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
-    if (make_quads(f, position, leaves.cylinders, step, made, call)) return call.status();
-    hmf_quad_mesh mesh{sizeof(hmf_quad_mesh), 0, made.positions.size() / 3, made.quads.size() / 4, nullptr, nullptr};
+    QuadFigures figures;
+    if (make_quads(f, position, leaves.cylinders, wish, made, call)
+        || (all.relax > 0 && relax_quads(f.mesh, position, static_cast<int>(all.relax), made, call))
+        || quad_figures(made, figures, call))
+        return call.status();
+    hmf_quad_mesh mesh{sizeof(hmf_quad_mesh), 0, made.vertex_count(), made.quad_count(), nullptr, nullptr,
+                       figures.irregular, figures.inverted,
+                       std::sqrt(metric.area / static_cast<double>(made.quad_count()))};
     ResultBlock block;
     block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
     block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());

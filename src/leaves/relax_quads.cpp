@@ -1,0 +1,276 @@
+// The square nearest to a quad p0 .. p3 with the middle c and the normal n of its
+// diagonals (least squares; R turns by 90 degrees about n):
+//
+//     p3 ---- p2        corners c + R^k d,  4 d = sum of R^-k (p_k - c)
+//      \      |                                 = (p0 - p2) - n x (p1 - p3)
+//       p0 -- p1
+//
+// A vertex goes to the mean of its corners in these squares (after the
+// shape-up steps of Bouaziz et al. 2012), so that angles and sides even out while
+// sizes stay: a grid of squares, conformal as the quads are, is at rest.
+#include "relax_quads.hpp"
+
+#include <cmath>
+
+#include "surface_walk.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t SLICE = 16384; // vertices between ticks
+constexpr double WELL = 0.1;      // sine of a corner that needs no care
+constexpr int UNTANGLE_ROUNDS = 12;
+
+struct Point {
+    double x = 0, y = 0, z = 0;
+};
+Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point cross(const Point& a, const Point& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Point at(const QuadMesh& quads, uint32_t v) {
+    const double* p = &quads.positions[size_t{3} * v];
+    return {p[0], p[1], p[2]};
+}
+
+// The least sine of its corners, as seen along its normal.
+double worst_corner(const Point* p) {
+    const Point n = cross(p[2] - p[0], p[3] - p[1]);
+    const double length = std::sqrt(dot(n, n));
+    if (!(length > 0)) return -1;
+    double worst = 1;
+    for (int k = 0; k < 4; ++k) {
+        const Point e = p[(k + 1) % 4] - p[k], b = p[(k + 3) % 4] - p[k];
+        const double size = std::sqrt(dot(e, e) * dot(b, b)) * length;
+        const double sine = size > 0 ? dot(cross(e, b), n) / size : -1;
+        if (sine < worst) worst = sine;
+    }
+    return worst;
+}
+
+double worst_corner(const QuadMesh& quads, size_t q) {
+    Point p[4];
+    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
+    return worst_corner(p);
+}
+
+class Relaxation {
+public:
+    Relaxation(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+
+    hmf_status run(int steps) {
+        if (!target_.allocate(call_.memory, quads_.vertex_count())
+            || !weight_.allocate(call_.memory, quads_.vertex_count()))
+            return call_.out_of_memory();
+        for (int k = 0; k < steps; ++k)
+            if (!step()) return call_.was_cancelled();
+        return untangle();
+    }
+
+private:
+    bool step() {
+        const uint32_t n = quads_.vertex_count();
+        for (uint32_t v = 0; v < n; ++v) {
+            target_[v] = {};
+            weight_[v] = 0;
+        }
+        for (size_t q = 0; q < quads_.quad_count(); ++q) {
+            if (q % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = &quads_.quads[4 * q];
+            Point p[4];
+            for (int k = 0; k < 4; ++k) p[k] = at(quads_, corner[k]);
+            Point normal = cross(p[2] - p[0], p[3] - p[1]);
+            const double length = std::sqrt(dot(normal, normal));
+            if (!(length > 0)) continue;
+            normal = (1 / length) * normal;
+            const Point middle = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
+            const Point d = 0.25 * ((p[0] - p[2]) - cross(normal, p[1] - p[3])), e = cross(normal, d);
+            const Point square[4] = {middle + d, middle + e, middle - d, middle - e};
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = target_[corner[k]] + square[k];
+                weight_[corner[k]] += 1;
+            }
+        }
+        for (uint32_t v = 0; v < n; ++v) {
+            if (v % SLICE == 0 && !call_.tick(0)) return false;
+            if (quads_.held[v] || !(weight_[v] > 0)) continue;
+            move(v, (1 / weight_[v]) * target_[v]);
+        }
+        return true;
+    }
+
+    void move(uint32_t v, const Point& to) {
+        const double p[3] = {to.x, to.y, to.z};
+        quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
+    }
+
+    // The quads of each vertex that needs care.
+    hmf_status untangle() {
+        Memory& memory = call_.memory;
+        const uint32_t n = quads_.vertex_count();
+        Array<uint32_t> first, of_vertex;
+        for (int round = 0; round < UNTANGLE_ROUNDS; ++round) {
+            Array<uint8_t> is_bad;
+            bool any = false;
+            if (!is_bad.allocate_filled(memory, n, 0)) return call_.out_of_memory();
+            for (size_t q = 0; q < quads_.quad_count(); ++q) {
+                if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
+                if (worst_corner(quads_, q) >= WELL) continue;
+                any = true;
+                for (size_t k = 0; k < 4; ++k) is_bad[quads_.quads[4 * q + k]] = 1;
+            }
+            if (!any) return HMF_OK;
+            if (first.empty()) {
+                if (!first.allocate_filled(memory, size_t{n} + 1, 0u)
+                    || !of_vertex.allocate(memory, quads_.quads.size()))
+                    return call_.out_of_memory();
+                for (const uint32_t v : quads_.quads) ++first[size_t{v} + 1];
+                for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+                Array<uint32_t> next;
+                if (!next.allocate(memory, n)) return call_.out_of_memory();
+                for (uint32_t v = 0; v < n; ++v) next[v] = first[v];
+                for (size_t i = 0; i < quads_.quads.size(); ++i)
+                    of_vertex[next[quads_.quads[i]]++] = static_cast<uint32_t>(i);
+            }
+            bool moved = false;
+            for (uint32_t v = 0; v < n; ++v)
+                if (is_bad[v] && !quads_.held[v])
+                    moved |= improve(v, &of_vertex[first[v]], first[size_t{v} + 1] - first[v], round % 2 == 1);
+            if (!moved && round % 2 == 1) break;
+        }
+        return HMF_OK;
+    }
+
+    // Moves a vertex if that makes the worst corner of its quads better.
+    bool improve(uint32_t v, const uint32_t* corners, uint32_t count, bool by_squares) {
+        const auto worst = [&] {
+            double w = 1;
+            for (uint32_t i = 0; i < count; ++i) {
+                const double x = worst_corner(quads_, corners[i] / 4);
+                if (x < w) w = x;
+            }
+            return w;
+        };
+        Point to;
+        for (uint32_t i = 0; i < count; ++i) {
+            const uint32_t *const quad = &quads_.quads[size_t{corners[i]} / 4 * 4], k = corners[i] % 4;
+            if (by_squares) // the corner that completes the parallelogram of the three others
+                to = to + (at(quads_, quad[(k + 1) % 4]) + at(quads_, quad[(k + 3) % 4])) - at(quads_, quad[(k + 2) % 4]);
+            else to = to + at(quads_, quad[(k + 1) % 4]);
+        }
+        to = (1 / static_cast<double>(count)) * to;
+        const Point from = at(quads_, v);
+        const uint32_t side = quads_.sides[v];
+        const double before = worst();
+        for (double t = 1; t > 0.1; t /= 2) {
+            move(v, from + t * (to - from));
+            if (worst() > before + 1e-9) return true;
+            quads_.sides[v] = side;
+            double* p = &quads_.positions[size_t{3} * v];
+            p[0] = from.x;
+            p[1] = from.y;
+            p[2] = from.z;
+        }
+        return false;
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    QuadMesh& quads_;
+    Call& call_;
+    Array<Point> target_;
+    Array<double> weight_;
+};
+
+} // namespace
+
+hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, QuadMesh& quads, Call& call) {
+    return Relaxation(mesh, position, quads, call).run(steps);
+}
+
+hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {
+    Array<uint32_t> valence;
+    figures = {};
+    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
+    for (const uint32_t v : quads.quads) ++valence[v];
+    for (const uint32_t n : valence) figures.irregular += n != 4;
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        figures.inverted += !(worst_corner(quads, q) > 0);
+    }
+    return HMF_OK;
+}
+
+// Every edge gets a vertex in its middle, every quad one in its own:
+//
+//     d---o---c
+//     |   |   |
+//     o---o---o
+//     |   |   |
+//     a---o---b
+hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
+    const uint32_t n = quads.vertex_count();
+    const size_t count = quads.quad_count();
+    struct Edge {
+        uint32_t other, middle;
+    };
+    Array<uint32_t> first, filled, fine;
+    Array<Edge> edges; // of each vertex those to vertices of larger numbers
+    if (!first.allocate_filled(call.memory, size_t{n} + 1, 0u) || !filled.allocate_filled(call.memory, n, 0u)
+        || !fine.allocate(call.memory, 16 * count))
+        return call.out_of_memory();
+    const auto lower = [](uint32_t a, uint32_t b) { return a < b ? a : b; };
+    for (size_t i = 0; i < 4 * count; ++i)
+        ++first[size_t{lower(quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
+    for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+    if (!edges.allocate(call.memory, first[n])) return call.out_of_memory();
+    const auto add = [&](const double* p, uint32_t side) {
+        double nearest[3];
+        const uint32_t found = walk_to_nearest(mesh, position, side, p, nearest);
+        return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
+            && quads.sides.push(found) && quads.held.push(0);
+    };
+    const size_t vertices = n + 3 * count + 2;
+    if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
+        return call.out_of_memory();
+    for (size_t q = 0; q < count; ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        uint32_t middle[4];
+        double p[3] = {0, 0, 0};
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t a = quads.quads[4 * q + k], b = quads.quads[4 * q + (k + 1) % 4];
+            const uint32_t low = lower(a, b), high = a + b - low;
+            uint32_t i = first[low];
+            while (i < first[low] + filled[low] && edges[i].other != high) ++i;
+            if (i == first[low] + filled[low]) {
+                edges[i] = {high, quads.vertex_count()};
+                ++filled[low];
+                for (size_t c = 0; c < 3; ++c)
+                    p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
+                if (!add(p, quads.sides[low])) return call.out_of_memory();
+            }
+            middle[k] = edges[i].middle;
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            p[c] = 0;
+            for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads.positions[size_t{3} * middle[k] + c];
+        }
+        const uint32_t centre = quads.vertex_count();
+        if (!add(p, quads.sides[middle[0]])) return call.out_of_memory();
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t quad[4] = {quads.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
+            // a-d and b-c lie on leaves, as before.
+            for (size_t c = 0; c < 4; ++c) fine[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
+        }
+    }
+    quads.quads.swap(fine);
+    return HMF_OK;
+}
+
+} // namespace hmf
