@@ -444,8 +444,9 @@ private:
         if (r_.spacing == 0 && !r_.leaves.empty())
             r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
         std::vector<Owned<hmf_quad_mesh>> quads;
-        attempt_each("--quads", !r_.quads.empty(),
-                     [&](Component& c) { quads.push_back(make_quads(c.foliation(), quad_wish(c), control_, c.subject())); });
+        attempt_each("--quads", !r_.quads.empty(), [&](Component& c) {
+            quads.push_back(make_quads(c.foliation(), quad_wish(c), control_, c.subject()));
+        });
         attempt("--quads", !quads.empty(), [&] {
             write_quads(r_.quads, quads);
             for (const Owned<hmf_quad_mesh>& mesh : quads) {
@@ -498,8 +499,9 @@ private:
                       number(json, "poles"), seconds);
         outcome_.summary = summary + line;
         if (r_.count > 0 && quads_ > 0)
-            outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, " + std::to_string(irregular_)
-                              + " irregular vertices, " + std::to_string(inverted_) + " inverted quads";
+            outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, "
+                              + std::to_string(irregular_) + " irregular vertices, " + std::to_string(inverted_)
+                              + " inverted quads";
         if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_);
     }
 

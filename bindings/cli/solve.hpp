@@ -25,13 +25,13 @@ struct SolveRequest {
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;
-    double spacing = 0, size = 0; // of leaves, of quads
+    double spacing = 0, size = 0;  // of leaves, of quads
     uint64_t count = 0, relax = 0; // of quads: how many instead of their size; steps of relaxation
     bool merges = false;           // quads: short critical leaves
     bool no_poles = false;         // no marks of the library
-    bool conjugate = false;       // leaves across as well
-    int32_t checkerboard = 0;     // in the picture, instead of stripes
-    bool conformality = false;    // in the report
+    bool conjugate = false;        // leaves across as well
+    int32_t checkerboard = 0;      // in the picture, instead of stripes
+    bool conformality = false;     // in the report
 };
 
 Options solve_options(SolveRequest& request);

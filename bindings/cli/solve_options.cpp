@@ -16,11 +16,11 @@ Option join_option(bool& target) {
 
 Option loops_option(SolveRequest& r) {
     return Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
-               "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
-               "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
-               "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
-               "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
-            .reads("");
+                  "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
+                  "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
+                  "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
+                  "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
+        .reads("");
 }
 
 Option weights_option(SolveRequest& r) {
@@ -28,17 +28,18 @@ Option weights_option(SolveRequest& r) {
 }
 
 Option marks_option(SolveRequest& r) {
-    return Option{"--marks", &r.marks, "auto|none|FILE",
-               "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else none;\n"
-               "or FILE: vertex indices from 0"}
-            .reads("");
+    return Option{
+        "--marks", &r.marks, "auto|none|FILE",
+        "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else none;\n"
+        "or FILE: vertex indices from 0"}
+        .reads("");
 }
 
 Option mollify_option(SolveRequest& r) {
     return Option{"--mollify", &r.mollify, "X",
-               "accept triangles without area: margin of the triangle inequalities,\n"
-               "in mean edge lengths, e.g. 1e-5"}
-            .in("[0, 0.1]");
+                  "accept triangles without area: margin of the triangle inequalities,\n"
+                  "in mean edge lengths, e.g. 1e-5"}
+        .in("[0, 0.1]");
 }
 
 Options solve_options(SolveRequest& r) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cylinder_classes.hpp"
+#include "quad_sizes.hpp"
 
 namespace hmf {
 

@@ -61,8 +61,7 @@ bool quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
             // The one on the arc was made before those of the rows.
             if (round == 0) {
                 const uint32_t tip = a < b ? a : b;
-                for (size_t c = 0; c < 3; ++c)
-                    mesh.positions[size_t{3} * tip + c] = mesh.positions[size_t{3} * v + c];
+                for (size_t c = 0; c < 3; ++c) mesh.positions[size_t{3} * tip + c] = mesh.positions[size_t{3} * v + c];
                 mesh.sides[tip] = mesh.sides[v];
                 mesh.held[tip] = 1;
             }

@@ -19,7 +19,8 @@
 //     Z---Z      a circle of arcs without columns, or less than three columns on
 //      \ /       an arc (or circle) from a vertex to itself;
 //                two arcs of one column with the same ends;
-//                less than three columns round a cylinder.
+//                less than three columns round a cylinder;
+//                less than three rows in one whose boundaries share a vertex.
 #include "quad_sizes.hpp"
 
 #include <cmath>
@@ -33,7 +34,8 @@ namespace {
 
 constexpr int64_t LEAST_ROUND = 3;      // columns of a cylinder, or of a circle
 constexpr int64_t LEAST_OVER_POLES = 2; // on an arc between two poles: one quad closes the end
-constexpr double MOST_LINES = 1 << 24, MOST_QUADS = 1 << 28;
+constexpr int64_t MOST_ROWS_NEEDED = 3;
+constexpr double MOST_LINES = 1 << 24;
 constexpr double BELOW_SOFT = 1e6, FROM_MERGED = 4; // costs
 
 int64_t rounded(double x) { return static_cast<int64_t>(std::floor(x + 0.5)); }
@@ -52,8 +54,9 @@ hmf_status QuadSizes::start(const Cylinders& cylinders, const Array<double>& len
         || !wish_.allocate(memory, arcs) || !floor_.allocate(memory, arcs) || !soft_.allocate(memory, arcs)
         || !off_.allocate(memory, n) || !held_.allocate(memory, arcs) || !from_.allocate(memory, 2 * n)
         || !reached_.allocate(memory, 2 * n) || !root_.allocate(memory, zeros) || !order_.allocate(memory, zeros)
-        || !ends_.allocate(memory, arcs) || !prongs_.allocate_filled(memory, zeros, 0)
-        || !best_columns_.allocate(memory, arcs) || !best_rows_.allocate(memory, n))
+        || !ends_.allocate(memory, arcs) || !prongs_.allocate_filled(memory, zeros, 0) || !met_.allocate(memory, zeros)
+        || !rows_needed_.allocate(memory, n) || !best_columns_.allocate(memory, arcs)
+        || !best_rows_.allocate(memory, n))
         return call.out_of_memory();
     for (size_t a = 0; a < arcs; ++a) length_[a] = (length[a] + length[graph().arcs[a].twin]) / 2;
     for (const Sector& s : graph().sectors) ++prongs_[s.zero];
@@ -257,7 +260,6 @@ hmf_status QuadSizes::mend(bool& mended, Call& call) {
 }
 
 hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
-    const int64_t least_rows = merge_ && !wide_ ? 2 : 3;
     matched = true;
     double total = 0, quads = 0;
     for (const double l : length_) total += l / step;
@@ -269,18 +271,19 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
         for (uint32_t a = b.arcs_begin; a < b.arcs_end; ++a) round += length_[a] / step;
         total += wanted;
         quads += wanted * round;
-        rows[c] = wanted < static_cast<double>(least_rows) ? least_rows
-                : wanted < MOST_LINES                      ? static_cast<int64_t>(wanted)
-                                                           : 0;
+        rows[c] = wanted < 1 ? 1 : wanted < MOST_LINES ? static_cast<int64_t>(wanted) : 0;
     }
-    if (!(total < MOST_LINES) || !(quads < MOST_QUADS))
-        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                         "Quads of this size would be %.3g, more than %.3g in all or too many in a row. Choose a larger "
-                         "edge_length.",
-                         quads, MOST_QUADS);
+    if (!(total < MOST_LINES) || !(quads <= static_cast<double>(MOST_QUADS)))
+        return call.fail(
+            HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+            "There would be %.3g quads of this size, with %.3g in a row; at most %.3g and %.3g fit. Choose "
+            "a larger edge_length.",
+            quads, total, static_cast<double>(MOST_QUADS), MOST_LINES);
     if (graph().zeros.empty()) {
         ring = rounded(ring_length_ / step);
         if (ring < LEAST_ROUND) ring = LEAST_ROUND;
+        rows_needed_[0] = MOST_ROWS_NEEDED;
+        if (rows[0] < MOST_ROWS_NEEDED) rows[0] = MOST_ROWS_NEEDED;
         return HMF_OK;
     }
     for (int64_t& o : off_) o = 0;
@@ -302,7 +305,25 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
         if (!matched) return HMF_OK;
         if (mend(mended, call)) return call.status();
     }
+    for (uint32_t c = 0; c < rows.size(); ++c) {
+        rows_needed_[c] = find_rows_needed(c);
+        if (rows[c] < rows_needed_[c]) rows[c] = rows_needed_[c];
+    }
     return HMF_OK;
+}
+
+// With one row between the boundaries, which have no zero in common, all edges
+// across have other ends.
+int64_t QuadSizes::find_rows_needed(uint32_t c) {
+    if (!merge_) return MOST_ROWS_NEEDED;
+    const Boundary &lower = graph().boundaries[cylinders_->list[c].lower],
+                   &upper = graph().boundaries[cylinders_->list[c].upper];
+    for (uint32_t& m : met_) m = 0;
+    for (uint32_t a = lower.arcs_begin; a < lower.arcs_end; ++a)
+        met_[find_root(root_.data(), zero(graph().arcs[a].from))] = 1;
+    for (uint32_t a = upper.arcs_begin; a < upper.arcs_end; ++a)
+        if (met_[find_root(root_.data(), zero(graph().arcs[a].from))]) return MOST_ROWS_NEEDED;
+    return MOST_ROWS_NEEDED - 1;
 }
 
 hmf_status QuadSizes::of_step(double step, Call& call) {
@@ -317,14 +338,12 @@ hmf_status QuadSizes::of_step(double step, Call& call) {
 void QuadSizes::keep() {
     for (size_t a = 0; a < columns.size(); ++a) best_columns_[a] = columns[a];
     for (size_t c = 0; c < rows.size(); ++c) best_rows_[c] = rows[c];
-    best_ring_ = ring;
 }
 
 void QuadSizes::take_back() {
     for (size_t a = 0; a < columns.size(); ++a) columns[a] = best_columns_[a];
     for (size_t c = 0; c < rows.size(); ++c) rows[c] = best_rows_[c];
     for (int64_t& o : off_) o = 0;
-    ring = best_ring_;
 }
 
 hmf_status QuadSizes::widen_at_poles(Call& call) {
@@ -333,7 +352,7 @@ hmf_status QuadSizes::widen_at_poles(Call& call) {
     for (uint32_t a = 0; a < columns.size(); ++a)
         if ((is_pole(graph().arcs[a].from) || is_pole(graph().arcs[a].to)) && columns[a] > 0) raise(a, 2);
     for (int64_t& r : rows)
-        if (r < 3) r = 3;
+        if (r < MOST_ROWS_NEEDED) r = MOST_ROWS_NEEDED;
     for (bool mended = true, matched = false; mended;) {
         if (balance(matched, call)) return call.status();
         if (!matched) { // poles keep their vertex then
@@ -361,27 +380,27 @@ hmf_status QuadSizes::of_count(double step, int64_t count, Call& call) {
             any = true;
             best = off;
             best_step = step;
-            keep();
         }
         if (any && best < 1.01) break;
         if (made > wished) low = step > low ? step : low;
         else high = step < high ? step : high;
         double next = step * std::sqrt(made / wished);
-        if (!(next > low) || !(next < high)) next = high < HUGE_VAL ? (low > 0 ? std::sqrt(low * high) : high / 2) : 2 * low;
+        if (!(next > low) || !(next < high))
+            next = high < HUGE_VAL ? (low > 0 ? std::sqrt(low * high) : high / 2) : 2 * low;
         if (next == step) break;
         step = next;
     }
     if (!any)
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
                          "The cylinders cannot be matched with so few quads. Choose a larger count.");
-    take_back();
+    bool matched = false;
+    if (round_all(best_step, matched, call)) return call.status(); // once more the best
     tune_rows(best_step, count);
     return HMF_OK;
 }
 
 // One row more or less in the cylinders where it changes shapes least, until the number fits.
 void QuadSizes::tune_rows(double step, int64_t count) {
-    const int64_t least_rows = merge_ && !wide_ ? 2 : 3;
     const auto shape = [&](uint32_t c, int64_t n) { // how far rows are from as high as wished, as a factor
         const double x = static_cast<double>(cylinders_->list[c].height) / (step * static_cast<double>(n));
         return x > 1 ? x : 1 / x;
@@ -393,7 +412,7 @@ void QuadSizes::tune_rows(double step, int64_t count) {
         double least = 1.25; // no more than this
         for (uint32_t c = 0; c < rows.size(); ++c) {
             const int64_t n = across(c), left = off + by * n;
-            if (rows[c] + by < least_rows || (left < 0 ? -left : left) >= (off < 0 ? -off : off)) continue;
+            if (rows[c] + by < rows_needed_[c] || (left < 0 ? -left : left) >= (off < 0 ? -off : off)) continue;
             const double s = shape(c, rows[c] + by);
             if (s >= least) continue;
             least = s;

@@ -7,6 +7,8 @@
 
 namespace hmf {
 
+constexpr uint64_t MOST_QUADS = uint64_t{1} << 28;
+
 class QuadSizes {
 public:
     Array<int64_t> columns; // per side of an arc, both sides the same; 0: its ends become one
@@ -31,6 +33,7 @@ public:
     int64_t across(uint32_t cylinder) const;
 
 private:
+    int64_t find_rows_needed(uint32_t cylinder);
     struct Step {
         uint32_t state, arc;
     };
@@ -38,7 +41,9 @@ private:
         uint32_t low, high, arc;
     };
 
-    uint32_t cylinder(uint32_t a) const { return cylinders_->of_boundary[graph().sectors[graph().arcs[a].from].boundary]; }
+    uint32_t cylinder(uint32_t a) const {
+        return cylinders_->of_boundary[graph().sectors[graph().arcs[a].from].boundary];
+    }
     int64_t sign(uint32_t a) const {
         return cylinders_->list[cylinder(a)].lower == graph().sectors[graph().arcs[a].from].boundary ? 1 : -1;
     }
@@ -62,18 +67,18 @@ private:
     const Cylinders* cylinders_ = nullptr;
     bool merge_ = false, wide_ = false;
     double ring_length_ = 0;
-    Array<double> length_, wish_;         // per side of an arc
-    Array<int64_t> floor_, soft_;         // fewest columns: always, and where there is another way
-    Array<int64_t> off_;                  // columns of the lower boundary minus those of the upper one
-    Array<uint8_t> held_;                 // per side: gives nothing away in this search
-    Array<int32_t> prongs_, order_;       // per zero; of all zeros with this root
-    Array<uint32_t> root_;                // per zero: that it becomes one with
+    Array<double> length_, wish_;   // per side of an arc
+    Array<int64_t> floor_, soft_;   // fewest columns: always, and where there is another way
+    Array<int64_t> off_;            // columns of the lower boundary minus those of the upper one
+    Array<uint8_t> held_;           // per side: gives nothing away in this search
+    Array<int32_t> prongs_, order_; // per zero; of all zeros with this root
+    Array<uint32_t> met_;
+    Array<uint32_t> root_; // per zero: that it becomes one with
     Array<Step> from_;
     Array<double> reached_;
     Array<Ends> ends_;
     NearestFirst queue_;
-    Array<int64_t> best_columns_, best_rows_;
-    int64_t best_ring_ = 0;
+    Array<int64_t> best_columns_, best_rows_, rows_needed_;
 };
 
 } // namespace hmf

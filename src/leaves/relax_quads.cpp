@@ -20,7 +20,7 @@ namespace {
 
 constexpr uint32_t SLICE = 16384; // vertices between ticks
 constexpr double WELL = 0.1;      // sine of a corner that needs no care
-constexpr int UNTANGLE_ROUNDS = 12;
+constexpr int RINGS = 4, ROUNDS = 3, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 8;
 
 struct Point {
     double x = 0, y = 0, z = 0;
@@ -66,23 +66,28 @@ public:
 
     hmf_status run(int steps) {
         if (!target_.allocate(call_.memory, quads_.vertex_count())
-            || !weight_.allocate(call_.memory, quads_.vertex_count()))
+            || !weight_.allocate_filled(call_.memory, quads_.vertex_count(), 0.0))
             return call_.out_of_memory();
+        list_.start(call_.memory);
         for (int k = 0; k < steps; ++k)
-            if (!step()) return call_.was_cancelled();
+            if (!step(quads_.quad_count())) return call_.was_cancelled();
         return untangle();
     }
 
 private:
-    bool step() {
-        const uint32_t n = quads_.vertex_count();
-        for (uint32_t v = 0; v < n; ++v) {
-            target_[v] = {};
-            weight_[v] = 0;
+    // Of the quads on the list (empty: of all) and the vertices with a mark (empty: all).
+    bool step(size_t count) {
+        const auto quad = [&](size_t i) { return &quads_.quads[4 * (list_.empty() ? i : size_t{list_[i]})]; };
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = {};
+                weight_[corner[k]] = 0;
+            }
         }
-        for (size_t q = 0; q < quads_.quad_count(); ++q) {
-            if (q % SLICE == 0 && !call_.tick(0)) return false;
-            const uint32_t* const corner = &quads_.quads[4 * q];
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
             Point p[4];
             for (int k = 0; k < 4; ++k) p[k] = at(quads_, corner[k]);
             Point normal = cross(p[2] - p[0], p[3] - p[1]);
@@ -97,10 +102,15 @@ private:
                 weight_[corner[k]] += 1;
             }
         }
-        for (uint32_t v = 0; v < n; ++v) {
-            if (v % SLICE == 0 && !call_.tick(0)) return false;
-            if (quads_.held[v] || !(weight_[v] > 0)) continue;
-            move(v, (1 / weight_[v]) * target_[v]);
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                const uint32_t v = corner[k];
+                if (quads_.held[v] || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
+                move(v, (1 / weight_[v]) * target_[v]);
+                weight_[v] = 0; // once
+            }
         }
         return true;
     }
@@ -110,39 +120,70 @@ private:
         quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
     }
 
-    // The quads of each vertex that needs care.
+    // Where quads have a corner of nearly 180 degrees or more, some rings round them
+    // are relaxed further, and then vertices moved where that helps the worst corner.
     hmf_status untangle() {
         Memory& memory = call_.memory;
         const uint32_t n = quads_.vertex_count();
-        Array<uint32_t> first, of_vertex;
-        for (int round = 0; round < UNTANGLE_ROUNDS; ++round) {
-            Array<uint8_t> is_bad;
+        const size_t count = quads_.quad_count();
+        for (int round = 0; round < ROUNDS; ++round) {
             bool any = false;
-            if (!is_bad.allocate_filled(memory, n, 0)) return call_.out_of_memory();
-            for (size_t q = 0; q < quads_.quad_count(); ++q) {
+            for (size_t q = 0; q < count && !any; ++q) {
                 if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
-                if (worst_corner(quads_, q) >= WELL) continue;
-                any = true;
-                for (size_t k = 0; k < 4; ++k) is_bad[quads_.quads[4 * q + k]] = 1;
+                any = worst_corner(quads_, q) < WELL;
             }
-            if (!any) return HMF_OK;
-            if (first.empty()) {
-                if (!first.allocate_filled(memory, size_t{n} + 1, 0u)
-                    || !of_vertex.allocate(memory, quads_.quads.size()))
-                    return call_.out_of_memory();
-                for (const uint32_t v : quads_.quads) ++first[size_t{v} + 1];
-                for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
-                Array<uint32_t> next;
-                if (!next.allocate(memory, n)) return call_.out_of_memory();
-                for (uint32_t v = 0; v < n; ++v) next[v] = first[v];
-                for (size_t i = 0; i < quads_.quads.size(); ++i)
-                    of_vertex[next[quads_.quads[i]]++] = static_cast<uint32_t>(i);
+            if (!any) break;
+            Array<uint8_t> next;
+            if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
+            for (size_t q = 0; q < count; ++q)
+                if (worst_corner(quads_, q) < WELL)
+                    for (size_t k = 0; k < 4; ++k) region_[quads_.quads[4 * q + k]] = 1;
+            list_.clear();
+            for (int ring = 0; ring <= RINGS; ++ring) {
+                if (!call_.tick(0)) return call_.was_cancelled();
+                for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
+                for (size_t q = 0; q < count; ++q) {
+                    const uint32_t* const c = &quads_.quads[4 * q];
+                    if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
+                    if (ring < RINGS)
+                        for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
+                    else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
+                }
+                region_.swap(next);
             }
+            for (int k = 0; k < STEPS_ROUND_BAD; ++k)
+                if (!step(list_.size())) return call_.was_cancelled();
+            if (improve_worst()) return call_.status();
+        }
+        return HMF_OK;
+    }
+
+    hmf_status improve_worst() {
+        Memory& memory = call_.memory;
+        Array<uint32_t> first, corners, filled; // the corners of each vertex, of quads on the list
+        const uint32_t n = quads_.vertex_count();
+        if (!first.allocate_filled(memory, size_t{n} + 1, 0u) || !corners.allocate(memory, 4 * list_.size())
+            || !filled.allocate_filled(memory, n, 0u))
+            return call_.out_of_memory();
+        for (const uint32_t q : list_)
+            for (size_t k = 0; k < 4; ++k) ++first[size_t{quads_.quads[4 * size_t{q} + k]} + 1];
+        for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+        for (const uint32_t q : list_)
+            for (uint32_t k = 0; k < 4; ++k) {
+                const uint32_t v = quads_.quads[4 * size_t{q} + k];
+                corners[first[v] + filled[v]++] = 4 * q + k;
+            }
+        for (int k = 0; k < IMPROVEMENTS; ++k) {
             bool moved = false;
-            for (uint32_t v = 0; v < n; ++v)
-                if (is_bad[v] && !quads_.held[v])
-                    moved |= improve(v, &of_vertex[first[v]], first[size_t{v} + 1] - first[v], round % 2 == 1);
-            if (!moved && round % 2 == 1) break;
+            if (!call_.tick(0)) return call_.was_cancelled();
+            for (const uint32_t q : list_) {
+                if (worst_corner(quads_, q) >= WELL) continue;
+                for (size_t c = 0; c < 4; ++c) {
+                    const uint32_t v = quads_.quads[4 * size_t{q} + c];
+                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v], k % 2 == 1);
+                }
+            }
+            if (!moved && k % 2 == 1) break;
         }
         return HMF_OK;
     }
@@ -161,7 +202,8 @@ private:
         for (uint32_t i = 0; i < count; ++i) {
             const uint32_t *const quad = &quads_.quads[size_t{corners[i]} / 4 * 4], k = corners[i] % 4;
             if (by_squares) // the corner that completes the parallelogram of the three others
-                to = to + (at(quads_, quad[(k + 1) % 4]) + at(quads_, quad[(k + 3) % 4])) - at(quads_, quad[(k + 2) % 4]);
+                to = to + (at(quads_, quad[(k + 1) % 4]) + at(quads_, quad[(k + 3) % 4]))
+                   - at(quads_, quad[(k + 2) % 4]);
             else to = to + at(quads_, quad[(k + 1) % 4]);
         }
         to = (1 / static_cast<double>(count)) * to;
@@ -186,6 +228,8 @@ private:
     Call& call_;
     Array<Point> target_;
     Array<double> weight_;
+    Array<uint32_t> list_;  // quads round bad ones
+    Array<uint8_t> region_; // vertices that may move there
 };
 
 } // namespace

@@ -5,6 +5,8 @@
 
 namespace hmf {
 
+constexpr uint64_t MOST_RELAX_STEPS = 1000;
+
 // Vertices move towards where each of their quads would have them as a square,
 // and back to the nearest point of the surface.  Held ones stay.  Then quads that
 // are inverted are turned out where their vertices can be moved so.

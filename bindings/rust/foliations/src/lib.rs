@@ -23,7 +23,7 @@ pub use progress::{with_progress, Progress};
 pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
 pub use uses::cylinders::{Cylinder, Cylinders};
 pub use uses::parameterize::{MapQuality, Parameterization, Parameterizer};
-pub use uses::quads::QuadMesh;
+pub use uses::quads::{QuadMesh, QuadOptions};
 pub use uses::trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 
 /// No element, in arrays where an index is expected.
