@@ -56,7 +56,7 @@ public:
 
     // The same call on the memory of something that outlives it, up to a fraction of the progress.
     Call part(Memory& own, double until) {
-        Call part(own, error_, control_.given.progress, control_.given.progress_user);
+        Call part(own, error_, control_.given);
         part.never_finish();
         part.range(call.reached(), until);
         call.range(until, 1);

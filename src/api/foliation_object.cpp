@@ -160,8 +160,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             static_cast<unsigned long long>(edge));
     }
     if (!call.tick(0.5)) return call.was_cancelled();
-    const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
-    if (f.out_of_memory) return call.out_of_memory();
+    const SingularityCount found = count_singularities(f);
     poles = found.poles;
     return HMF_OK;
 }

@@ -85,6 +85,10 @@ void* Arena::take_bytes(size_t count, size_t size) {
     return taken;
 }
 
+Call::Call(Memory& m, hmf_error* error, const hmf_control& control) :
+    memory(m), parallel(control.parallel_for, control.parallel_user, control.workers), error_(error),
+    progress_(control.progress), progress_user_(control.progress_user), start_(now()) {}
+
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
     memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 
@@ -115,7 +119,7 @@ hmf_status Call::was_cancelled() {
     return fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
 }
 
-bool Call::tick(double fraction, bool can_finish) {
+Done Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
@@ -125,6 +129,11 @@ bool Call::tick(double fraction, bool can_finish) {
     if (answer == HMF_PROGRESS_FINISH && can_finish && may_finish_) finishing_ = true;
     else if (answer != HMF_PROGRESS_CONTINUE) cancelled_ = true;
     return !cancelled_;
+}
+
+void Call::finished() {
+    range(1, 1);
+    (void)tick(1, true);
 }
 
 double Call::seconds() const { return 1e-9 * static_cast<double>(now() - start_); }

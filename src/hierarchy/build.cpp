@@ -49,7 +49,7 @@ struct Schedule {
     }
 };
 
-bool take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, Mesh& mesh) {
+Done take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, Mesh& mesh) {
     mesh.vertex_count = vertex_count;
     mesh.edge_count = edge_count;
     mesh.face_count = face_count;

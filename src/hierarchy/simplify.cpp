@@ -230,7 +230,7 @@ void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_qua
 
 } // namespace
 
-bool BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory, BUCKETS, NONE); }
+Done BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory, BUCKETS, NONE); }
 
 uint32_t BucketQueue::bucket(double cost) {
     uint64_t bits;
@@ -250,7 +250,7 @@ void BucketQueue::clear() {
     high_ = 0;
 }
 
-bool WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
+Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     mesh = all;
     vertex_end = all.vertex_count;
     edge_end = all.edge_count;

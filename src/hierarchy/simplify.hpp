@@ -13,7 +13,7 @@ namespace hmf {
 // one before, and costs twice as much.
 class BucketQueue {
 public:
-    bool allocate(Memory& memory);
+    Done allocate(Memory& memory);
     static uint32_t bucket(double cost); // cost >= 0, finite
     void clear();
     bool empty(); // moves on to the lowest list in use
@@ -59,7 +59,7 @@ struct WorkMesh {
     BucketQueue queue;
 
     // For a mesh with room for all its elements.
-    bool allocate(Memory& memory, const Mesh& all, bool with_quadrics);
+    Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
     const double* at(uint32_t v) const { return position + size_t{3} * v; }
     double* at(uint32_t v) { return position + size_t{3} * v; }
     bool removed(uint32_t edge) const { return mesh.face[2 * edge] == NONE; }

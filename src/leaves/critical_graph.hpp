@@ -113,19 +113,20 @@ public:
     bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
 
 private:
-    bool start(const Foliation& f, Memory& memory);
+    Done start(const Foliation& f, Memory& memory);
     hmf_status trace(const Foliation& f, Call& call);
-    bool add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
-    bool add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
+    Done add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
+    Done add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
     hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                            const uint32_t* cluster, Call& call);
-    bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
-    bool add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
-    bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
+    Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
+    Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
+    Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
+    Done add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
     hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
     hmf_status pair_arcs(Call& call);
-    bool sort_marks(const Foliation& f, Memory& memory);
+    Done sort_marks(const Foliation& f, Memory& memory);
 
     static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices
     SparseMap at_vertex_, at_tripod_;             // half-edge to sector

@@ -15,7 +15,7 @@ hmf_status wrong_class(Call& call) {
 
 } // namespace
 
-bool Labels::choose(const Cylinders& cylinders, Memory& memory) {
+Done Labels::choose(const Cylinders& cylinders, Memory& memory) {
     const size_t n = cylinders.list.size();
     if (!factor.allocate(memory, n) || !height.allocate(memory, n)) return false;
     for (size_t c = 0; c < n; ++c) {

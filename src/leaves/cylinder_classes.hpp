@@ -12,7 +12,7 @@ namespace hmf {
 // through all flips, splits and collapses.
 struct Labels {
     Array<int64_t> factor, height; // per cylinder
-    bool choose(const Cylinders& cylinders, Memory& memory);
+    Done choose(const Cylinders& cylinders, Memory& memory);
     // The stretched values; after find_vertices.
     void stretch(const Foliation& f, const Cylinders& cylinders, int64_t* value) const;
     // found[c]: the cylinder of another decomposition that has the height of c.

@@ -38,7 +38,7 @@ public:
     hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
 
     // The cylinder of each vertex, NONE on critical leaves; for visit_parts.
-    bool find_vertices(const Foliation& f, Memory& memory);
+    Done find_vertices(const Foliation& f, Memory& memory);
 
     // visit(cylinder, from, to) for the parts of edge e between critical
     // leaves, along half-edge 2e in half units.
@@ -68,7 +68,7 @@ private:
     // boundary leaf; appends the way to `path` unless that is NULL.
     hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance,
                            Call& call);
-    uint32_t half_edge_ahead(Foliation& f, uint32_t back);
+    Done half_edge_ahead(Foliation& f, uint32_t back, uint32_t& best);
     Array<uint32_t> circle_, of_vertex_;
 };
 

@@ -99,7 +99,7 @@ struct Ruler {
         points.clear();
         sides.clear();
     }
-    bool push(double value, const double* p, uint32_t side) {
+    Done push(double value, const double* p, uint32_t side) {
         return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]) && sides.push(side);
     }
     // Also the side of the triangle it lies in.
@@ -196,7 +196,7 @@ private:
     }
 
     bool tripod(uint32_t sector) const { return graph_.zeros[graph_.sectors[sector].zero].tripod; }
-    bool add_vertex(const double* p, uint32_t side) {
+    Done add_vertex(const double* p, uint32_t side) {
         return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2])
             && out_.sides.push(side) && out_.held.push(0);
     }
@@ -227,7 +227,7 @@ private:
     }
 
     // One vertex for each zero, and one for those that an arc without columns joins.
-    bool place_zeros() {
+    Done place_zeros() {
         const uint32_t n = static_cast<uint32_t>(graph_.zeros.size());
         if (!zero_vertex_.allocate(call_.memory, n)) return false;
         for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = z;
@@ -249,14 +249,14 @@ private:
         return true;
     }
 
-    bool push_crossing(uint64_t i) {
+    Done push_crossing(uint64_t i) {
         double p[3];
         point_at(f_, position_, {graph_.crossings[i].half_edge, graph_.crossings[i].at + 1}, p);
         return ruler_.push(v_[i], p, twin(graph_.crossings[i].half_edge));
     }
 
     // Points that divide an arc, seen from its first side.
-    bool place_arc(uint32_t a) {
+    Done place_arc(uint32_t a) {
         const ArcSide& arc = graph_.arcs[a];
         double p[3];
         ruler_.clear();
@@ -283,7 +283,7 @@ private:
     }
 
     // Without a zero: the closed leaf that counts as critical.
-    bool place_ring() {
+    Done place_ring() {
         const Boundary& b = graph_.boundaries[0];
         ruler_.clear();
         for (uint64_t i = b.begin; i < b.end; ++i)
@@ -297,7 +297,7 @@ private:
         return true;
     }
 
-    bool read_row(uint32_t boundary, Row& row) {
+    Done read_row(uint32_t boundary, Row& row) {
         row.vertex.clear();
         row.v.clear();
         const Boundary& b = graph_.boundaries[boundary];
@@ -324,7 +324,7 @@ private:
 
     // v along the path across a cylinder up to each piece, and at its end; the
     // place where it arrives on the upper boundary leaf.
-    bool read_path(const Cylinder& c) {
+    Done read_path(const Cylinder& c) {
         twist_.start(call_.memory);
         double v = 0;
         for (uint64_t i = c.path_begin; i < c.path_end; ++i) {

@@ -13,7 +13,7 @@ struct Pair {
 
 } // namespace
 
-bool quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
+Done quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
     const uint32_t n = mesh.vertex_count();
     Array<uint32_t> uses, number, poles;
     poles.start(call.memory);

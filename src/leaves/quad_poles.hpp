@@ -17,6 +17,6 @@
 namespace hmf {
 
 // left: vertices with two quads that stay, because one beside them would have two.
-bool quads_over_poles(QuadMesh& mesh, size_t& left, Call& call);
+Done quads_over_poles(QuadMesh& mesh, size_t& left, Call& call);
 
 } // namespace hmf

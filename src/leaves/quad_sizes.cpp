@@ -26,7 +26,7 @@
 #include <cmath>
 
 #include "../base/disjoint_sets.hpp"
-#include "../loops/heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 namespace hmf {
 
@@ -117,7 +117,7 @@ bool QuadSizes::raise(uint32_t a, int64_t to) {
 // States: 2 * cylinder + 1 if it needs +1, + 0 if it needs -1.  Finds the last
 // arc of the cheapest path that mends two balances, reached from last_state;
 // NONE if there is none.
-bool QuadSizes::search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call) {
+Done QuadSizes::search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call) {
     last = NONE;
     for (Step& s : from_) s = {NONE, NONE};
     for (double& r : reached_) r = HUGE_VAL;

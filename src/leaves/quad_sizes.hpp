@@ -54,7 +54,7 @@ private:
     hmf_status round_all(double step, bool& matched, Call& call);
     hmf_status balance(bool& matched, Call& call);
     double cost(uint32_t a, int64_t change) const;
-    bool search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call);
+    Done search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call);
     bool apply(uint32_t last, uint32_t last_state);
     void change(uint32_t a, int64_t by);
     bool raise(uint32_t a, int64_t to);

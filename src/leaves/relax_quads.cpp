@@ -20,7 +20,7 @@ namespace {
 
 constexpr uint32_t SLICE = 16384; // vertices between ticks
 constexpr double WELL = 0.1;      // sine of a corner that needs no care
-constexpr int RINGS = 4, ROUNDS = 3, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 8;
+constexpr int RINGS = 4, ROUNDS = 3, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
 
 struct Point {
     double x = 0, y = 0, z = 0;
@@ -76,7 +76,7 @@ public:
 
 private:
     // Of the quads on the list (empty: of all) and the vertices with a mark (empty: all).
-    bool step(size_t count) {
+    Done step(size_t count) {
         const auto quad = [&](size_t i) { return &quads_.quads[4 * (list_.empty() ? i : size_t{list_[i]})]; };
         for (size_t i = 0; i < count; ++i) {
             const uint32_t* const corner = quad(i);
@@ -180,16 +180,17 @@ private:
                 if (worst_corner(quads_, q) >= WELL) continue;
                 for (size_t c = 0; c < 4; ++c) {
                     const uint32_t v = quads_.quads[4 * size_t{q} + c];
-                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v], k % 2 == 1);
+                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v]);
                 }
             }
-            if (!moved && k % 2 == 1) break;
+            if (!moved) break;
         }
         return HMF_OK;
     }
 
-    // Moves a vertex if that makes the worst corner of its quads better.
-    bool improve(uint32_t v, const uint32_t* corners, uint32_t count, bool by_squares) {
+    // Moves a vertex where that makes the worst corner of its quads best: to the mean
+    // of its neighbours, or some way to one of them or from it.
+    bool improve(uint32_t v, const uint32_t* corners, uint32_t count) {
         const auto worst = [&] {
             double w = 1;
             for (uint32_t i = 0; i < count; ++i) {
@@ -198,28 +199,37 @@ private:
             }
             return w;
         };
-        Point to;
-        for (uint32_t i = 0; i < count; ++i) {
-            const uint32_t *const quad = &quads_.quads[size_t{corners[i]} / 4 * 4], k = corners[i] % 4;
-            if (by_squares) // the corner that completes the parallelogram of the three others
-                to = to + (at(quads_, quad[(k + 1) % 4]) + at(quads_, quad[(k + 3) % 4]))
-                   - at(quads_, quad[(k + 2) % 4]);
-            else to = to + at(quads_, quad[(k + 1) % 4]);
-        }
-        to = (1 / static_cast<double>(count)) * to;
         const Point from = at(quads_, v);
         const uint32_t side = quads_.sides[v];
-        const double before = worst();
-        for (double t = 1; t > 0.1; t /= 2) {
-            move(v, from + t * (to - from));
-            if (worst() > before + 1e-9) return true;
+        double* const p = &quads_.positions[size_t{3} * v];
+        Point best = from, middle;
+        uint32_t best_side = side;
+        double best_worst = worst() + 1e-9;
+        const double before = best_worst;
+        const auto attempt = [&](const Point& to) {
+            move(v, to);
+            const double w = worst();
+            if (w > best_worst) {
+                best_worst = w;
+                best = at(quads_, v);
+                best_side = quads_.sides[v];
+            }
             quads_.sides[v] = side;
-            double* p = &quads_.positions[size_t{3} * v];
             p[0] = from.x;
             p[1] = from.y;
             p[2] = from.z;
+        };
+        for (uint32_t i = 0; i < count; ++i) {
+            const Point to = at(quads_, quads_.quads[size_t{corners[i]} / 4 * 4 + (corners[i] + 1) % 4]);
+            middle = middle + (1 / static_cast<double>(count)) * to;
+            for (const double t : {0.5, 0.2, 0.05, -0.05, -0.2, -0.5}) attempt(from + t * (to - from));
         }
-        return false;
+        for (const double t : {1.0, 0.5, 0.25}) attempt(from + t * (middle - from));
+        p[0] = best.x;
+        p[1] = best.y;
+        p[2] = best.z;
+        quads_.sides[v] = best_side;
+        return best_worst > before;
     }
 
     const Mesh& mesh_;
@@ -274,7 +284,7 @@ hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quad
         ++first[size_t{lower(quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
     for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
     if (!edges.allocate(call.memory, first[n])) return call.out_of_memory();
-    const auto add = [&](const double* p, uint32_t side) {
+    const auto add = [&](const double* p, uint32_t side) -> Done {
         double nearest[3];
         const uint32_t found = walk_to_nearest(mesh, position, side, p, nearest);
         return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])

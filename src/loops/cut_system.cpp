@@ -14,7 +14,7 @@
 //     of the regions.
 #include "disjoint.hpp"
 #include "dual_length.hpp"
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 #include "loop_search.hpp"
 
 #include <cmath>
@@ -170,7 +170,7 @@ private:
     bool all_roots() {
         roots_.start(memory_);
         if (!roots_.reserve(cut_.region_count)) return false;
-        for (uint32_t r = 0; r < cut_.region_count; ++r) roots_.push({0, r});
+        for (uint32_t r = 0; r < cut_.region_count; ++r) roots_.add({0, r});
         return true;
     }
 

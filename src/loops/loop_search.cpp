@@ -58,7 +58,7 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
     starved_here_ = false;
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
-    heap_.push({0, start}); // within the reserve: at most one for each link
+    heap_.add({0, start}); // at most one for each link
     double shortest = limit;
     uint32_t closing = NONE, closing_from = NONE, closing_to = NONE;
     while (!heap_.empty()) {
@@ -67,7 +67,7 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
         if (settled(s)) continue;
         if (2 * entry.distance >= shortest) break;
         state_[s].stamp = 2 * epoch_ + 1;
-        order_.push(s); // within the reserve
+        order_.add(s);
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
         const Arc* const arcs = &arc_[3 * size_t{state_[s].region}];
         const uint64_t label = edge_label_ ? covered_[s].label : 0, signature_here = state_[s].signature;
@@ -88,7 +88,7 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
                 state.signature = signature;
                 state.before = s;
                 state.through = arc.half_segment;
-                heap_.push({d, to});
+                heap_.add({d, to});
             } else if (signature != state.signature && d + state.distance < shortest) {
                 shortest = d + state.distance;
                 closing = arc.half_segment;

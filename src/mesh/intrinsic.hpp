@@ -23,9 +23,8 @@ struct Metric {
 // The metric of positions (3 per vertex), times scale: a power of two that makes
 // their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
 // the two angles opposite to each edge, added.  sides: the half-edges of each
-// face in 4 words, the last one unused; NULL if they are not at hand.  false:
-// out of memory.
-bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
+// face in 4 words, the last one unused; NULL if they are not at hand.
+Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
              Metric& metric, double* sum);
 
 // All edges get longer by the least amount that keeps every triangle

@@ -34,7 +34,7 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     return HMF_OK;
 }
 
-bool flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
+Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
     if (state.level == 0 && state.side == Side::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
@@ -68,13 +68,10 @@ void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone) {
 
 bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v) {
     constexpr int64_t least = 1000; // units
-    const uint32_t first = mesh.out[v];
-    uint32_t h = first;
-    do {
+    for (const uint32_t h : mesh.around(v)) {
         const int64_t u = flat.du.value[edge_of(h)], w = flat.dv.value[edge_of(h)];
         if (u < least && u > -least && w < least && w > -least) return false;
-        h = mesh.rotate_ccw(h);
-    } while (h != first);
+    }
     return true;
 }
 

@@ -40,7 +40,7 @@ struct TwistedForm {
 struct VertexCharts {
     Array<int8_t> chart; // per half-edge
     Array<uint8_t> odd;  // per vertex: the chart comes back with the opposite sign
-    bool build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
+    Done build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
 };
 
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
