@@ -2,6 +2,8 @@
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
 
+#include <algorithm>
+
 using namespace hmf;
 
 namespace {
@@ -259,8 +261,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     }
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
-    if (!state.allocate(*hierarchy, given.level < solve.stop_level ? given.level : solve.stop_level, call.memory))
-        return call.out_of_memory();
+    if (!state.allocate(*hierarchy, std::min(solve.stop_level, given.level), call.memory)) return call.out_of_memory();
     state.load(given.level, Side::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     return solve_from(state, start, &given, given.unit, solve, call, out);

@@ -1,5 +1,6 @@
 #include "memory.hpp"
 
+#include <algorithm>
 #include <new>
 
 #include <chrono>
@@ -34,7 +35,7 @@ void* Memory::take(size_t bytes) {
         return nullptr;
     }
     used_ += bytes;
-    if (used_ > peak_) peak_ = used_;
+    peak_ = std::max(peak_, used_);
     return block;
 }
 
@@ -123,7 +124,7 @@ Done Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
-    if (at < last_) at = last_;
+    at = std::max(at, last_);
     last_ = at;
     const int32_t answer = progress_(progress_user_, at);
     if (answer == HMF_PROGRESS_FINISH && can_finish && may_finish_) finishing_ = true;

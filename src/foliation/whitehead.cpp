@@ -247,7 +247,7 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
             const int64_t corner = (here + ahead - opposite) / 2;
-            const int64_t along = corner != 0 && corner < here ? corner : here;
+            const int64_t along = corner != 0 ? std::min(here, corner) : here;
             const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
             pull += p;
             pull_of_second += p * static_cast<double>(direction);

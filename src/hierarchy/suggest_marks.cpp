@@ -19,6 +19,7 @@
 #include "../base/nearest_first.hpp"
 #include "../base/heap_sort.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -129,7 +130,7 @@ private:
             if (!call_.tick(0.5 + 0.01 * b) || !search(base, nullptr, last)) return false;
             for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
                 height_[v] += distance_[v] / BASES;
-                if (distance_[v] < nearest_[v]) nearest_[v] = distance_[v];
+                nearest_[v] = std::min(nearest_[v], distance_[v]);
                 if (nearest_[v] > nearest_[base]) base = v;
             }
         }
@@ -246,9 +247,7 @@ hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t verte
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
     Suggestion suggestion(mesh, h.levels[coarsest].position, call);
-    if (!suggestion.find(marks))
-        return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
-                                : call.out_of_memory();
+    if (!suggestion.find(marks)) return call.stopped();
     Array<uint32_t> caller;
     if (!caller.allocate(call.memory, vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;

@@ -4,6 +4,7 @@
 // branch points, which the tree does not see; prongs run from its centroid.
 #include "polyline.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -111,14 +112,8 @@ Done Lines::end_line(const hmf_line& line) { return list.push(line) && offsets.p
 void Lines::reverse(size_t first) {
     for (size_t a = first, z = edges.size(); a + 1 < z; ++a) {
         --z;
-        for (size_t k = 0; k < 3; ++k) {
-            const double x = points[3 * a + k];
-            points[3 * a + k] = points[3 * z + k];
-            points[3 * z + k] = x;
-        }
-        const uint32_t e = edges[a];
-        edges[a] = edges[z];
-        edges[z] = e;
+        for (size_t k = 0; k < 3; ++k) std::swap(points[3 * a + k], points[3 * z + k]);
+        std::swap(edges[a], edges[z]);
     }
 }
 
@@ -247,7 +242,7 @@ Crossing Lines::place_of_point(uint32_t h, const double* barycentric) const {
     if (corner == NONE) return {};
     const int64_t most = branch(f_, corner) - 1; // odd
     const int64_t at = best_at > 1 ? static_cast<int64_t>(best_at) | 1 : 1;
-    return {corner, at > most ? most : at};
+    return {corner, std::min(at, most)};
 }
 
 hmf_status Lines::add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number) {

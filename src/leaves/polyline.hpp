@@ -34,14 +34,14 @@ public:
     Array<uint32_t> edges;   // per point, NONE in the middle of a tripod
 
     Done start();
-    hmf_status add_levels(Cylinders& cylinders, double spacing);
-    hmf_status add_arcs(const CriticalGraph& graph);
+    [[nodiscard]] hmf_status add_levels(Cylinders& cylinders, double spacing);
+    [[nodiscard]] hmf_status add_arcs(const CriticalGraph& graph);
     // The leaf through the point with these barycentric coordinates for the
     // corners of a triangle, of which h is side 0.  cylinders: NULL if there are none.
-    hmf_status add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number);
+    [[nodiscard]] hmf_status add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number);
 
     // A leaf through a place, until it closes or is too long.
-    hmf_status add_leaf(const Crossing& c, hmf_line line);
+    [[nodiscard]] hmf_status add_leaf(const Crossing& c, hmf_line line);
     // The place of a point, on the nearest leaf; NONE where the foliation is 0.
     Crossing place_of_point(uint32_t h, const double* barycentric) const;
     bool limited(double length) const { return length_limit_ > 0 && length > length_limit_; }

@@ -23,6 +23,7 @@
 #include "quad_poles.hpp"
 #include "quad_sizes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -360,7 +361,7 @@ private:
         int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k)
                                               / static_cast<double>(sizes_.rows[cylinder]))
                        | 1;
-        if (height > most) height = most;
+        height = std::min(height, most);
         uint64_t piece = 0;
         const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
         if (!call_.tick(0)) return call_.was_cancelled();

@@ -30,14 +30,14 @@ struct QuadWish {
 };
 
 // position: of the vertices of f.mesh.  Cylinders of the same f.
-hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const QuadWish& wish,
-                      QuadMesh& out, Call& call);
+[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
+                                    const QuadWish& wish, QuadMesh& out, Call& call);
 
 // Areas of the surface, in space and in the flat metric (squared units of f).
 struct FlatMetric {
     double area = 0, flat_area = 0;
 };
-hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,
-                       Call& call);
+[[nodiscard]] hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders,
+                                     FlatMetric& out, Call& call);
 
 } // namespace hmf

@@ -18,16 +18,16 @@ public:
     // length: of each side of an arc along the conjugate; ring_length: of the
     // closed leaf, if there is no zero.  merge: a critical leaf shorter than half
     // an edge may get no column, and one column is enough for the others.
-    hmf_status start(const Cylinders& cylinders, const Array<double>& length, double ring_length, bool merge,
-                     Call& call);
+    [[nodiscard]] hmf_status start(const Cylinders& cylinders, const Array<double>& length, double ring_length,
+                                   bool merge, Call& call);
 
     // For edges of this length.
-    hmf_status of_step(double step, Call& call);
+    [[nodiscard]] hmf_status of_step(double step, Call& call);
     // For a number of quads; step: where to begin the search.
-    hmf_status of_count(double step, int64_t count, Call& call);
+    [[nodiscard]] hmf_status of_count(double step, int64_t count, Call& call);
 
     // At least three rows in each cylinder, two columns on each arc to a pole.
-    hmf_status widen_at_poles(Call& call);
+    [[nodiscard]] hmf_status widen_at_poles(Call& call);
 
     int64_t quad_count() const; // with one quad over each pole
     int64_t across(uint32_t cylinder) const;
@@ -51,14 +51,14 @@ private:
     uint32_t zero(uint32_t sector) const { return graph().sectors[sector].zero; }
     bool is_pole(uint32_t sector) const { return prongs_[zero(sector)] == 1; }
 
-    hmf_status round_all(double step, bool& matched, Call& call);
-    hmf_status balance(bool& matched, Call& call);
+    [[nodiscard]] hmf_status round_all(double step, bool& matched, Call& call);
+    [[nodiscard]] hmf_status balance(bool& matched, Call& call);
     double cost(uint32_t a, int64_t change) const;
     Done search(uint32_t start, uint32_t& last, uint32_t& last_state, Call& call);
     bool apply(uint32_t last, uint32_t last_state);
     void change(uint32_t a, int64_t by);
     bool raise(uint32_t a, int64_t to);
-    hmf_status mend(bool& mended, Call& call);
+    [[nodiscard]] hmf_status mend(bool& mended, Call& call);
     void tune_rows(double step, int64_t count);
     double deviation(uint32_t a, int64_t n) const;
     void keep();

@@ -38,8 +38,8 @@ bool is_delaunay(const Mesh& mesh, const double* sum);
 // Flips until every edge is Delaunay, and counts; metric and sum follow.  Two
 // vertices may get several edges, a vertex edges to itself.  Writes the first
 // `capacity` of the flipped edges.  The same input gives the same sequence.
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
-                              size_t& flip_count, Call& call, double from, double to);
+[[nodiscard]] hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
+                                            size_t& flip_count, Call& call, double from, double to);
 
 // From sums of cotangents to weights, in place: raised to the floor and cut at
 // the cap.  Returns the number of weights that were negative beyond rounding.

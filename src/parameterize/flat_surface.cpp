@@ -15,21 +15,19 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     constexpr double tolerance = 1e-9;
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
-    const auto cancelled = [&] {
-        return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-    };
     if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
-    if (!call.tick(0.05)) return cancelled();
+    if (!call.tick(0.05)) return call.was_cancelled();
     VertexCharts charts;
     if (!charts.build(f.mesh, flat.bundle, call.memory)) return call.out_of_memory();
     TwistedLaplacian laplacian;
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
-        return call.cancelled() ? cancelled() : call.status();
-    if (!call.tick(0.3)) return cancelled();
-    if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return cancelled();
+        return call.cancelled() ? call.was_cancelled() : call.status();
+    if (!call.tick(0.3)) return call.was_cancelled();
+    if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return call.was_cancelled();
     if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call))
-        return call.cancelled() ? cancelled() : call.status();
-    if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8)) return cancelled();
+        return call.cancelled() ? call.was_cancelled() : call.status();
+    if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8))
+        return call.was_cancelled();
     flat.iterations = laplacian.iterations();
     return HMF_OK;
 }

@@ -15,7 +15,7 @@ struct FlatSurface {
 
 // state: a harmonic foliation on the intrinsic side of its level.  The values
 // of the state stay as they are.
-hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
+[[nodiscard]] hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
 
 // Carries mesh and forms of level 0 to the caller's triangulation.  The values
 // of the state become |du| there.

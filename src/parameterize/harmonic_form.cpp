@@ -1,6 +1,7 @@
 // One twisted Poisson solve: min over w of  sum of weight * (form + dw)^2.
 #include "harmonic_form.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -70,7 +71,7 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
     // Against the divergence that the rounding of the form leaves nothing helps.
     const double noise = divergence > 0 ? 1e-13 * std::sqrt(pull / divergence) : 1;
     if (noise >= 1) return HMF_OK;
-    if (relative_tolerance < noise) relative_tolerance = noise;
+    relative_tolerance = std::max(relative_tolerance, noise);
     const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
     constexpr uint32_t iteration_limit = 300;
     iterations_ +=

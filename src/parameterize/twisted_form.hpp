@@ -46,7 +46,8 @@ struct VertexCharts {
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
 // the zero in each moves to one of its corners.  HMF_ERROR_UNSUPPORTED if
 // the mesh is so coarse that two zeros would need the same vertex.
-hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call);
+[[nodiscard]] hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du,
+                                           Call& call);
 
 // Reverses a flip of an edge of a mesh, its bundle and two forms on it.
 void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);
