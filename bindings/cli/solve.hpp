@@ -31,8 +31,11 @@ struct SolveRequest {
     bool merges = false;           // quads: short critical leaves
     bool no_poles = false;         // no marks of the library
     bool conjugate = false;        // leaves across as well
-    int32_t checkerboard = 0;      // in the picture, instead of stripes
-    bool conformality = false;     // in the report
+    int32_t pattern = 0;           // of the picture: a Pattern
+    std::string camera = "auto", image_size = "1400x1050";
+    double period = 0; // of stripes and squares; 0: chosen
+    bool legend = false;
+    bool conformality = false; // in the report
 };
 
 Options solve_options(SolveRequest& request);

@@ -92,7 +92,8 @@ struct FlatOf {
         if (flat) return HMF_OK;
         flat = &own_;
         State state;
-        if (load_solved(foliation, state, call) || improve(state, unit) || flat_surface(state, own_, call))
+        if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)
+            || flat_surface(state, own_, call))
             return call.status();
         return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
     }
@@ -329,7 +330,8 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
     double unit = foliation->unit;
-    if (load_solved(*foliation, solved, call) || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
+    if (load_solved_in_unit_of_values(*foliation, solved, call)
+        || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, unit, list, call))
         return call.status();
     if (loops
