@@ -150,7 +150,8 @@ public:
 };
 
 /* hmf_quads; struct_size is set here */
-inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options, const ProgressFunction& progress = nullptr) {
+inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
+                      const ProgressFunction& progress = nullptr) {
     options.struct_size = sizeof options;
     return QuadMesh(detail::make<hmf_quad_mesh>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
         return hmf_quads(foliation.get(), &options, control, out, error);
