@@ -449,6 +449,13 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
                [&](auto c, auto out, auto e) { return hmf_cylinders(best, &set, c, out, e); });
         making(static_cast<hmf_quad_mesh*>(nullptr),
                [&](auto c, auto out, auto e) { return hmf_quads(best, nullptr, c, out, e); });
+        hmf_quad_options wish{};
+        wish.struct_size = sizeof wish;
+        wish.count = 9000; // refined
+        wish.merge = 1;
+        wish.relax = 2;
+        making(static_cast<hmf_quad_mesh*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_quads(best, &wish, c, out, e); });
         // Without the function there is nothing to call.
         hmf_control none = control;
         none.struct_size = offsetof(hmf_control, progress);

@@ -72,35 +72,11 @@ size_t write_leaves(const std::string& path, const std::vector<Leaves>& componen
     return count;
 }
 
-Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, double size, const hmf_control* control,
-                                const std::string& subject) {
-    hmf_quad_options options = {};
-    options.struct_size = sizeof options;
-    options.edge_length = size;
+Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, const hmf_quad_options& options,
+                                const hmf_control* control, const std::string& subject) {
     return make<hmf_quad_mesh>(subject, [&](hmf_quad_mesh** out, hmf_error* error) {
         return hmf_quads(foliation, &options, control, out, error);
     });
-}
-
-size_t write_quads(const std::string& path, const std::vector<Owned<hmf_quad_mesh>>& components) {
-    Output output(path);
-    size_t count = 0;
-    uint64_t before = 1; // OBJ counts from 1
-    for (const Owned<hmf_quad_mesh>& mesh : components) {
-        for (uint64_t v = 0; v < 3 * mesh->vertex_count; v += 3)
-            std::fprintf(output.file(), "v %.9g %.9g %.9g\n", mesh->positions[v], mesh->positions[v + 1],
-                         mesh->positions[v + 2]);
-        for (uint64_t q = 0; q < 4 * mesh->quad_count; q += 4) {
-            std::fputc('f', output.file());
-            for (uint64_t c = q; c < q + 4; ++c)
-                std::fprintf(output.file(), " %llu", static_cast<unsigned long long>(before + mesh->quads[c]));
-            std::fputc('\n', output.file());
-        }
-        before += mesh->vertex_count;
-        count += mesh->quad_count;
-    }
-    output.close();
-    return count;
 }
 
 } // namespace cli

@@ -22,11 +22,8 @@ Leaves trace_leaves(const hmf_foliation* foliation, double spacing, bool conjuga
 // after those of another.  Returns the number of lines; throws Failure.
 size_t write_leaves(const std::string& path, const std::vector<Leaves>& components);
 
-// A quad mesh along the leaves; size: wished length of an edge, 0 = the default.  Throws Failure.
-Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, double size, const hmf_control* control,
-                                const std::string& subject);
-
-// As one OBJ.  Returns the number of quads; throws Failure.
-size_t write_quads(const std::string& path, const std::vector<Owned<hmf_quad_mesh>>& components);
+// A quad mesh along the leaves.  Throws Failure.
+Owned<hmf_quad_mesh> make_quads(const hmf_foliation* foliation, const hmf_quad_options& options,
+                                const hmf_control* control, const std::string& subject);
 
 } // namespace cli

@@ -19,13 +19,7 @@ namespace {
 using namespace cli;
 using Words = std::vector<std::string>;
 
-int solve_command(const Words& words, const Describe* help) {
-    if (help) {
-        SolveRequest request;
-        (*help)(solve_options(request), "solve", "The harmonic foliation in the class of some loops.");
-        return EXIT_SOLVED;
-    }
-    const Outcome outcome = solve(words);
+int print_outcome(const Outcome& outcome) {
     // An output on standard output stays alone there.
     std::fprintf(outcome.uses_stdout ? stderr : stdout, "%s\n", outcome.summary.c_str());
     std::fflush(stdout);
@@ -37,6 +31,20 @@ int solve_command(const Words& words, const Describe* help) {
         std::fprintf(stderr, "hmf: and %zu more; --report names all\n", outcome.notes.size() - most_notes);
     for (const std::string& error : outcome.errors) std::fprintf(stderr, "hmf: %s\n", error.c_str());
     return outcome.exit_status;
+}
+
+int solve_command(const Words& words, const Describe* help) {
+    if (!help) return print_outcome(solve(words));
+    SolveRequest request;
+    (*help)(solve_options(request), "solve", "The harmonic foliation in the class of some loops.");
+    return EXIT_SOLVED;
+}
+
+int quads_command(const Words& words, const Describe* help) {
+    if (!help) return print_outcome(quads(words));
+    SolveRequest request;
+    (*help)(quads_options(request), "quads", "A quad mesh of the whole shape along the leaves of a foliation.");
+    return EXIT_SOLVED;
 }
 
 int info_command(const Words& words, const Describe* help) {
@@ -107,6 +115,7 @@ const Command commands[] = {
     {"demo", "make the built-in sample, solve it, write every output", demo_command},
     {"info", "validate a mesh; counts, genus, quality", info_command},
     {"solve", "the harmonic foliation in the class of some loops", solve_command},
+    {"quads", "a quad mesh of a given size", quads_command},
     {"batch", "solve every mesh of a folder",
      [](const Words& words, const Describe* help) { return static_cast<int>(batch(words, help)); }},
     {"completion", "print the completion of bash, zsh or fish", completion_command},

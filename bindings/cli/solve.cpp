@@ -17,6 +17,7 @@
 #include "render.hpp"
 #include "split_mesh.hpp"
 #include "whole_stripes.hpp"
+#include "write_quads.hpp"
 #include "write_results.hpp"
 #include "write_textured.hpp"
 
@@ -66,6 +67,18 @@ Json::Array sum_of_levels(const Json::Array& reports) {
         all.push_back(level);
     }
     return all;
+}
+
+double area_of(const Foliation& f, size_t triangle) {
+    const double* p[3];
+    for (size_t c = 0; c < 3; ++c) p[c] = &f.positions[size_t{3} * f.triangles[3 * triangle + c]];
+    double square = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = (k + 1) % 3, j = (k + 2) % 3;
+        const double x = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
+        square += x * x;
+    }
+    return std::sqrt(square) / 2;
 }
 
 // One run, from the files it reads to the files it writes.
@@ -451,6 +464,28 @@ private:
         return wanted;
     }
 
+    // Of several components each gets quads by its area.
+    hmf_quad_options quad_wish(const Component& c) const {
+        hmf_quad_options wish = {};
+        wish.struct_size = sizeof wish;
+        wish.edge_length = r_.size;
+        wish.merge = r_.merges;
+        wish.relax = static_cast<uint32_t>(r_.relax);
+        wish.count = r_.count;
+        if (r_.count > 0 && !is_alone()) {
+            double all = 0, own = 0;
+            for (size_t t = 0; t < f_.triangle_count(); ++t) {
+                const Component& of = components_[f_.component[t]];
+                if (of.is_refused()) continue;
+                const double area = area_of(f_, t);
+                all += area;
+                if (&of == &c) own += area;
+            }
+            wish.count = std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(double(r_.count) * own / all)));
+        }
+        return wish;
+    }
+
     void write() {
         for (const std::string& path : r_.values)
             attempt("--values", true, [&] {
@@ -476,9 +511,17 @@ private:
             r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
         std::vector<Owned<hmf_quad_mesh>> quads;
         const bool shows_quads = style_.pattern == Pattern::quads;
-        attempt_each(r_.quads.empty() ? "--pattern" : "--quads", !r_.quads.empty() || shows_quads,
-                     [&](Component& c) { quads.push_back(make_quads(c.foliation(), r_.size, control_, c.subject())); });
-        attempt("--quads", !quads.empty() && !r_.quads.empty(), [&] { quads_ = write_quads(r_.quads, quads); });
+        attempt_each(r_.quads.empty() ? "--pattern" : "--quads", !r_.quads.empty() || shows_quads, [&](Component& c) {
+            quads.push_back(make_quads(c.foliation(), quad_wish(c), control_, c.subject()));
+        });
+        attempt("--quads", !quads.empty() && !r_.quads.empty(), [&] {
+            write_quads(r_.quads, quads);
+            for (const Owned<hmf_quad_mesh>& mesh : quads) {
+                quads_ += mesh->quad_count;
+                irregular_ += mesh->irregular_count;
+                inverted_ += mesh->inverted_count;
+            }
+        });
         std::vector<Leaves> leaves;
         attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
             leaves.push_back(trace_leaves(c.foliation(), r_.spacing, r_.conjugate, control_, c.subject()));
@@ -542,6 +585,10 @@ private:
                       number(json, "residual_max"), json.find("class")->text()->c_str(), number(json, "zeros"),
                       number(json, "poles"), seconds);
         outcome_.summary = summary + line;
+        if (r_.count > 0 && quads_ > 0)
+            outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, "
+                              + std::to_string(irregular_) + " irregular vertices, " + std::to_string(inverted_)
+                              + " inverted quads";
         if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
     }
 
@@ -564,7 +611,11 @@ private:
         report.set("threads", r_.threads);
         report.set("peak_memory_bytes", meter_.peak);
         if (leaves_ > 0) report.set("leaves", leaves_);
-        if (quads_ > 0) report.set("quads", quads_);
+        if (quads_ > 0) {
+            report.set("quads", quads_);
+            report.set("quads_irregular", irregular_);
+            report.set("quads_inverted", inverted_);
+        }
         return report;
     }
 
@@ -643,7 +694,8 @@ private:
     std::vector<std::vector<uint32_t>> whole_edges_;     // of the edges of each of several components
     std::vector<double> uv_, dilatation_;                // of several components
     PictureStyle style_;
-    size_t leaves_ = 0, quads_ = 0; // written
+    size_t leaves_ = 0, quads_ = 0;       // written
+    size_t irregular_ = 0, inverted_ = 0; // vertices, quads
 };
 
 } // namespace
@@ -662,6 +714,14 @@ Outcome solve(const std::vector<std::string>& words) {
     if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
         && request.textured.empty() && request.leaves.empty())
         throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
+    return Run(request, options).go();
+}
+
+Outcome quads(const std::vector<std::string>& words) {
+    SolveRequest request;
+    Options options = quads_options(request);
+    parse(options, words, "quads");
+    if (request.no_poles) request.marks = "none";
     return Run(request, options).go();
 }
 

@@ -26,9 +26,12 @@ struct SolveRequest {
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj, textured, save_loops, save_mesh, save_marks;
-    double spacing = 0, size = 0; // of leaves, of quads
-    bool conjugate = false;       // leaves across as well
-    int32_t pattern = 0;          // of the picture: a Pattern
+    double spacing = 0, size = 0;  // of leaves, of quads
+    uint64_t count = 0, relax = 0; // of quads: how many instead of their size; steps of relaxation
+    bool merges = false;           // quads: short critical leaves
+    bool no_poles = false;         // no marks of the library
+    bool conjugate = false;        // leaves across as well
+    int32_t pattern = 0;           // of the picture: a Pattern
     std::string camera = "auto", image_size = "1400x1050";
     double period = 0; // of stripes and squares; 0: chosen
     bool legend = false;
@@ -36,6 +39,12 @@ struct SolveRequest {
 };
 
 Options solve_options(SolveRequest& request);
+Options quads_options(SolveRequest& request);
+// Of both.
+Option loops_option(SolveRequest& request);
+Option weights_option(SolveRequest& request);
+Option marks_option(SolveRequest& request);
+Option mollify_option(SolveRequest& request);
 // Of every command that reads a mesh.
 Option repair_option(bool& target);
 Option join_option(bool& target);
@@ -51,6 +60,7 @@ struct Outcome {
 
 // Throws Failure where there is no result.
 Outcome solve(const std::vector<std::string>& words);
+Outcome quads(const std::vector<std::string>& words);
 
 // hmf_version as text.
 std::string version_text();

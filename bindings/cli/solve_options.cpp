@@ -16,23 +16,43 @@ Option join_option(bool& target) {
         "--repair");
 }
 
+Option loops_option(SolveRequest& r) {
+    return Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
+                  "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
+                  "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
+                  "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
+                  "or FILE: one loop a line, vertex indices from 0 (closed edge path), t: and triangle indices, or "
+                  "a: and the vertices of an arc from boundary to boundary"}
+        .reads("");
+}
+
+Option weights_option(SolveRequest& r) {
+    return Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"};
+}
+
+Option marks_option(SolveRequest& r) {
+    return Option{
+        "--marks", &r.marks, "auto|none|FILE",
+        "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else none;\n"
+        "or FILE: vertex indices from 0"}
+        .reads("");
+}
+
+Option mollify_option(SolveRequest& r) {
+    return Option{"--mollify", &r.mollify, "X",
+                  "accept triangles without area: margin of the triangle inequalities,\n"
+                  "in mean edge lengths, e.g. 1e-5"}
+        .in("[0, 0.1]");
+}
+
 Options solve_options(SolveRequest& r) {
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
         repair_option(r.repairs),
         join_option(r.joins),
-        Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
-               "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
-               "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
-               "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
-               "or FILE: one loop a line, vertex indices from 0 (closed edge path), t: and triangle indices, or "
-               "a: and the vertices of an arc from boundary to boundary"}
-            .reads(""),
-        Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"},
-        Option{"--marks", &r.marks, "auto|none|FILE",
-               "vertices that may carry a pole, at least four on genus 0; auto: suggested ones on genus 0, else none;\n"
-               "or FILE: vertex indices from 0"}
-            .reads(""),
+        loops_option(r),
+        weights_option(r),
+        marks_option(r),
         Option{"--start", &r.start, "FILE.csv|FILE.npy",
                "values of --values to start from, instead of loops: the class is theirs"}
             .reads(".csv .npy")
@@ -53,10 +73,7 @@ Options solve_options(SolveRequest& r) {
         Option{"--ratio", &r.ratio, "X", "edges of a level / edges of the finer one"}.in("[0.05, 0.95]"),
         Option{"--coarsest", &r.coarsest, "N", "vertices of the coarsest level, at least 40 genus + 10 marked"}.in(
             "[1, inf)"),
-        Option{"--mollify", &r.mollify, "X",
-               "accept triangles without area: margin of the triangle inequalities,\n"
-               "in mean edge lengths, e.g. 1e-5"}
-            .in("[0, 0.1]"),
+        mollify_option(r),
         Option{"--tolerance", &r.tolerance, "X",
                "newton: largest residual, else 1e-8; others: change of energy, else 1e-6"}
             .in("(0, 1)"),

@@ -217,6 +217,12 @@ typedef struct hmf_quad_options {
     uint32_t reserved;           /* 0 */
     double edge_length;          /* wished mean length of an edge, in the unit of the positions; default: about as
                                     many quads as triangles / 2 */
+    uint64_t count;              /* wished number of quads instead of edge_length; 0 = none */
+    int32_t merge;               /* not 0: a critical leaf shorter than half an edge gets no quad, its zeros become one
+                                    vertex; others get at least one instead of 2, cylinders at least 2 rows */
+    int32_t keep_poles;          /* not 0: a pole stays a vertex with two edges */
+    uint64_t relax;              /* steps in which vertices move on the surface, at most 1000; 0 = they stay on their
+                                    leaves */
 } hmf_quad_options;
 
 typedef struct hmf_quad_mesh {
@@ -226,6 +232,9 @@ typedef struct hmf_quad_mesh {
     uint64_t quad_count;
     const double *positions;     /* vertex_count x 3; points of the surface */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
+    uint64_t irregular_count;    /* vertices with another number of edges than 4 */
+    uint64_t inverted_count;     /* quads with a corner of 180 degrees or more, seen along the normal of the quad */
+    double edge_length;          /* root of the area of the surface / number of quads */
 } hmf_quad_mesh;
 
 /*
@@ -234,17 +243,25 @@ typedef struct hmf_quad_mesh {
  *
  * The first vertices are the zeros, in the order of hmf_singularities; a zero of
  * order m has 2 m + 4 edges, every other vertex has 4.  Zeros that only
- * discretisation keeps apart can become one, with the sum of their orders.
+ * discretisation keeps apart can become one, with the sum of their orders.  A
+ * marked vertex with one prong is left out: one quad lies over it, and the two
+ * vertices beside it have 3 edges; where a leaf of two columns joins two of them,
+ * one quad with four such vertices closes the end.
  * Closed, oriented and manifold by construction, genus as before; no two edges
  * have the same ends.
  * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
  * equally long in the metric du^2 + dv^2: longer in space where the foliation is
  * thin.  Numbers are rounded so that the grids match, with at least 3 quads
- * across a cylinder and 2 along a critical leaf.
+ * across a cylinder and 2 along a critical leaf; fewer with `merge`.
+ *
+ * With a count the edge length is searched for, then rows are added or taken
+ * away; the number of quads is as near as the grids allow, and at least what each
+ * cylinder needs.  relax evens out angles and sides (about 10 steps do): the sides
+ * lie on leaves no longer, but vertices stay on the surface.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
- * crosses, or if there is no match for edges so long.  Other errors: classes
- * 100, 200, 500.
+ * crosses, or if there is no match for edges so long; HMF_ERROR_OPTIONS if there
+ * would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,
                              const hmf_control *control, hmf_quad_mesh **out, hmf_error *error);

@@ -149,14 +149,20 @@ public:
     Span<uint32_t> quads() const noexcept { return span(get()->quads, 4 * get()->quad_count); }
 };
 
-/* hmf_quads; edge_length 0: about as many quads as triangles / 2 */
-inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const ProgressFunction& progress = nullptr) {
-    hmf_quad_options options = {};
+/* hmf_quads; struct_size is set here */
+inline QuadMesh quads(const Foliation& foliation, hmf_quad_options options,
+                      const ProgressFunction& progress = nullptr) {
     options.struct_size = sizeof options;
-    options.edge_length = edge_length;
     return QuadMesh(detail::make<hmf_quad_mesh>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
         return hmf_quads(foliation.get(), &options, control, out, error);
     }));
+}
+
+/* edge_length 0: about as many quads as triangles / 2 */
+inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const ProgressFunction& progress = nullptr) {
+    hmf_quad_options options = {};
+    options.edge_length = edge_length;
+    return quads(foliation, options, progress);
 }
 
 } // namespace cpp

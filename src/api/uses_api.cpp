@@ -3,6 +3,7 @@
 
 #include "../leaves/cylinder_measures.hpp"
 #include "../leaves/quad_mesh.hpp"
+#include "../leaves/relax_quads.hpp"
 #include "../leaves/trace.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../solve/to_minimum.hpp"
@@ -58,6 +59,9 @@ hmf_status refuse_boundary(const hmf_foliation& foliation, const char* what, Cal
     return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                      "%s are not available on surfaces with boundary in this version.", what);
 }
+
+constexpr double FEWEST_TO_REFINE = 8000; // quads
+constexpr int STEPS_ON_FINER = 4;         // of relaxation
 
 hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_count, Call& call) {
     if (options.point_count > 0 && (!options.point_triangles || !options.point_barycentrics))
@@ -374,6 +378,12 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "edge_length must be finite and not negative; 0 means the default.");
     if (refuse_boundary(*foliation, "Quad meshes", call)) return call.status();
+    if (all.edge_length > 0 && all.count > 0)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length and count are both given. Choose one.");
+    if (all.count > MOST_QUADS || all.relax > MOST_RELAX_STEPS)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "count must be at most %llu, relax at most %llu.",
+                         static_cast<unsigned long long>(MOST_QUADS),
+                         static_cast<unsigned long long>(MOST_RELAX_STEPS));
     Leaves leaves;
     FlatMetric metric;
     QuadMesh made;
@@ -381,13 +391,44 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     Foliation& f = leaves.state.foliation;
     const double* position = foliation->hierarchy->levels[foliation->level].position;
     if (flat_metric(f, position, leaves.cylinders, metric, call)) return call.status();
-    const double step = all.edge_length > 0
-                          ? all.edge_length * std::sqrt(metric.flat_area / metric.area)
-                          : std::sqrt(metric.flat_area / (0.5 * static_cast<double>(f.mesh.face_count)));
-    if (!(step > 0) || !std::isfinite(step))
+    QuadWish wish;
+    const double by_default = 0.5 * static_cast<double>(f.mesh.face_count);
+    const double number = all.count > 0       ? static_cast<double>(all.count)
+                        : all.edge_length > 0 ? metric.area / (all.edge_length * all.edge_length)
+                                              : by_default;
+    if (!(number <= static_cast<double>(MOST_QUADS)))
+        return call.fail(
+            HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+            "There would be about %.3g quads of this size, and at most %.3g fit. Choose a larger edge_length.", number,
+            static_cast<double>(MOST_QUADS));
+    // Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.
+    int halvings = 0;
+    double fewer = number;
+    for (; all.relax > 0 && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < 12; ++halvings) fewer /= 4;
+    wish.step = std::sqrt(metric.flat_area / fewer);
+    wish.count = all.count > 0 ? static_cast<int64_t>(std::floor(fewer + 0.5)) : 0;
+    wish.merge = all.merge != 0;
+    wish.keep_poles = all.keep_poles != 0;
+    if (!(wish.step > 0) || !std::isfinite(wish.step))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
-    if (make_quads(f, position, leaves.cylinders, step, made, call)) return call.status();
-    hmf_quad_mesh mesh{sizeof(hmf_quad_mesh), 0, made.positions.size() / 3, made.quads.size() / 4, nullptr, nullptr};
+    QuadFigures figures;
+    if (make_quads(f, position, leaves.cylinders, wish, made, call)) return call.status();
+    const int steps = static_cast<int>(all.relax);
+    if (steps > 0 && relax_quads(f.mesh, position, steps, made, call)) return call.status();
+    for (; halvings > 0; --halvings)
+        if (refine_quads(f.mesh, position, made, call)
+            || relax_quads(f.mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, made, call))
+            return call.status();
+    if (quad_figures(made, figures, call)) return call.status();
+    hmf_quad_mesh mesh{sizeof(hmf_quad_mesh),
+                       0,
+                       made.vertex_count(),
+                       made.quad_count(),
+                       nullptr,
+                       nullptr,
+                       figures.irregular,
+                       figures.inverted,
+                       std::sqrt(metric.area / static_cast<double>(made.quad_count()))};
     ResultBlock block;
     block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
     block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());

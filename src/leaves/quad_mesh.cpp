@@ -1,15 +1,8 @@
 // Quads by cylinders.  Every cylinder is a grid of rows (leaves at equal
 // distances) and columns; along the critical graph the grids share the points
 // that divide its arcs.  So the mesh is closed, oriented and manifold whatever
-// the numbers are, and a zero with k prongs has 2k edges, all others 4.  A marked
-// vertex with one prong is left out, since two edges make poor quads:
-//
-//     x---b---y        x---b---y
-//     |   |   |        |       |       one quad over the tip, with a and b, which
-//     |   P   |   ->   |       |       lie on both sides of it, as corners; these
-//     |  / \  |         \     /        have three edges then
-//     a     a              a           (both sides of the arc are one)
-//
+// the numbers are, and a zero with k prongs has 2k edges, all others 4 (a marked
+// vertex with one prong: quad_poles.hpp).
 //
 //     Z---+---+---Z---+--       lower boundary leaf ->   (arcs, columns)
 //     |   |   |   |   |
@@ -25,7 +18,9 @@
 // in the mean.  The rows between take the mean of both boundaries, weighted by height.
 #include "quad_mesh.hpp"
 
+#include "../base/disjoint_sets.hpp"
 #include "polyline.hpp"
+#include "quad_poles.hpp"
 #include "quad_sizes.hpp"
 
 #include <algorithm>
@@ -94,18 +89,22 @@ private:
 // A polyline with v along it, for points at given v.
 struct Ruler {
     Array<double> v, points;
+    Array<uint32_t> sides; // left of which the line goes on
     void start(Memory& memory) {
         v.start(memory);
         points.start(memory);
+        sides.start(memory);
     }
     void clear() {
         v.clear();
         points.clear();
+        sides.clear();
     }
-    Done push(double value, const double* p) {
-        return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]);
+    Done push(double value, const double* p, uint32_t side) {
+        return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]) && sides.push(side);
     }
-    void point(double value, double* p) const {
+    // Also the side of the triangle it lies in.
+    uint32_t point(double value, double* p) const {
         size_t low = 0, high = v.size() - 1; // between the last one not above and the next
         while (high - low > 1) {
             const size_t middle = low + (high - low) / 2;
@@ -116,6 +115,7 @@ struct Ruler {
         double t = length > 0 ? (value - v[low]) / length : 0;
         t = t < 0 ? 0 : t > 1 ? 1 : t;
         for (size_t k = 0; k < 3; ++k) p[k] = points[3 * low + k] + t * (points[3 * high + k] - points[3 * low + k]);
+        return sides[low];
     }
 };
 
@@ -125,42 +125,35 @@ public:
         f_(f), position_(position), cylinders_(cylinders), graph_(cylinders.graph), conjugate_(f, position), out_(out),
         call_(call) {}
 
-    hmf_status run(double step) {
+    hmf_status run(const QuadWish& wish) {
         Memory& memory = call_.memory;
         const size_t arcs = graph_.arcs.size(), boundaries = graph_.boundaries.size();
-        out_.positions.start(memory);
-        out_.quads.start(memory);
         ruler_.start(memory);
         leaf_.start(memory);
-        leads_.start(memory);
         lower_.vertex.start(memory);
         lower_.v.start(memory);
         upper_.vertex.start(memory);
         upper_.v.start(memory);
+        Array<double> length;
         if (!v_.allocate(memory, graph_.crossings.size()) || !arc_from_.allocate(memory, arcs)
-            || !arc_to_.allocate(memory, arcs) || !arc_vertex_.allocate(memory, arcs)
-            || !length_.allocate(memory, arcs))
+            || !arc_to_.allocate(memory, arcs) || !arc_vertex_.allocate(memory, arcs) || !length.allocate(memory, arcs))
             return call_.out_of_memory();
         if (refuse_wide_zeros()) return call_.status();
         for (uint32_t b = 0; b < boundaries; ++b) measure(graph_.boundaries[b]);
-        for (size_t a = 0; a < arcs; ++a) length_[a] = arc_to_[a] - arc_from_[a];
+        for (size_t a = 0; a < arcs; ++a) length[a] = arc_to_[a] - arc_from_[a];
         if (!call_.tick(0)) return call_.was_cancelled();
-        if (quad_sizes(cylinders_, length_, step, columns_, rows_, call_)) return call_.status();
-        if (join_zeros()) return call_.status();
-        if (!place_zeros()) return call_.out_of_memory();
-        if (graph_.zeros.empty()) {
-            const double wanted = std::floor(v_[graph_.boundaries[0].end - 1] / step + 0.5);
-            ring_ = wanted < 3 ? 3 : wanted < (1 << 24) ? static_cast<int64_t>(wanted) : 0;
-            if (ring_ == 0)
-                return call_.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                                  "edge_length is too small for the surface. Choose a larger one.");
-            if (!place_ring()) return call_.out_of_memory();
-        } else
-            for (uint32_t a = 0; a < arcs; ++a)
-                if (a < graph_.arcs[a].twin && !place_arc(a)) return call_.out_of_memory();
-        for (uint32_t c = 0; c < cylinders_.list.size(); ++c)
-            if (fill(c)) return call_.status();
-        return f_.mesh.marked_count == 0 || leave_tips_out() ? HMF_OK : call_.out_of_memory();
+        const double round = graph_.zeros.empty() ? v_[graph_.boundaries[0].end - 1] : 0;
+        if (sizes_.start(cylinders_, length, round, wish.merge, call_)) return call_.status();
+        if (wish.count > 0 ? sizes_.of_count(wish.step, wish.count, call_) : sizes_.of_step(wish.step, call_))
+            return call_.status();
+        if (build()) return call_.status();
+        if (f_.mesh.marked_count == 0 || wish.keep_poles) return HMF_OK;
+        size_t left = 0;
+        if (!quads_over_poles(out_, left, call_)) return call_.stopped();
+        if (left == 0 || !wish.merge) return HMF_OK;
+        // Two poles too near to each other, or to a boundary.
+        if (sizes_.widen_at_poles(call_) || build()) return call_.status();
+        return quads_over_poles(out_, left, call_) ? HMF_OK : call_.stopped();
     }
 
 private:
@@ -185,56 +178,6 @@ private:
         return HMF_OK;
     }
 
-    // Vertices with two quads.
-    bool leave_tips_out() {
-        const uint32_t n = vertex_count();
-        const size_t quads = out_.quads.size() / 4;
-        Array<uint32_t> uses, first, number;
-        if (!uses.allocate_filled(call_.memory, n, 0u) || !first.allocate_filled(call_.memory, n, NONE)
-            || !number.allocate(call_.memory, n))
-            return false;
-        for (const uint32_t v : out_.quads) ++uses[v];
-        for (uint32_t v = 0; v < n; ++v) number[v] = uses[v] == 2 ? NONE : v;
-        for (size_t q = 0; q < quads; ++q)
-            for (size_t k = 0; k < 4; ++k) {
-                uint32_t* const quad = &out_.quads[4 * q];
-                const uint32_t v = quad[k];
-                if (v == NONE || number[v] != NONE) continue;
-                if (first[v] == NONE) {
-                    first[v] = static_cast<uint32_t>(q);
-                    continue;
-                }
-                uint32_t* const other = &out_.quads[4 * size_t{first[v]}];
-                size_t at = 0;
-                while (other[at] != v) ++at;
-                // From v: b, x, a in the other one, a, y, b here.
-                const uint32_t b = other[(at + 1) % 4], a = quad[(k + 1) % 4], y = quad[(k + 2) % 4];
-                const bool fits = quad[(k + 3) % 4] == b && other[(at + 3) % 4] == a && other[(at + 2) % 4] != y
-                               && uses[a] > 3 && uses[b] > 3;
-                if (!fits) {
-                    number[v] = v;
-                    continue;
-                }
-                --uses[a];
-                --uses[b];
-                other[at] = y;
-                for (size_t i = 0; i < 4; ++i) quad[i] = NONE;
-                break;
-            }
-        uint32_t kept = 0;
-        for (uint32_t v = 0; v < n; ++v) {
-            if (number[v] == NONE) continue;
-            for (size_t c = 0; c < 3; ++c) out_.positions[size_t{3} * kept + c] = out_.positions[size_t{3} * v + c];
-            number[v] = kept++;
-        }
-        while (out_.positions.size() > size_t{3} * kept) out_.positions.pop();
-        size_t to = 0;
-        for (size_t i = 0; i < 4 * quads; ++i)
-            if (out_.quads[i] != NONE) out_.quads[to++] = number[out_.quads[i]];
-        while (out_.quads.size() > to) out_.quads.pop();
-        return true;
-    }
-
     // v along the boundary leaf, and of the zeros that it passes.
     void measure(const Boundary& b) {
         double v = 0;
@@ -254,67 +197,55 @@ private:
     }
 
     bool tripod(uint32_t sector) const { return graph_.zeros[graph_.sectors[sector].zero].tripod; }
-    uint32_t vertex_count() const { return static_cast<uint32_t>(out_.positions.size() / 3); }
-    Done add_vertex(const double* p) {
-        return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2]);
+    Done add_vertex(const double* p, uint32_t side) {
+        return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2])
+            && out_.sides.push(side) && out_.held.push(0);
     }
 
-    void zero_point(uint32_t zero, double* p) const {
+    // A side of the triangle it lies in.
+    uint32_t zero_point(uint32_t zero, double* p) const {
         const Zero& z = graph_.zeros[zero];
-        if (z.tripod) middle_of_tripod(f_, position_, z.element, p);
-        else
-            for (size_t k = 0; k < 3; ++k) p[k] = position_[size_t{3} * z.element + k];
+        if (z.tripod) {
+            middle_of_tripod(f_, position_, z.element, p);
+            return z.element;
+        }
+        for (size_t k = 0; k < 3; ++k) p[k] = position_[size_t{3} * z.element + k];
+        return f_.mesh.out[z.element];
     }
 
-    // Zeros at the ends of an arc without columns get the same vertex.
-    hmf_status join_zeros() {
-        const uint32_t n = static_cast<uint32_t>(graph_.zeros.size());
-        if (!zero_vertex_.allocate(call_.memory, n)) return call_.out_of_memory();
-        for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = z;
-        const auto lead = [&](uint32_t z) {
-            while (zero_vertex_[z] != z) z = zero_vertex_[z];
-            return z;
-        };
-        const auto refuse = [&] {
-            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
-                              "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
-        };
-        for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
-            if (columns_[a] != 0 || a > graph_.arcs[a].twin) continue;
-            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero),
-                           y = lead(graph_.sectors[graph_.arcs[a].to].zero);
-            if (x == y) return refuse(); // a circle would vanish
-            zero_vertex_[x > y ? x : y] = x > y ? y : x;
-        }
-        // No two edges with the same ends.
-        for (uint32_t a = 0; a < graph_.arcs.size(); ++a) {
-            const uint32_t x = lead(graph_.sectors[graph_.arcs[a].from].zero),
-                           y = lead(graph_.sectors[graph_.arcs[a].to].zero);
-            if (columns_[a] > 0 && columns_[a] < 3 && x == y) return refuse();
-            for (uint32_t b = 0; columns_[a] == 1 && b < a; ++b) {
-                if (columns_[b] != 1 || b == graph_.arcs[a].twin) continue;
-                const uint32_t u = lead(graph_.sectors[graph_.arcs[b].from].zero),
-                               v = lead(graph_.sectors[graph_.arcs[b].to].zero);
-                if ((u == x && v == y) || (u == y && v == x)) return refuse();
-            }
-        }
-        uint32_t next = 0;
-        for (uint32_t z = 0; z < n; ++z) {
-            if (zero_vertex_[z] != z) {
-                zero_vertex_[z] = zero_vertex_[zero_vertex_[z]]; // which lies before it
-            } else {
-                if (!leads_.push(z)) return call_.out_of_memory();
-                zero_vertex_[z] = next++;
-            }
-        }
+    // The quads of these sizes.
+    hmf_status build() {
+        out_.start(call_.memory);
+        if (!place_zeros()) return call_.out_of_memory();
+        if (graph_.zeros.empty()) {
+            if (!place_ring()) return call_.out_of_memory();
+        } else
+            for (uint32_t a = 0; a < graph_.arcs.size(); ++a)
+                if (a < graph_.arcs[a].twin && !place_arc(a)) return call_.out_of_memory();
+        for (uint32_t c = 0; c < cylinders_.list.size(); ++c)
+            if (fill(c)) return call_.status();
         return HMF_OK;
     }
 
+    // One vertex for each zero, and one for those that an arc without columns joins.
     Done place_zeros() {
-        for (uint32_t z : leads_) {
+        const uint32_t n = static_cast<uint32_t>(graph_.zeros.size());
+        if (!zero_vertex_.allocate(call_.memory, n)) return false;
+        for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = z;
+        for (uint32_t a = 0; a < graph_.arcs.size(); ++a)
+            if (sizes_.columns[a] == 0)
+                unite(zero_vertex_.data(), graph_.sectors[graph_.arcs[a].from].zero,
+                      graph_.sectors[graph_.arcs[a].to].zero);
+        for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = find_root(zero_vertex_.data(), z);
+        uint32_t next = 0;
+        for (uint32_t z = 0; z < n; ++z) {
+            if (zero_vertex_[z] != z) { // joined to one before it
+                zero_vertex_[z] = zero_vertex_[zero_vertex_[z]];
+                continue;
+            }
+            zero_vertex_[z] = next++;
             double p[3];
-            zero_point(z, p);
-            if (!add_vertex(p)) return false;
+            if (!add_vertex(p, zero_point(z, p))) return false;
         }
         return true;
     }
@@ -322,7 +253,7 @@ private:
     Done push_crossing(uint64_t i) {
         double p[3];
         point_at(f_, position_, {graph_.crossings[i].half_edge, graph_.crossings[i].at + 1}, p);
-        return ruler_.push(v_[i], p);
+        return ruler_.push(v_[i], p, twin(graph_.crossings[i].half_edge));
     }
 
     // Points that divide an arc, seen from its first side.
@@ -330,20 +261,26 @@ private:
         const ArcSide& arc = graph_.arcs[a];
         double p[3];
         ruler_.clear();
-        zero_point(graph_.sectors[arc.from].zero, p);
-        if (tripod(arc.from) && !ruler_.push(arc_from_[a], p)) return false;
+        uint32_t side = zero_point(graph_.sectors[arc.from].zero, p);
+        if (tripod(arc.from) && !ruler_.push(arc_from_[a], p, side)) return false;
         const uint64_t last = arc.last - tripod(arc.to);
         for (uint64_t i = arc.first; i <= last; ++i)
             if (!push_crossing(i)) return false;
-        zero_point(graph_.sectors[arc.to].zero, p);
-        if (tripod(arc.to) && !ruler_.push(arc_to_[a], p)) return false;
-        arc_vertex_[a] = arc_vertex_[arc.twin] = vertex_count();
-        const int64_t n = columns_[a];
+        side = zero_point(graph_.sectors[arc.to].zero, p);
+        if (tripod(arc.to) && !ruler_.push(arc_to_[a], p, side)) return false;
+        arc_vertex_[a] = arc_vertex_[arc.twin] = out_.vertex_count();
+        const int64_t n = sizes_.columns[a];
         for (int64_t i = 1; i < n; ++i) {
-            ruler_.point(arc_from_[a] + length_[a] * static_cast<double>(i) / static_cast<double>(n), p);
-            if (!add_vertex(p)) return false;
+            side = ruler_.point(on_arc(a, i), p);
+            if (!add_vertex(p, side)) return false;
         }
         return true;
+    }
+
+    // v on its boundary leaf of the i-th point of an arc.
+    double on_arc(uint32_t a, int64_t i) const {
+        return arc_from_[a]
+             + (arc_to_[a] - arc_from_[a]) * static_cast<double>(i) / static_cast<double>(sizes_.columns[a]);
     }
 
     // Without a zero: the closed leaf that counts as critical.
@@ -352,10 +289,11 @@ private:
         ruler_.clear();
         for (uint64_t i = b.begin; i < b.end; ++i)
             if (!push_crossing(i)) return false;
-        for (int64_t i = 0; i < ring_; ++i) {
+        const int64_t n = sizes_.ring;
+        for (int64_t i = 0; i < n; ++i) {
             double p[3];
-            ruler_.point(v_[b.end - 1] * static_cast<double>(i) / static_cast<double>(ring_), p);
-            if (!add_vertex(p)) return false;
+            const uint32_t side = ruler_.point(v_[b.end - 1] * static_cast<double>(i) / static_cast<double>(n), p);
+            if (!add_vertex(p, side)) return false;
         }
         return true;
     }
@@ -366,21 +304,20 @@ private:
         const Boundary& b = graph_.boundaries[boundary];
         if (graph_.zeros.empty()) {
             // The other side runs backwards from the same point.
-            for (int64_t i = 0; i < ring_; ++i)
-                if (!row.vertex.push(static_cast<uint32_t>(boundary == 0 || i == 0 ? i : ring_ - i))
-                    || !row.v.push(v_[b.end - 1] * static_cast<double>(i) / static_cast<double>(ring_)))
+            const int64_t n = sizes_.ring;
+            for (int64_t i = 0; i < n; ++i)
+                if (!row.vertex.push(static_cast<uint32_t>(boundary == 0 || i == 0 ? i : n - i))
+                    || !row.v.push(v_[b.end - 1] * static_cast<double>(i) / static_cast<double>(n)))
                     return false;
             return true;
         }
         for (uint32_t a = b.arcs_begin; a < b.arcs_end; ++a) {
-            const int64_t n = columns_[a];
+            const int64_t n = sizes_.columns[a];
             const bool first = a < graph_.arcs[a].twin;
             for (int64_t i = 0; i < n; ++i) {
                 const uint32_t vertex = i == 0 ? zero_vertex_[graph_.sectors[graph_.arcs[a].from].zero]
                                                : arc_vertex_[a] + static_cast<uint32_t>((first ? i : n - i) - 1);
-                if (!row.vertex.push(vertex)
-                    || !row.v.push(arc_from_[a] + length_[a] * static_cast<double>(i) / static_cast<double>(n)))
-                    return false;
+                if (!row.vertex.push(vertex) || !row.v.push(on_arc(a, i))) return false;
             }
         }
         return true;
@@ -422,7 +359,7 @@ private:
         const Cylinder& c = cylinders_.list[cylinder];
         const int64_t most = 2 * c.height - 1;
         int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k)
-                                              / static_cast<double>(rows_[cylinder]))
+                                              / static_cast<double>(sizes_.rows[cylinder]))
                        | 1;
         height = std::min(height, most);
         uint64_t piece = 0;
@@ -437,7 +374,7 @@ private:
         for (size_t i = 0; i <= leaf_.size(); ++i) {
             const Crossing& at = leaf_[i < leaf_.size() ? i : 0];
             point_at(f_, position_, at, p);
-            if (!ruler_.push(v, p)) return call_.out_of_memory();
+            if (!ruler_.push(v, p, twin(at.half_edge))) return call_.out_of_memory();
             v += conjugate_.step(at);
         }
         twist = twist_at(c, piece, height);
@@ -450,7 +387,7 @@ private:
     // of the thin triangles on it.
     template <class Low>
     hmf_status align_rows(uint32_t cylinder, double whole, double& turn, const Low& low) {
-        const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
+        const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = sizes_.rows[cylinder];
         if (!here_.allocate(call_.memory, static_cast<size_t>(m))
             || !before_.allocate(call_.memory, static_cast<size_t>(3 * n)))
             return call_.out_of_memory();
@@ -499,10 +436,7 @@ private:
     hmf_status fill(uint32_t cylinder) {
         const Cylinder& c = cylinders_.list[cylinder];
         if (!read_row(c.lower, lower_) || !read_row(c.upper, upper_) || !read_path(c)) return call_.out_of_memory();
-        const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = rows_[cylinder];
-        if (n < 3)
-            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
-                              "A cylinder would have less than 3 columns. Choose a smaller edge_length.");
+        const int64_t n = static_cast<int64_t>(lower_.vertex.size()), m = sizes_.rows[cylinder];
         if (static_cast<int64_t>(upper_.vertex.size()) != n)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, cylinder,
                               "The boundaries of a cylinder have different numbers of columns. Please report it.");
@@ -524,7 +458,7 @@ private:
         // One column on is a part 1 / n less.
         const int64_t offset = static_cast<int64_t>(std::floor(shift + 0.5));
 
-        const uint32_t base = vertex_count();
+        const uint32_t base = out_.vertex_count();
         for (int64_t k = 1; k < m; ++k) {
             const double y = static_cast<double>(k) / static_cast<double>(m);
             double twist = 0, p[3];
@@ -533,8 +467,8 @@ private:
             for (int64_t j = 0; j < n; ++j) {
                 double place = (1 - y) * low(j) + y * high(offset - j) - here;
                 place -= std::floor(place);
-                ruler_.point(place * round, p);
-                if (!add_vertex(p)) return call_.out_of_memory();
+                const uint32_t side = ruler_.point(place * round, p);
+                if (!add_vertex(p, side)) return call_.out_of_memory();
             }
         }
         const auto vertex = [&](int64_t k, int64_t j) {
@@ -560,12 +494,9 @@ private:
     Call& call_;
     Array<double> v_;                 // per crossing of the boundary leaves
     Array<double> arc_from_, arc_to_; // v of the ends of an arc on its boundary leaf
-    Array<double> length_;
-    Array<uint32_t> zero_vertex_; // per zero
-    Array<uint32_t> leads_;       // zeros that have a vertex of their own
-    Array<uint32_t> arc_vertex_;  // first vertex within an arc
-    Array<int64_t> columns_, rows_;
-    int64_t ring_ = 0;
+    Array<uint32_t> zero_vertex_;     // per zero
+    Array<uint32_t> arc_vertex_;      // first vertex within an arc
+    QuadSizes sizes_;
     Ruler ruler_;
     Array<Crossing> leaf_;
     Array<double> twist_;         // v along the path across a cylinder, per piece
@@ -575,9 +506,9 @@ private:
 
 } // namespace
 
-hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step, QuadMesh& out,
-                      Call& call) {
-    return QuadBuilder(f, position, cylinders, out, call).run(step);
+hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const QuadWish& wish,
+                      QuadMesh& out, Call& call) {
+    return QuadBuilder(f, position, cylinders, out, call).run(wish);
 }
 
 hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,

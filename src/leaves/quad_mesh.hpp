@@ -2,18 +2,36 @@
 #pragma once
 
 #include "cylinder_classes.hpp"
+#include "quad_sizes.hpp"
 
 namespace hmf {
 
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
+    Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
+    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays
+
+    void start(Memory& memory) {
+        positions.start(memory);
+        quads.start(memory);
+        sides.start(memory);
+        held.start(memory);
+    }
+    uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
+    size_t quad_count() const { return quads.size() / 4; }
 };
 
-// position: of the vertices of f.mesh; step: wished edge length in the flat
-// metric, in units of f.  Cylinders of the same f.
-[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step,
-                                    QuadMesh& out, Call& call);
+struct QuadWish {
+    double step = 0;         // length of an edge in the flat metric, in units of f
+    int64_t count = 0;       // > 0: how many quads instead; the step is where the search begins
+    bool merge = false;      // critical leaves shorter than half an edge get no column
+    bool keep_poles = false; // poles stay vertices with two edges
+};
+
+// position: of the vertices of f.mesh.  Cylinders of the same f.
+[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
+                                    const QuadWish& wish, QuadMesh& out, Call& call);
 
 // Areas of the surface, in space and in the flat metric (squared units of f).
 struct FlatMetric {

@@ -244,6 +244,14 @@ export interface CylinderOptions extends ProgressOptions {
 export interface QuadOptions extends ProgressOptions {
     /** Wished mean length of an edge, in the unit of the positions; default: about half as many quads as triangles. */
     edgeLength?: number;
+    /** Wished number of quads instead; the result is as near as the grids allow. */
+    count?: number;
+    /** A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex. */
+    merge?: boolean;
+    /** A pole stays a vertex with two edges; else one quad lies over it, between two vertices with 3. */
+    keepPoles?: boolean;
+    /** Steps in which vertices move on the surface to even out angles and sides; default: none. */
+    relax?: number;
 }
 
 /**
@@ -256,6 +264,12 @@ export interface QuadMesh {
     positions: Float64Array;
     /** Four vertices a, b, c, d for each quad; the sides a-d and b-c lie on leaves. */
     quads: Uint32Array;
+    /** Vertices with another number of edges than 4. */
+    irregularCount: number;
+    /** Quads with a corner of 180 degrees or more, seen along their normal. */
+    invertedCount: number;
+    /** Root of the area of the surface / number of quads. */
+    edgeLength: number;
 }
 
 export interface Cylinders {

@@ -1,12 +1,16 @@
 // hmf_quads.
-import { optionsOf, realNumber } from '../arguments.js';
+import { optionsOf, realNumber, wholeNumber } from '../arguments.js';
 
 export function quads(foliation, options) {
-    const given = optionsOf(options, 'options', ['edgeLength', 'progress']), fields = {};
+    const given = optionsOf(options, 'options', ['edgeLength', 'count', 'merge', 'keepPoles', 'relax', 'progress']);
+    const fields = { merge: given.merge ? 1 : 0, keep_poles: given.keepPoles ? 1 : 0 };
+    for (const name of ['count', 'relax'])
+        if (given[name] !== undefined) fields[name] = wholeNumber(given[name], name);
     if (given.edgeLength !== undefined) fields.edge_length = realNumber(given.edgeLength, 'edgeLength');
     return foliation.perform(given, (frame, address) => {
         const result = frame.result('hmf_quads', address, frame.structure('hmf_quad_options', fields));
-        const { vertex_count, quad_count } = frame.read('hmf_quad_mesh', result);
-        return frame.arrays('hmf_quad_mesh', result, { positions: 3 * vertex_count, quads: 4 * quad_count });
+        const { vertex_count, quad_count, irregular_count, inverted_count, edge_length } = frame.read('hmf_quad_mesh', result);
+        const arrays = frame.arrays('hmf_quad_mesh', result, { positions: 3 * vertex_count, quads: 4 * quad_count });
+        return { ...arrays, irregularCount: irregular_count, invertedCount: inverted_count, edgeLength: edge_length };
     });
 }

@@ -22,23 +22,48 @@ class QuadMesh(NamedTuple):
     #: (m, 4) uint32, oriented as the triangles; in quad (a, b, c, d) the sides
     #: a-d and b-c lie on leaves.
     quads: Indices
+    #: Vertices with another number of edges than 4.
+    irregular_count: int = 0
+    #: Quads with a corner of 180 degrees or more, seen along their normal.
+    inverted_count: int = 0
+    #: Root of the area of the surface / number of quads.
+    edge_length: float = 0.0
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Writes ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb``, where each quad becomes two triangles."""
         export_quads(self, path)
 
 
-def quads(foliation: Foliation, *, edge_length: float | None = None, progress: ProgressOption = None) -> QuadMesh:
+def quads(
+    foliation: Foliation,
+    *,
+    edge_length: float | None = None,
+    count: int | None = None,
+    merge: bool = False,
+    keep_poles: bool = False,
+    relax: int | None = None,
+    progress: ProgressOption = None,
+) -> QuadMesh:
     """A closed quad mesh along the leaves: a grid on each cylinder, glued along the critical leaves.
 
     A zero of order m has 2 m + 4 edges, every other vertex has 4.  Zeros that
-    only discretisation keeps apart can become one.
+    only discretisation keeps apart can become one.  One quad lies over each
+    pole, between two vertices with 3 edges.  ``hmf quads`` of the command line
+    is ``quads(count=5000, merge=True, relax=10)``.
 
     Parameters
     ----------
     edge_length : float, optional
         Wished mean length of an edge, in the unit of the positions; default:
         about half as many quads as there are triangles.
+    count : int, optional
+        Wished number of quads instead; the result is as near as the grids allow.
+    merge : bool
+        A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex.
+    keep_poles : bool
+        A pole stays a vertex with two edges.
+    relax : int, optional
+        Steps in which vertices move on the surface to even out angles and sides; default: they stay on their leaves.
     progress : bool or function, optional
         As for :class:`Hierarchy`.
 
@@ -49,6 +74,19 @@ def quads(foliation: Foliation, *, edge_length: float | None = None, progress: P
     FoliationError
         The values cannot be used.
     """
-    options = structure("hmf_quad_options", edge_length=edge_length)
+    options = structure(
+        "hmf_quad_options",
+        edge_length=edge_length,
+        count=count,
+        merge=bool(merge),
+        keep_poles=bool(keep_poles),
+        relax=relax,
+    )
     made = call(lib.hmf_quads, foliation._pointer, options, progress=progress)
-    return QuadMesh(view(made, made.positions, made.vertex_count, 3), view(made, made.quads, made.quad_count, 4))
+    return QuadMesh(
+        view(made, made.positions, made.vertex_count, 3),
+        view(made, made.quads, made.quad_count, 4),
+        made.irregular_count,
+        made.inverted_count,
+        made.edge_length,
+    )

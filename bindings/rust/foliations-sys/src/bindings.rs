@@ -481,6 +481,10 @@ pub struct hmf_quad_options {
     pub struct_size: u32,
     pub reserved: u32,
     pub edge_length: f64,
+    pub count: u64,
+    pub merge: i32,
+    pub keep_poles: i32,
+    pub relax: u64,
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -491,6 +495,9 @@ pub struct hmf_quad_mesh {
     pub quad_count: u64,
     pub positions: *const f64,
     pub quads: *const u32,
+    pub irregular_count: u64,
+    pub inverted_count: u64,
+    pub edge_length: f64,
 }
 impl Default for hmf_quad_mesh {
     fn default() -> Self {

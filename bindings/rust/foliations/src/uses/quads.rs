@@ -29,6 +29,40 @@ arrays! {
     }
 }
 
+impl QuadMesh {
+    /// Vertices with another number of edges than 4.
+    pub fn irregular_count(&self) -> u64 {
+        self.block.irregular_count
+    }
+
+    /// Quads with a corner of 180 degrees or more, seen along their normal.
+    pub fn inverted_count(&self) -> u64 {
+        self.block.inverted_count
+    }
+
+    /// Root of the area of the surface / number of quads.
+    pub fn edge_length(&self) -> f64 {
+        self.block.edge_length
+    }
+}
+
+/// What quads are wished for; see [`Foliation::quads_with`].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct QuadOptions {
+    /// Mean length of an edge, in the unit of the positions; 0: about half as many quads as
+    /// triangles.
+    pub edge_length: f64,
+    /// How many quads instead; 0: by the length. The result is as near as the grids allow.
+    pub count: u64,
+    /// A critical leaf shorter than half an edge gets no quad, and its zeros become one vertex.
+    pub merge: bool,
+    /// A pole stays a vertex with two edges; else one quad lies over it, between two vertices
+    /// with 3.
+    pub keep_poles: bool,
+    /// Steps in which vertices move on the surface to even out angles and sides.
+    pub relax: u64,
+}
+
 impl Foliation {
     /// A closed quad mesh along the leaves of a harmonic foliation: a grid on each
     /// cylinder, glued along the critical leaves.
@@ -44,7 +78,18 @@ impl Foliation {
     /// leaf crosses, or if there is no match for edges so long; [`Status::CANCELLED`];
     /// classes 100, 200, 500.
     pub fn quads(&self, edge_length: Option<f64>) -> Result<QuadMesh> {
-        let options = options!(hmf_quad_options edge_length: edge_length.unwrap_or(0.0));
+        self.quads_with(&QuadOptions { edge_length: edge_length.unwrap_or(0.0), ..Default::default() })
+    }
+
+    /// The same with all options.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Foliation::quads`], and [`Status::ERROR_OPTIONS`] if there would be more than
+    /// 2^28 quads.
+    pub fn quads_with(&self, wish: &QuadOptions) -> Result<QuadMesh> {
+        let options = options!(hmf_quad_options edge_length: wish.edge_length, count: wish.count,
+            merge: i32::from(wish.merge), keep_poles: i32::from(wish.keep_poles), relax: wish.relax);
         // SAFETY: the handle is valid.
         let block =
             make(|out, control, error| unsafe { sys::hmf_quads(self.as_ptr(), &options, control, out, error) })?;

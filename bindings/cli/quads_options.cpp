@@ -1,0 +1,34 @@
+// The table of the options of hmf quads, which runs as hmf solve does.
+#include "solve.hpp"
+
+namespace cli {
+
+Options quads_options(SolveRequest& r) {
+    r.count = 5000;
+    r.relax = 10;
+    r.merges = true;
+    return {
+        Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        Option{"OUT", &r.quads, "", "quad mesh, .obj .ply .off, or .glb (two triangles for each quad)"}.writes(
+            ".obj .ply .off .glb"),
+        Option{"--count", &r.count, "N", "wished number of quads"}.in("[1, 268435456]"),
+        Option{"--relax", &r.relax, "N", "steps in which vertices move on the surface; 0: they stay on their leaves"}
+            .in("[0, 1000]"),
+        Option{"--no-poles", &r.no_poles, "", "no vertex is marked by the tool: limbs that no loop goes round are lost"}
+            .without("--marks"),
+        loops_option(r),
+        weights_option(r),
+        marks_option(r),
+        repair_option(r.repairs),
+        join_option(r.joins),
+        mollify_option(r),
+        Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
+        Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
+        Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
+        Option{"--save-mesh", &r.save_mesh, "FILE.obj",
+               "the mesh as it was solved, after --repair; loops and marks refer to it"}
+            .writes(".obj"),
+    };
+}
+
+} // namespace cli

@@ -1,0 +1,330 @@
+// The square nearest to a quad p0 .. p3 with the middle c and the normal n of its
+// diagonals (least squares; R turns by 90 degrees about n):
+//
+//     p3 ---- p2        corners c + R^k d,  4 d = sum of R^-k (p_k - c)
+//      \      |                                 = (p0 - p2) - n x (p1 - p3)
+//       p0 -- p1
+//
+// A vertex goes to the mean of its corners in these squares (after the
+// shape-up steps of Bouaziz et al. 2012), so that angles and sides even out while
+// sizes stay: a grid of squares, conformal as the quads are, is at rest.
+#include "relax_quads.hpp"
+
+#include <cmath>
+
+#include "surface_walk.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t SLICE = 16384; // vertices between ticks
+constexpr double WELL = 0.1;      // sine of a corner that needs no care
+constexpr int RINGS = 4, ROUNDS = 3, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
+
+struct Point {
+    double x = 0, y = 0, z = 0;
+};
+Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Point cross(const Point& a, const Point& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Point at(const QuadMesh& quads, uint32_t v) {
+    const double* p = &quads.positions[size_t{3} * v];
+    return {p[0], p[1], p[2]};
+}
+
+// The least sine of its corners, as seen along its normal.
+double worst_corner(const Point* p) {
+    const Point n = cross(p[2] - p[0], p[3] - p[1]);
+    const double length = std::sqrt(dot(n, n));
+    if (!(length > 0)) return -1;
+    double worst = 1;
+    for (int k = 0; k < 4; ++k) {
+        const Point e = p[(k + 1) % 4] - p[k], b = p[(k + 3) % 4] - p[k];
+        const double size = std::sqrt(dot(e, e) * dot(b, b)) * length;
+        const double sine = size > 0 ? dot(cross(e, b), n) / size : -1;
+        if (sine < worst) worst = sine;
+    }
+    return worst;
+}
+
+double worst_corner(const QuadMesh& quads, size_t q) {
+    Point p[4];
+    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
+    return worst_corner(p);
+}
+
+class Relaxation {
+public:
+    Relaxation(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+
+    hmf_status run(int steps) {
+        if (!target_.allocate(call_.memory, quads_.vertex_count())
+            || !weight_.allocate_filled(call_.memory, quads_.vertex_count(), 0.0))
+            return call_.out_of_memory();
+        list_.start(call_.memory);
+        for (int k = 0; k < steps; ++k)
+            if (!step(quads_.quad_count())) return call_.was_cancelled();
+        return untangle();
+    }
+
+private:
+    // Of the quads on the list (empty: of all) and the vertices with a mark (empty: all).
+    Done step(size_t count) {
+        const auto quad = [&](size_t i) { return &quads_.quads[4 * (list_.empty() ? i : size_t{list_[i]})]; };
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = {};
+                weight_[corner[k]] = 0;
+            }
+        }
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
+            Point p[4];
+            for (int k = 0; k < 4; ++k) p[k] = at(quads_, corner[k]);
+            Point normal = cross(p[2] - p[0], p[3] - p[1]);
+            const double length = std::sqrt(dot(normal, normal));
+            if (!(length > 0)) continue;
+            normal = (1 / length) * normal;
+            const Point middle = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
+            const Point d = 0.25 * ((p[0] - p[2]) - cross(normal, p[1] - p[3])), e = cross(normal, d);
+            const Point square[4] = {middle + d, middle + e, middle - d, middle - e};
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = target_[corner[k]] + square[k];
+                weight_[corner[k]] += 1;
+            }
+        }
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                const uint32_t v = corner[k];
+                if (quads_.held[v] || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
+                move(v, (1 / weight_[v]) * target_[v]);
+                weight_[v] = 0; // once
+            }
+        }
+        return true;
+    }
+
+    void move(uint32_t v, const Point& to) {
+        const double p[3] = {to.x, to.y, to.z};
+        quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
+    }
+
+    // Where quads have a corner of nearly 180 degrees or more, some rings round them
+    // are relaxed further, and then vertices moved where that helps the worst corner.
+    hmf_status untangle() {
+        Memory& memory = call_.memory;
+        const uint32_t n = quads_.vertex_count();
+        const size_t count = quads_.quad_count();
+        for (int round = 0; round < ROUNDS; ++round) {
+            bool any = false;
+            for (size_t q = 0; q < count && !any; ++q) {
+                if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
+                any = worst_corner(quads_, q) < WELL;
+            }
+            if (!any) break;
+            Array<uint8_t> next;
+            if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
+            for (size_t q = 0; q < count; ++q)
+                if (worst_corner(quads_, q) < WELL)
+                    for (size_t k = 0; k < 4; ++k) region_[quads_.quads[4 * q + k]] = 1;
+            list_.clear();
+            for (int ring = 0; ring <= RINGS; ++ring) {
+                if (!call_.tick(0)) return call_.was_cancelled();
+                for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
+                for (size_t q = 0; q < count; ++q) {
+                    const uint32_t* const c = &quads_.quads[4 * q];
+                    if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
+                    if (ring < RINGS)
+                        for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
+                    else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
+                }
+                region_.swap(next);
+            }
+            for (int k = 0; k < STEPS_ROUND_BAD; ++k)
+                if (!step(list_.size())) return call_.was_cancelled();
+            if (improve_worst()) return call_.status();
+        }
+        return HMF_OK;
+    }
+
+    hmf_status improve_worst() {
+        Memory& memory = call_.memory;
+        Array<uint32_t> first, corners, filled; // the corners of each vertex, of quads on the list
+        const uint32_t n = quads_.vertex_count();
+        if (!first.allocate_filled(memory, size_t{n} + 1, 0u) || !corners.allocate(memory, 4 * list_.size())
+            || !filled.allocate_filled(memory, n, 0u))
+            return call_.out_of_memory();
+        for (const uint32_t q : list_)
+            for (size_t k = 0; k < 4; ++k) ++first[size_t{quads_.quads[4 * size_t{q} + k]} + 1];
+        for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+        for (const uint32_t q : list_)
+            for (uint32_t k = 0; k < 4; ++k) {
+                const uint32_t v = quads_.quads[4 * size_t{q} + k];
+                corners[first[v] + filled[v]++] = 4 * q + k;
+            }
+        for (int k = 0; k < IMPROVEMENTS; ++k) {
+            bool moved = false;
+            if (!call_.tick(0)) return call_.was_cancelled();
+            for (const uint32_t q : list_) {
+                if (worst_corner(quads_, q) >= WELL) continue;
+                for (size_t c = 0; c < 4; ++c) {
+                    const uint32_t v = quads_.quads[4 * size_t{q} + c];
+                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v]);
+                }
+            }
+            if (!moved) break;
+        }
+        return HMF_OK;
+    }
+
+    // Moves a vertex where that makes the worst corner of its quads best: to the mean
+    // of its neighbours, or some way to one of them or from it.
+    bool improve(uint32_t v, const uint32_t* corners, uint32_t count) {
+        const auto worst = [&] {
+            double w = 1;
+            for (uint32_t i = 0; i < count; ++i) {
+                const double x = worst_corner(quads_, corners[i] / 4);
+                if (x < w) w = x;
+            }
+            return w;
+        };
+        const Point from = at(quads_, v);
+        const uint32_t side = quads_.sides[v];
+        double* const p = &quads_.positions[size_t{3} * v];
+        Point best = from, middle;
+        uint32_t best_side = side;
+        double best_worst = worst() + 1e-9;
+        const double before = best_worst;
+        const auto attempt = [&](const Point& to) {
+            move(v, to);
+            const double w = worst();
+            if (w > best_worst) {
+                best_worst = w;
+                best = at(quads_, v);
+                best_side = quads_.sides[v];
+            }
+            quads_.sides[v] = side;
+            p[0] = from.x;
+            p[1] = from.y;
+            p[2] = from.z;
+        };
+        for (uint32_t i = 0; i < count; ++i) {
+            const Point to = at(quads_, quads_.quads[size_t{corners[i]} / 4 * 4 + (corners[i] + 1) % 4]);
+            middle = middle + (1 / static_cast<double>(count)) * to;
+            for (const double t : {0.5, 0.2, 0.05, -0.05, -0.2, -0.5}) attempt(from + t * (to - from));
+        }
+        for (const double t : {1.0, 0.5, 0.25}) attempt(from + t * (middle - from));
+        p[0] = best.x;
+        p[1] = best.y;
+        p[2] = best.z;
+        quads_.sides[v] = best_side;
+        return best_worst > before;
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    QuadMesh& quads_;
+    Call& call_;
+    Array<Point> target_;
+    Array<double> weight_;
+    Array<uint32_t> list_;  // quads round bad ones
+    Array<uint8_t> region_; // vertices that may move there
+};
+
+} // namespace
+
+hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, QuadMesh& quads, Call& call) {
+    return Relaxation(mesh, position, quads, call).run(steps);
+}
+
+hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {
+    Array<uint32_t> valence;
+    figures = {};
+    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
+    for (const uint32_t v : quads.quads) ++valence[v];
+    for (const uint32_t n : valence) figures.irregular += n != 4;
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        figures.inverted += !(worst_corner(quads, q) > 0);
+    }
+    return HMF_OK;
+}
+
+// Every edge gets a vertex in its middle, every quad one in its own:
+//
+//     d---o---c
+//     |   |   |
+//     o---o---o
+//     |   |   |
+//     a---o---b
+hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
+    const uint32_t n = quads.vertex_count();
+    const size_t count = quads.quad_count();
+    struct Edge {
+        uint32_t other, middle;
+    };
+    Array<uint32_t> first, filled, fine;
+    Array<Edge> edges; // of each vertex those to vertices of larger numbers
+    if (!first.allocate_filled(call.memory, size_t{n} + 1, 0u) || !filled.allocate_filled(call.memory, n, 0u)
+        || !fine.allocate(call.memory, 16 * count))
+        return call.out_of_memory();
+    const auto lower = [](uint32_t a, uint32_t b) { return a < b ? a : b; };
+    for (size_t i = 0; i < 4 * count; ++i)
+        ++first[size_t{lower(quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
+    for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+    if (!edges.allocate(call.memory, first[n])) return call.out_of_memory();
+    const auto add = [&](const double* p, uint32_t side) -> Done {
+        double nearest[3];
+        const uint32_t found = walk_to_nearest(mesh, position, side, p, nearest);
+        return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
+            && quads.sides.push(found) && quads.held.push(0);
+    };
+    const size_t vertices = n + 3 * count + 2;
+    if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
+        return call.out_of_memory();
+    for (size_t q = 0; q < count; ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        uint32_t middle[4];
+        double p[3] = {0, 0, 0};
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t a = quads.quads[4 * q + k], b = quads.quads[4 * q + (k + 1) % 4];
+            const uint32_t low = lower(a, b), high = a + b - low;
+            uint32_t i = first[low];
+            while (i < first[low] + filled[low] && edges[i].other != high) ++i;
+            if (i == first[low] + filled[low]) {
+                edges[i] = {high, quads.vertex_count()};
+                ++filled[low];
+                for (size_t c = 0; c < 3; ++c)
+                    p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
+                if (!add(p, quads.sides[low])) return call.out_of_memory();
+            }
+            middle[k] = edges[i].middle;
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            p[c] = 0;
+            for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads.positions[size_t{3} * middle[k] + c];
+        }
+        const uint32_t centre = quads.vertex_count();
+        if (!add(p, quads.sides[middle[0]])) return call.out_of_memory();
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t quad[4] = {quads.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
+            // a-d and b-c lie on leaves, as before.
+            for (size_t c = 0; c < 4; ++c) fine[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
+        }
+    }
+    quads.quads.swap(fine);
+    return HMF_OK;
+}
+
+} // namespace hmf

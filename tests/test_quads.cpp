@@ -1,0 +1,268 @@
+// Quad meshes by number, with short critical leaves merged, over poles, and
+// relaxed: sound whatever the numbers are, on the surface, as many as wished.
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+using namespace test;
+
+namespace {
+
+using Made = Owned<hmf_quad_mesh>;
+
+hmf_quad_options wish(uint64_t count, uint64_t relax) {
+    hmf_quad_options options{};
+    options.struct_size = sizeof options;
+    options.count = count;
+    options.merge = 1;
+    options.relax = relax;
+    return options;
+}
+
+Made quads_of(const Foliation& foliation, const hmf_quad_options& options) {
+    return make<hmf_quad_mesh>([&](hmf_quad_mesh** out, hmf_error* error) {
+        return hmf_quads(foliation.get(), &options, nullptr, out, error);
+    });
+}
+
+hmf_error refusal_of(const Foliation& foliation, const hmf_quad_options& options) {
+    hmf_quad_mesh* out = nullptr;
+    hmf_error error{};
+    hmf_quads(foliation.get(), &options, nullptr, &out, &error);
+    EXPECT_EQ(out, nullptr);
+    hmf_free(out);
+    return error;
+}
+
+std::vector<uint32_t> random_marks(size_t vertices, size_t count, uint64_t seed) {
+    Random random(seed);
+    std::vector<uint32_t> marks;
+    while (marks.size() < count) {
+        const uint32_t v = static_cast<uint32_t>(random.below(vertices));
+        if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
+    }
+    return marks;
+}
+
+// A solved foliation on a mesh with marks.
+struct Surface {
+    Hierarchy hierarchy;
+    Solution solution;
+
+    static hmf_build_options options(const std::vector<uint32_t>& marks) {
+        hmf_build_options o{};
+        o.struct_size = sizeof o;
+        o.marked_vertices = marks.data();
+        o.marked_count = marks.size();
+        return o;
+    }
+    explicit Surface(const TriMesh& mesh, const std::vector<uint32_t>& marks = {}) :
+        hierarchy(mesh, options(marks)), solution(solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8))) {}
+};
+
+// Edges of each vertex; fails the test unless the mesh is closed, oriented,
+// manifold, without two edges that have the same ends, and of the genus.
+std::vector<int> expect_sound(const hmf_quad_mesh& mesh, size_t genus) {
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> next; // side -> the one before it round its first vertex
+    std::vector<int> valence(mesh.vertex_count, 0);
+    for (size_t q = 0; q < mesh.quad_count; ++q)
+        for (size_t s = 0; s < 4; ++s) {
+            const uint32_t* quad = mesh.quads + 4 * q;
+            const uint32_t a = quad[s], b = quad[(s + 1) % 4];
+            EXPECT_LT(a, mesh.vertex_count);
+            EXPECT_NE(a, b);
+            EXPECT_TRUE(next.insert({{a, b}, quad[(s + 3) % 4]}).second) << "two sides from " << a << " to " << b;
+            ++valence[a];
+        }
+    size_t open = 0;
+    for (const auto& side : next) open += !next.count({side.first.second, side.first.first});
+    EXPECT_EQ(open, 0u);
+    EXPECT_EQ(static_cast<long>(mesh.vertex_count) - static_cast<long>(mesh.quad_count),
+              2 - 2 * static_cast<long>(genus));
+    if (open) return valence;
+    std::vector<char> seen(mesh.vertex_count, 0);
+    for (const auto& side : next) {
+        const uint32_t v = side.first.first;
+        if (seen[v]) continue;
+        seen[v] = 1;
+        int turns = 0;
+        for (uint32_t to = side.first.second; turns == 0 || (to != side.first.second && turns <= valence[v]); ++turns)
+            to = next.at({v, to});
+        EXPECT_EQ(turns, valence[v]) << "vertex " << v;
+    }
+    for (size_t i = 0; i < 3 * mesh.vertex_count; ++i) EXPECT_TRUE(std::isfinite(mesh.positions[i]));
+    return valence;
+}
+
+// Squared distance of a point from a triangle: from its plane where the foot lies
+// inside, else from the nearest of its sides.
+double square_distance(const double* p, const double* const* corner) {
+    double n[3], best = HUGE_VAL;
+    const auto cross = [](const double* o, const double* x, const double* y, double* out) {
+        for (int k = 0; k < 3; ++k) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            out[k] = (x[i] - o[i]) * (y[j] - o[j]) - (x[j] - o[j]) * (y[i] - o[i]);
+        }
+    };
+    const auto dot = [](const double* x, const double* y) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; };
+    cross(corner[0], corner[1], corner[2], n);
+    bool inside = true;
+    for (int s = 0; s < 3; ++s) {
+        const double *a = corner[s], *b = corner[(s + 1) % 3];
+        double m[3], foot = 0, length = 0, square = 0;
+        cross(p, a, b, m);
+        inside = inside && dot(m, n) >= 0;
+        for (int k = 0; k < 3; ++k) {
+            foot += (p[k] - a[k]) * (b[k] - a[k]);
+            length += (b[k] - a[k]) * (b[k] - a[k]);
+        }
+        const double t = std::min(1.0, std::max(0.0, foot / length));
+        for (int k = 0; k < 3; ++k) square += std::pow(p[k] - a[k] - t * (b[k] - a[k]), 2);
+        best = std::min(best, square);
+    }
+    if (!inside) return best;
+    double height = 0;
+    for (int k = 0; k < 3; ++k) height += (p[k] - corner[0][k]) * n[k];
+    return height * height / dot(n, n);
+}
+
+} // namespace
+
+TEST(Quads, SoundOnRandomMarkedSurfaces) {
+    size_t close = 0, tried = 0;
+    for (size_t genus = 0; genus < 4; ++genus) {
+        const TriMesh mesh = genus == 1 ? torus(24, 12, 2, 0.8) : pretzel(genus, 1);
+        for (size_t n = genus == 0 ? 4 : 0; n <= 8; n += 4) {
+            const Surface surface(mesh, random_marks(mesh.vertex_count(), n, 7 * genus + n));
+            ASSERT_TRUE(surface.solution.foliation);
+            for (const uint64_t count : {1, 60, 300, 1500})
+                for (const uint64_t relax : {0, 8}) {
+                    SCOPED_TRACE("genus " + std::to_string(genus) + ", marks " + std::to_string(n) + ", count "
+                                 + std::to_string(count) + ", relax " + std::to_string(relax));
+                    hmf_quad_mesh* out = nullptr;
+                    hmf_error error{};
+                    const hmf_quad_options options = wish(count, relax);
+                    const hmf_status status =
+                        hmf_quads(surface.solution.foliation.get(), &options, nullptr, &out, &error);
+                    const Made mesh_of_quads(out);
+                    // Random marks may have one image, which no leaf tells apart.
+                    if (status == HMF_ERROR_UNSUPPORTED && n > 0) continue;
+                    ASSERT_EQ(status, HMF_OK) << error.message;
+                    const std::vector<int> valence = expect_sound(*mesh_of_quads, genus);
+                    EXPECT_EQ(std::count(valence.begin(), valence.end(), 2), 0);
+                    EXPECT_EQ(static_cast<size_t>(
+                                  std::count_if(valence.begin(), valence.end(), [](int v) { return v != 4; })),
+                              mesh_of_quads->irregular_count);
+                    if (count < 1500) continue;
+                    ++tried;
+                    const double off = static_cast<double>(mesh_of_quads->quad_count) / static_cast<double>(count) - 1;
+                    EXPECT_LT(std::fabs(off), 0.1);
+                    close += std::fabs(off) < 0.03;
+                }
+        }
+    }
+    EXPECT_GT(tried, 12u);
+    EXPECT_GE(2 * close, tried);
+}
+
+TEST(Quads, PolesKeepTheirVertexIfWished) {
+    const TriMesh mesh = pretzel(2, 1);
+    const Surface surface(mesh, random_marks(mesh.vertex_count(), 4, 3));
+    hmf_quad_options options = wish(1500, 0);
+    options.keep_poles = 1;
+    const Made kept = quads_of(surface.solution.foliation, options);
+    options.keep_poles = 0;
+    const Made made = quads_of(surface.solution.foliation, options);
+    ASSERT_TRUE(kept && made);
+    const std::vector<int> with = expect_sound(*kept, 2), without = expect_sound(*made, 2);
+    // Each has one quad of its own less, and two vertices with three edges.
+    const auto poles = std::count(with.begin(), with.end(), 2);
+    EXPECT_GT(poles, 0);
+    EXPECT_EQ(kept->quad_count, made->quad_count + static_cast<uint64_t>(poles));
+    EXPECT_EQ(std::count(without.begin(), without.end(), 3), 2 * poles);
+}
+
+TEST(Quads, RelaxedVerticesAreOnTheSurface) {
+    const TriMesh mesh = pretzel(2, 1);
+    const Surface surface(mesh);
+    const Made made = quads_of(surface.solution.foliation, wish(400, 10));
+    ASSERT_TRUE(made);
+    EXPECT_EQ(made->inverted_count, 0u);
+    for (size_t v = 0; v < made->vertex_count; v += 7) {
+        double best = HUGE_VAL;
+        for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+            const double* corner[3];
+            for (size_t c = 0; c < 3; ++c) corner[c] = &mesh.positions[3 * size_t{mesh.triangles[3 * t + c]}];
+            best = std::min(best, square_distance(made->positions + 3 * v, corner));
+        }
+        EXPECT_LT(std::sqrt(best), 1e-9) << "vertex " << v;
+    }
+}
+
+// A scaled mesh has the same quads, scaled; by a power of two, and twice, to the bit.
+TEST(Quads, ScaleAndRepetition) {
+    const TriMesh mesh = pretzel(3, 1);
+    const Surface surface(mesh);
+    const Made one = quads_of(surface.solution.foliation, wish(900, 6)),
+               again = quads_of(surface.solution.foliation, wish(900, 6));
+    for (const double factor : {1.0, 1024.0, 1.0 / 1024, 1e3, 1e-3}) {
+        const Surface other(scaled(mesh, factor));
+        const Made made = quads_of(other.solution.foliation, wish(900, 6));
+        ASSERT_TRUE(one && again && made);
+        ASSERT_EQ(one->quad_count, made->quad_count) << factor;
+        ASSERT_TRUE(std::equal(one->quads, one->quads + 4 * one->quad_count, made->quads)) << factor;
+        for (size_t i = 0; i < 3 * one->vertex_count; ++i) {
+            ASSERT_EQ(one->positions[i], again->positions[i]);
+            if (factor == 1 || factor > 1000 * 1.01 || factor < 0.99e-3) {
+                ASSERT_EQ(one->positions[i] * factor, made->positions[i]) << factor;
+            }
+            ASSERT_NEAR(one->positions[i], made->positions[i] / factor, 1e-3) << factor;
+        }
+    }
+}
+
+// Critical leaves of a plate have no length by symmetry: any size works.
+TEST(Quads, VeryFineSizes) {
+    const Surface surface(plate(2));
+    for (const double length : {1.0, 0.5, 0.2, 0.05, 0.02}) {
+        hmf_quad_options options{};
+        options.struct_size = sizeof options;
+        options.edge_length = length;
+        const Made made = quads_of(surface.solution.foliation, options);
+        ASSERT_TRUE(made) << length;
+        EXPECT_EQ(static_cast<long>(made->vertex_count) - static_cast<long>(made->quad_count), -2) << length;
+        if (length > 0.1) expect_sound(*made, 2);
+    }
+}
+
+// Quads much smaller than the triangles are as good as larger ones.
+TEST(Quads, FinerThanTheTriangles) {
+    const Surface surface(pretzel(2, 1));
+    const Made made = quads_of(surface.solution.foliation, wish(60000, 10));
+    ASSERT_TRUE(made);
+    expect_sound(*made, 2);
+    EXPECT_NEAR(static_cast<double>(made->quad_count), 60000, 0.03 * 60000);
+    EXPECT_EQ(made->inverted_count, 0u);
+}
+
+TEST(Quads, Refusals) {
+    const Surface surface(torus(24, 12, 2, 0.8));
+    const Foliation& f = surface.solution.foliation;
+    hmf_quad_options options = wish(100, 0);
+    options.edge_length = 0.1;
+    EXPECT_EQ(refusal_of(f, options).status, HMF_ERROR_OPTIONS);
+    EXPECT_EQ(refusal_of(f, wish((uint64_t{1} << 28) + 1, 0)).status, HMF_ERROR_OPTIONS);
+    EXPECT_EQ(refusal_of(f, wish(100, 1001)).status, HMF_ERROR_OPTIONS);
+    for (const double length : {1e-5, 1e-9, 1e-300}) {
+        options = wish(0, 0);
+        options.edge_length = length;
+        const hmf_error error = refusal_of(f, options);
+        EXPECT_EQ(error.status, HMF_ERROR_OPTIONS) << length;
+        EXPECT_NE(std::string(error.message).find("larger edge_length"), std::string::npos) << error.message;
+    }
+}
