@@ -72,6 +72,21 @@ assert {"package.json", "README.md", "lib/index.js", "lib/index.d.ts"} <= files,
 }
 if command -v npm > /dev/null; then check npm npm_package; else skip npm "no npm"; fi
 
+# The reference site: every page is made from the sources, every link leads somewhere.
+site() {
+    "$work/site-venv/bin/python" "$root/docs/site/build_site.py" "$work/site" && "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/site"
+}
+a_dead_link() {
+    rm -rf "$work/dead"
+    cp -r "$work/site" "$work/dead" && rm "$work/dead/c.html" && ! "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/dead"
+}
+if { python3 -m venv "$work/site-venv" && "$work/site-venv/bin/pip" install -q mkdocs; } > "$work/mkdocs.log" 2>&1; then
+    check site site
+    check a-dead-link-is-found a_dead_link
+else
+    skip site "mkdocs cannot be installed"
+fi
+
 if [ "${HMF_PACKAGES:-}" != 1 ]; then
     for name in wheel debian conan vcpkg conda; do skip $name "takes minutes; HMF_PACKAGES=1 runs it"; done
     exit $failed
