@@ -204,7 +204,7 @@ def python_page(pages: Path) -> None:
 
 
 def gallery_pages(pages: Path) -> None:
-    out = ["# Gallery\n\nEach program is run by the tests, which compare that it makes its picture.\n"]
+    out = ["# Gallery\n\nThe tests run each of these programs.\n"]
     for path in sorted((BINDINGS / "python/examples").glob("*.py")):
         source, picture = path.read_text(), path.with_suffix(".png")
         doc = ast.get_docstring(ast.parse(source)) or path.stem
@@ -248,9 +248,10 @@ def build(out: Path) -> None:
         python_page(pages)
         gallery_pages(pages)
         concepts_page(pages)
+        (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n")
         navigation = "\n".join(f'  - "{title}": {page}' for title, page in NAVIGATION)
         (Path(folder) / "mkdocs.yml").write_text(
-            "site_name: hmf\nsite_description: Harmonic measured foliations on triangle meshes\nuse_directory_urls: false\n"
+            "site_name: hmf\nsite_description: Harmonic measured foliations on triangle meshes\nuse_directory_urls: false\nextra_css: [wide.css]\n"
             "theme:\n  name: readthedocs\n  highlightjs: false\nplugins: [search]\nmarkdown_extensions: [tables, fenced_code, {toc: {permalink: false}}]\n"
             f"validation: {{links: {{anchors: warn}}}}\nnav:\n{navigation}\n")
         # Below an item a list needs no blank line in the repository's texts, but here.

@@ -152,6 +152,7 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
                            Array<uint32_t>& internal, Call& call) {
     if (!internal.allocate(call.memory, static_cast<size_t>(all.seam_edge_count))) return call.out_of_memory();
     for (size_t i = 0; i < internal.size(); ++i) {
+        assert(all.seam_edges); // there is a count only with an array
         const uint32_t e = all.seam_edges[i];
         if (e >= foliation.count)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e,
