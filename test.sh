@@ -13,7 +13,7 @@
 set -u
 cd "$(dirname "$0")"
 
-default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
+default_variants="format header symbols plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
 variants="$default_variants corpus-large campaign mutations machines static tsan"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
@@ -26,6 +26,7 @@ header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses
 symbols       exported symbols, dependencies, no global state
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
+packages      one version everywhere, manifests; with HMF_PACKAGES=1 wheels, Debian, Conan, vcpkg, conda
 bindings      tests of the packages for other languages; the same bits from each
 release       all tests, optimised
 debug         all tests but UniqueLong, assertions on
@@ -164,6 +165,7 @@ variant_format() { run_check format tests/check_format.sh; }
 variant_header() { run_check header tests/check_header.sh; }
 variant_plain() { run_check plain tests/check_plain.sh build/plain; }
 variant_install() { run_check install tests/check_install.sh build/install; }
+variant_packages() { run_check packages tests/check_packages.sh build/packages; }
 variant_bindings() { run_check bindings tests/check_bindings.sh build/bindings; }
 variant_release() { run_ctest release; }
 # UniqueLong takes a minute in the release build, several without optimisation.

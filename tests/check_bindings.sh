@@ -16,12 +16,12 @@ mkdir -p "$work"
 work=$(cd "$work" && pwd)
 
 reference=$work/same_bits.txt
+# The library of the release build, which the tests of that build use as well.
 make_reference() {
     {
-        cmake -S "$root" -B "$work/core" -DCMAKE_BUILD_TYPE=Release -DHMF_BUILD_CLI=OFF &&
-            cmake --build "$work/core" -j "${JOBS:-$(nproc)}" &&
+        cd "$root" && cmake --preset release && cmake --build build/release --target hmf -j "${JOBS:-$(nproc)}" &&
             cc -std=c99 -pedantic -Wall -Wextra -Werror -I"$root/include" "$root/bindings/same_bits/same_bits.c" \
-                "$work/core/libhmf.a" -lstdc++ -lm -o "$work/same_bits"
+                build/release/libhmf.a -lstdc++ -lm -o "$work/same_bits"
     } > "$work/core.log" 2>&1 && timeout 120 "$work/same_bits" > "$reference"
 }
 

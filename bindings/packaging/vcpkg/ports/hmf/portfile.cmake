@@ -1,0 +1,12 @@
+# An overlay port: it builds the tree that it lies in.
+get_filename_component(SOURCE_PATH "${CURRENT_PORT_DIR}/../../../../.." ABSOLUTE)
+vcpkg_check_features(OUT_FEATURE_OPTIONS FEATURE_OPTIONS FEATURES tool HMF_BUILD_CLI)
+vcpkg_cmake_configure(SOURCE_PATH "${SOURCE_PATH}" OPTIONS ${FEATURE_OPTIONS})
+vcpkg_cmake_install()
+vcpkg_cmake_config_fixup(PACKAGE_NAME hmf CONFIG_PATH lib/cmake/hmf)
+vcpkg_fixup_pkgconfig()
+if("tool" IN_LIST FEATURES)
+  vcpkg_copy_tools(TOOL_NAMES hmf AUTO_CLEAN)
+endif()
+file(REMOVE_RECURSE "${CURRENT_PACKAGES_DIR}/debug/include" "${CURRENT_PACKAGES_DIR}/debug/share")
+vcpkg_install_copyright(FILE_LIST "${SOURCE_PATH}/LICENSE")

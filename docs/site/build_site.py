@@ -1,0 +1,304 @@
+#!/usr/bin/env python3
+"""The reference site: static pages made from the headers, the docstrings, the gallery and the texts of the repository.
+
+    build_site.py FOLDER      needs mkdocs; FOLDER/index.html is the start
+    build_site.py --check FOLDER   no dead link or picture in it
+
+Nothing is written twice: every page is a text of the repository, or is read out of the sources.
+"""
+
+from __future__ import annotations
+
+import ast
+import html.parser
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import urllib.parse
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BINDINGS = ROOT / "bindings"
+
+# Page: text of the repository.
+TEXTS = {
+    "index.md": "README.md",
+    "python.md": "bindings/python/README.md",
+    "javascript.md": "bindings/javascript/README.md",
+    "rust.md": "bindings/rust/foliations/README.md",
+    "mathematics.md": "docs/mathematics.md",
+    "benchmarks.md": "bench/README.md",
+    "conformality.md": "bench/conformality.md",
+    "source.md": "src/README.md",
+    "packages.md": "bindings/packaging/README.md",
+    "contributing.md": "CONTRIBUTING.md",
+    "changes.md": "CHANGELOG.md",
+}
+NAVIGATION = [
+    ("Start", "index.md"), ("Concepts", "concepts.md"), ("Tutorial", "tutorial.md"), ("Gallery", "gallery.md"),
+    ("Reference, side by side", "reference.md"), ("C", "c.md"), ("C++", "cpp.md"), ("Python", "python.md"), ("Python, every function", "python_reference.md"),
+    ("JavaScript", "javascript.md"), ("Rust", "rust.md"), ("The mathematics", "mathematics.md"), ("Benchmarks", "benchmarks.md"),
+    ("Conformality", "conformality.md"), ("Packages", "packages.md"), ("Map of the source", "source.md"), ("Contributing", "contributing.md"), ("Changes", "changes.md"),
+]
+
+
+def page_of(path: Path) -> str | None:
+    return next((page for page, text in TEXTS.items() if (ROOT / text).resolve() == path), None)
+
+
+def translated(text: str, home: Path, pages: Path) -> str:
+    """Links of a text of the repository: to pages where there is one, pictures are copied, the rest are only named."""
+
+    def link(match: re.Match[str]) -> str:
+        bang, label, target = match.groups()
+        address, _, part = target.partition("#")
+        if re.match(r"[a-z]+:", target) or not address:
+            return match[0]
+        path = (home / address).resolve()
+        part = "#" + part if part else ""
+        if path.suffix in (".png", ".svg") and path.is_file():
+            name = "_".join(path.relative_to(ROOT).parts)
+            shutil.copy2(path, pages / name)
+            return f"{bang}[{label}]({name})"
+        if page := page_of(path / "README.md" if path.is_dir() else path):
+            return f"[{label}]({page}{part})"
+        if path == BINDINGS / "rust" or path.parent.name == "examples" and path.suffix == ".py":
+            return f"[{label}]({'rust.md' if path.name == 'rust' else 'gallery.md#' + path.stem})"
+        if path.name in ("hmf.h", "uses.h"):
+            return f"[{label}](c.md)"
+        if path.name in ("hmf.hpp", "uses.hpp"):
+            return f"[{label}](cpp.md)"
+        return label
+    # A picture inside a link first becomes a picture.
+    text = re.sub(r"(!)\[([^\]]*)\]\(([^)\s]+)\)", link, text)
+    return re.sub(r"(?<!!)()\[([^\[\]]*)\]\(([^)\s]+)\)", link, text)
+
+
+def comment_text(comment: str) -> str:
+    return "\n".join(re.sub(r"^ \* ?", "", line) for line in comment.strip().splitlines()).strip()
+
+
+def header_pages(pages: Path) -> list[str]:
+    """Contract and declaration of each function, structure and constant, in the order of the headers."""
+    functions = []
+    out = ["# C\n\nThe public headers, as they are. `hmf.h` is the core, `uses.h` what one does with a foliation.\n"]
+    for name in ("hmf.h", "uses.h"):
+        text = (ROOT / "include" / "hmf" / name).read_text()
+        out.append(f"## {name}\n")
+        at = 0
+        for match in re.finditer(r"/\*(.*?)\*/\s*((?:typedef [^{;]*\{.*?\} \w+;|HMF_API[^;]*;|typedef [^;{]*;)(?:\s*HMF_API[^;]*;)*)?", text, re.S):
+            declaration = match[2]
+            if not declaration:
+                continue
+            title = re.findall(r"\b(hmf_\w+)\s*\(", declaration) or re.findall(r"(\w+);\s*$", declaration)
+            functions += re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", declaration)
+            out.append(f"### {', '.join(title[:1])}\n\n```text\n{comment_text(match[1])}\n```\n\n```c\n{declaration.strip()}\n```\n")
+            at = match.end()
+        for function in re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", text):
+            if function not in functions:
+                functions.append(function)
+                declaration = re.search(rf"HMF_API[^;]*\b{function}\s*\([^;]*;", text)[0]
+                out.append(f"### {function}\n\n```c\n{declaration}\n```\n")
+        assert at
+    (pages / "c.md").write_text("\n".join(out))
+    cpp = ["# C++\n\nHeader only; classes that free themselves, vectors, exceptions.\n"]
+    for name in ("hmf.hpp", "uses.hpp"):
+        cpp.append(f"## {name}\n\n```cpp\n{(ROOT / 'include' / 'hmf' / name).read_text()}\n```\n")
+    (pages / "cpp.md").write_text("\n".join(cpp))
+    return functions
+
+
+# What each language calls it; "-": nothing of its own.  Every name must be in the sources.
+SOURCES = {
+    "C++": [ROOT / "include/hmf/hmf.hpp", ROOT / "include/hmf/uses.hpp"],
+    "Python": sorted((BINDINGS / "python/src/foliations").glob("*.py")),
+    "JavaScript": [BINDINGS / "javascript/lib/index.d.ts"],
+    "Rust": sorted((BINDINGS / "rust/foliations/src").glob("**/*.rs")),
+}
+NAMES = """
+hmf_version                   -                            __version__                      version                      version
+hmf_status_string             Error                        Error                            statusText                   Error
+hmf_free                      -                            -                                -                            -
+hmf_build                     Hierarchy                    Hierarchy                        Hierarchy                    Hierarchy.build
+hmf_suggest_marks             Hierarchy.suggest_marks      suggest_marks                    suggestMarks                 suggest_marks
+hmf_destroy                   -                            -                                Hierarchy.dispose            -
+hmf_memory_estimate           Hierarchy.memory_estimate    memory_estimate                  memoryEstimate               memory_estimate
+hmf_hierarchy_memory          Hierarchy.memory             Hierarchy.memory                 Hierarchy.memoryBytes        Hierarchy.memory
+hmf_level_count               Hierarchy.level_count        Hierarchy.levels                 Hierarchy.levels             Hierarchy.level_count
+hmf_genus                     Hierarchy.genus              Hierarchy.genus                  Hierarchy.genus              Hierarchy.genus
+hmf_level_counts              Hierarchy.level              Level                            Level                        Hierarchy.level
+hmf_level_edge_vertices       Hierarchy.edge_vertices      Level.edges                      Level.edgeVertices           Level.edge_vertices
+hmf_level_triangle_edges      Hierarchy.triangle_edges     Level.triangle_edges             Level.triangleEdges          Level.triangle_edges
+hmf_level_triangle_vertices   Hierarchy.triangle_vertices  Level.triangles                  Level.triangleVertices       Level.triangle_vertices
+hmf_level_weights             Hierarchy.weights            Level.weights                    Level.weights                Level.weights
+hmf_level_positions           Hierarchy.positions          Level.positions                  Level.positions              Level.positions
+hmf_loops                     Hierarchy.loops              Hierarchy.loops                  Hierarchy.loops              Hierarchy.loops
+hmf_initialize                Hierarchy.initialize         Hierarchy.initialize             Hierarchy.initialize         Hierarchy.initialize
+hmf_foliation_create          Hierarchy.foliation          Hierarchy.foliation              Hierarchy.foliation          Hierarchy.foliation
+hmf_foliation_destroy         -                            -                                Foliation.dispose            -
+hmf_foliation_values          Foliation.values             Foliation.values                 Foliation.values             Foliation.values
+hmf_foliation_level           Foliation.level              Foliation.level                  Foliation.level              Foliation.level
+hmf_foliation_unit            Foliation.unit               Foliation.unit                   Foliation.unit               Foliation.unit
+hmf_foliation_report          Solution.report              Foliation.report                 Foliation.report             Foliation.report
+hmf_solve                     Hierarchy.solve              Hierarchy.solve                  Hierarchy.solve              Hierarchy.solve
+hmf_relax                     Foliation.relax              Foliation.relax                  Foliation.relax              Foliation.relax
+hmf_interpolate               Foliation.to_level           Foliation.interpolate            Foliation.interpolate        Foliation.interpolate
+hmf_energy                    Foliation.energy             Foliation.energy                 Foliation.energy             Foliation.energy
+hmf_residuals                 Foliation.residuals          Foliation.residuals              Foliation.residuals          Foliation.residuals
+hmf_singularities             Foliation.singularities      Foliation.singularities          Foliation.singularities      Foliation.singularities
+hmf_parameterize              parameterize                 Foliation.parameterize           Foliation.parameterize       Foliation.parameterize
+hmf_trace                     trace                        Foliation.trace                  Foliation.trace              Foliation.trace
+hmf_cylinders                 cylinders                    Foliation.cylinders              Foliation.cylinders          Foliation.cylinders
+hmf_quads                     quads                        Foliation.quads                  Foliation.quads              Foliation.quads
+"""
+
+
+def reference_page(pages: Path, functions: list[str]) -> None:
+    names = {row.split()[0]: row.split()[1:] for row in NAMES.strip().splitlines()}
+    texts = {language: "\n".join(p.read_text() for p in files) for language, files in SOURCES.items()}
+    missing = [f"{f} is not in the headers" for f in names if f not in functions]
+    for function in functions:
+        if function in names:
+            continue
+        # A new one: by its own name, where a language has that.
+        name = function[len("hmf_"):]
+        camel = re.sub(r"_(\w)", lambda m: m[1].upper(), name)
+        guesses = {language: camel if language == "JavaScript" else name for language in SOURCES}
+        names[function] = [g if re.search(rf"\b{g}\b", texts[language]) else "-" for language, g in guesses.items()]
+    rows = ["# Reference, side by side\n\nEach function of the C interface and what the other languages call it. "
+            "The contracts are on the page [C](c.md).\n", "| C | " + " | ".join(SOURCES) + " |", "|---|" + "---|" * len(SOURCES)]
+    contracts = (pages / "c.md").read_text()
+    for function, own in names.items():
+        for language, name in zip(SOURCES, own):
+            if name != "-" and not re.search(rf"\b{re.escape(name.split('.')[-1])}\b", texts[language]):
+                missing.append(f"{function}: {language} has no {name}")
+        cells = ["" if name == "-" else f"`{name}`" for name in own]
+        anchor = f"[`{function}`](c.md#{function})" if f"\n### {function}\n" in contracts else f"`{function}`"
+        rows.append(f"| {anchor} | " + " | ".join(cells) + " |")
+    if missing:
+        sys.exit("The table NAMES is not true any more:\n" + "\n".join(missing))
+    (pages / "reference.md").write_text("\n".join(rows) + "\n")
+
+
+def python_page(pages: Path) -> None:
+    package = BINDINGS / "python/src/foliations"
+    public = set(re.findall(r'"(\w+)"', (package / "__init__.py").read_text().split("__all__", 1)[1].split("]", 1)[0]))
+    out = ["# Python, every function\n\nFrom the docstrings; `help` shows the same.\n"]
+
+    def entry(level: int, node: ast.AST, prefix: str = "") -> None:
+        doc = ast.get_docstring(node) or ""
+        title = node.name if isinstance(node, ast.ClassDef) else f"{node.name}({ast.unparse(node.args)})"
+        out.append(f"{'#' * level} {prefix}{node.name}\n\n```python\n{prefix}{title}\n```\n\n" + (f"```text\n{doc}\n```\n" if doc else ""))
+        if isinstance(node, ast.ClassDef):
+            for child in node.body:
+                if isinstance(child, ast.FunctionDef) and not child.name.startswith("_") and ast.get_docstring(child):
+                    entry(level + 1, child, f"{node.name}.")
+    for path in sorted(package.glob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in public:
+                entry(2, node)
+    (pages / "python_reference.md").write_text("\n".join(out))
+
+
+def gallery_pages(pages: Path) -> None:
+    out = ["# Gallery\n\nThe tests run each of these programs.\n"]
+    for path in sorted((BINDINGS / "python/examples").glob("*.py")):
+        source, picture = path.read_text(), path.with_suffix(".png")
+        doc = ast.get_docstring(ast.parse(source)) or path.stem
+        if picture.is_file():
+            shutil.copy2(picture, pages / f"gallery_{picture.name}")
+        image = f"![{doc.splitlines()[0]}](gallery_{picture.name})\n\n" if picture.is_file() else ""
+        out.append(f"## {path.stem}\n\n{doc}\n\n{image}```python\n{source}```\n")
+    (pages / "gallery.md").write_text("\n".join(out))
+    first = (BINDINGS / "python/README.md").read_text()
+    shell, program = (re.search(rf"```{kind}\n(.*?)```", first, re.S)[1] for kind in ("sh", "python"))
+    steps = re.findall(r"^hmf .*$", (ROOT / "README.md").read_text(), re.M)
+    (pages / "tutorial.md").write_text(
+        "# Tutorial\n\n## From a clone to a picture\n\n```sh\n" + shell + "```\n\nThe program:\n\n```python\n" + program
+        + "```\n\n![The picture it makes](gallery_first.png)\n\nThe tests run both as they stand here.\n\n## With the tool\n\n```sh\n" + "\n".join(steps)
+        + "\n```\n\nWhat each option does: `hmf solve --help`, or `man hmf`.\n")
+
+
+def concepts_page(pages: Path) -> None:
+    for name in ("demo.png", "checkerboard.png"):
+        shutil.copy2(BINDINGS / "cli" / name, pages / name)
+    how = re.search(r"^## How it works\n(.*?)^## ", (ROOT / "README.md").read_text(), re.S | re.M)[1]
+    words = re.search(r"^## Words\n(.*?)^## ", (ROOT / "src/README.md").read_text(), re.S | re.M)[1]
+    (pages / "concepts.md").write_text(
+        "# Concepts\n\n## A measured foliation\n\nParallel curves that fill the surface, with a distance between them; where the stripes "
+        "fork there are *zeros*.\n\n![Stripes along the leaves, zeros blue, loops green](demo.png)\n\n## The parameterisation\n\n"
+        "The distance along the leaves is a second coordinate; together they are conformal.\n\n![The same surface with a checkerboard](checkerboard.png)\n\n"
+        "## Cylinders and leaves between zeros\n\n![Critical leaves and cylinders](gallery_leaves.png)\n\n## Weights\n\n![Other weights, other foliations](gallery_weights.png)\n\n"
+        "## Quads\n\n![A quad mesh along the leaves](gallery_quads.png)\n\n## How it works\n" + translated(how, ROOT, pages)
+        + "\n## Words\n" + translated(words, ROOT / "src", pages))
+
+
+def build(out: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        pages = Path(folder) / "docs"
+        pages.mkdir()
+        for page, text in TEXTS.items():
+            path = ROOT / text
+            (pages / page).write_text(translated(path.read_text(), path.parent, pages))
+        functions = header_pages(pages)
+        reference_page(pages, functions)
+        python_page(pages)
+        gallery_pages(pages)
+        concepts_page(pages)
+        (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n")
+        navigation = "\n".join(f'  - "{title}": {page}' for title, page in NAVIGATION)
+        (Path(folder) / "mkdocs.yml").write_text(
+            "site_name: hmf\nsite_description: Harmonic measured foliations on triangle meshes\nuse_directory_urls: false\nextra_css: [wide.css]\n"
+            "theme:\n  name: readthedocs\n  highlightjs: false\nplugins: [search]\nmarkdown_extensions: [tables, fenced_code, {toc: {permalink: false}}]\n"
+            f"validation: {{links: {{anchors: warn}}}}\nnav:\n{navigation}\n")
+        # Below an item a list needs no blank line in the repository's texts, but here.
+        for path in pages.glob("*.md"):
+            path.write_text(re.sub(r"^([^\n|#>\s-][^\n]*)\n(?=- |1\. )", r"\1\n\n", path.read_text(), flags=re.M))
+        subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-f", Path(folder) / "mkdocs.yml", "-d", out.resolve()], check=True)
+
+
+class Links(html.parser.HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.names: set[str] = set()
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        for key, value in attributes:
+            if key in ("href", "src") and value:
+                self.links.append(value)
+            if key in ("id", "name") and value:
+                self.names.add(value)
+
+
+def check(out: Path) -> int:
+    parsed = {}
+    for path in sorted(out.rglob("*.html")):
+        parsed[path.resolve()] = links = Links()
+        links.feed(path.read_text())
+    dead = []
+    for path, page in parsed.items():
+        if path.name in ("404.html", "search.html"):  # addresses from the root of a server
+            continue
+        for link in page.links:
+            address, _, part = link.partition("#")
+            if re.match(r"[a-z]+:", link) or link.startswith("//"):
+                continue
+            target = (path.parent / urllib.parse.unquote(address.split("?")[0])).resolve() if address else path
+            if target.is_dir():
+                target = target / "index.html"
+            if not target.is_file() or part and target in parsed and urllib.parse.unquote(part) not in parsed[target].names:
+                dead.append(f"{os.path.relpath(path, out)}: {link}")
+    print("\n".join(dead) if dead else f"{len(parsed)} pages, {sum(len(p.links) for p in parsed.values())} links, none is dead")
+    return 1 if dead or len(parsed) < len(NAVIGATION) else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3 and sys.argv[1] == "--check":
+        sys.exit(check(Path(sys.argv[2])))
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    build(Path(sys.argv[1]))

@@ -1,0 +1,145 @@
+#!/bin/bash
+# check_packages.sh WORK_FOLDER
+#
+# The recipes and manifests of packages: one version, licence, authors and keywords in each; and what can be built here.
+# Environment: HMF_PACKAGES=1  also what takes minutes: wheels by the cross compiler, Debian, Conan, vcpkg, conda
+#              HMF_PACKAGE_TARGETS  of the wheels (default: that of this machine)
+set -u
+root=$(cd "$(dirname "$0")/.." && pwd)
+mkdir -p "$1"
+work=$(cd "$1" && pwd)
+packaging=$root/bindings/packaging
+failed=0
+
+check() { # name, then the command
+    local name=$1
+    shift
+    if "$@" > "$work/$name.log" 2>&1; then
+        echo "ok packages-$name"
+    else
+        echo "not ok packages-$name"
+        tail -25 "$work/$name.log"
+        failed=1
+    fi
+}
+skip() { echo "skip packages-$1 (skipped: $2)"; }
+
+if ! command -v python3 > /dev/null; then
+    skip all "no python3"
+    exit 0
+fi
+python3 "$packaging/check_versions.py" || failed=1
+
+# A wrong version is found.
+a_wrong_version() {
+    rm -rf "$work/wrong"
+    mkdir "$work/wrong"
+    (cd "$root" && tar c CITATION.cff CHANGELOG.md CMakeLists.txt include bindings/packaging bindings/python/packaging bindings/rust/Cargo.* \
+        bindings/rust/foliations/Cargo.toml bindings/javascript/package*.json) | tar x -C "$work/wrong"
+    python3 "$work/wrong/bindings/packaging/check_versions.py" || return 1
+    sed -i 's/^version: .*/version: 9.9.9/' "$work/wrong/CITATION.cff"
+    ! python3 "$work/wrong/bindings/packaging/check_versions.py"
+}
+check a-wrong-version-is-found a_wrong_version
+
+manifests() {
+    python3 - "$root" <<'END'
+import json, re, sys
+from pathlib import Path
+root = Path(sys.argv[1])
+texts = {p: (root / p).read_text() for p in ("bindings/rust/Cargo.toml", "bindings/python/pyproject.toml", "bindings/packaging/conan/conanfile.py", "CITATION.cff")}
+package = json.loads((root / "bindings/javascript/package.json").read_text())
+assert package["license"] == "MIT" and package["author"] == "hmf contributors" and len(package["keywords"]) > 3
+for path, text in texts.items():
+    for word in ("MIT", "hmf contributors", "foliation"):
+        assert word in text, (path, word)
+    assert re.search("keywords|topics", text), path
+assert json.loads((root / "bindings/packaging/vcpkg/ports/hmf/vcpkg.json").read_text())["license"] == "MIT"
+assert "license: MIT" in (root / "bindings/packaging/conda/meta.yaml").read_text()
+for line in (root / "LICENSE").read_text().split("\n\n")[2].split("\n"):  # the permission, in the words of the licence
+    assert " ".join(line.split()[:6]) in " ".join((root / "bindings/packaging/debian/copyright").read_text().split()), line
+END
+}
+check manifests manifests
+check release-script bash -n "$packaging/release.sh"
+
+# npm: what would be in the package.
+npm_package() {
+    (cd "$root/bindings/javascript" && npm pack --dry-run --ignore-scripts --json) > "$work/npm.json" &&
+        python3 -c 'import json, sys
+files = {f["path"] for f in json.load(open(sys.argv[1]))[0]["files"]}
+assert {"package.json", "README.md", "lib/index.js", "lib/index.d.ts"} <= files, files' "$work/npm.json"
+}
+if command -v npm > /dev/null; then check npm npm_package; else skip npm "no npm"; fi
+
+# The reference site: every page is made from the sources, every link leads somewhere.
+site() {
+    "$work/site-venv/bin/python" "$root/docs/site/build_site.py" "$work/site" && "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/site"
+}
+a_dead_link() {
+    rm -rf "$work/dead"
+    cp -r "$work/site" "$work/dead" && rm "$work/dead/c.html" && ! "$work/site-venv/bin/python" "$root/docs/site/build_site.py" --check "$work/dead"
+}
+if { python3 -m venv "$work/site-venv" && "$work/site-venv/bin/pip" install -q mkdocs; } > "$work/mkdocs.log" 2>&1; then
+    check site site
+    check a-dead-link-is-found a_dead_link
+else
+    skip site "mkdocs cannot be installed"
+fi
+
+if [ "${HMF_PACKAGES:-}" != 1 ]; then
+    for name in wheel debian conan vcpkg conda; do skip $name "takes minutes; HMF_PACKAGES=1 runs it"; done
+    exit $failed
+fi
+
+# A wheel of the cross compiler, in an environment of its own, without a compiler: the first example.
+case $(uname -s)-$(uname -m) in
+Linux-x86_64) native=manylinux-x86_64 ;;
+Linux-aarch64) native=manylinux-aarch64 ;;
+Darwin-arm64) native=macos-arm64 ;;
+Darwin-x86_64) native=macos-x86_64 ;;
+*) native= ;;
+esac
+make_wheels() {
+    rm -rf "$work/dist"
+    # shellcheck disable=SC2086
+    "$work/venv/bin/python" "$packaging/build_wheels.py" --out "$work/dist" ${HMF_PACKAGE_TARGETS:-$native}
+}
+use_wheel() {
+    rm -rf "$work/clean"
+    mkdir -p "$work/clean/run"
+    python3 -m venv "$work/clean/venv" &&
+        CC=/bin/false CXX=/bin/false "$work/clean/venv/bin/pip" install -q --only-binary :all: "$(ls "$work"/dist/*manylinux*"$(uname -m)".whl)[plot]" &&
+        cd "$work/clean/run" && PATH=$work/clean/venv/bin "$work/clean/venv/bin/python" -m foliations.sample pretzel.obj &&
+        PATH=$work/clean/venv/bin "$work/clean/venv/bin/python" "$root/bindings/python/examples/first.py" && [ -s first.png ] && [ -s first.glb ] && [ -s first.npz ]
+}
+if [ -z "$native" ] || ! { python3 -m venv "$work/venv" && "$work/venv/bin/pip" install -q ziglang cffi build scikit-build-core; } > "$work/venv.log" 2>&1; then
+    skip wheel "no environment with ziglang, cffi, build"
+else
+    check wheel make_wheels
+    case $native in
+    manylinux*) check wheel-in-clean-environment use_wheel ;;
+    *) skip wheel-in-clean-environment "written for Linux" ;;
+    esac
+fi
+
+debian_package() {
+    rm -rf "$work/debian"
+    mkdir -p "$work/debian/hmf"
+    (cd "$root" && git ls-files -z | tar c --null -T -) | tar x -C "$work/debian/hmf"
+    cp -r "$packaging/debian" "$work/debian/hmf/debian"
+    cd "$work/debian/hmf" && dpkg-buildpackage -us -uc -b && dpkg -c ../hmf_*.deb | grep -q man1/hmf.1 &&
+        dpkg -c ../libhmf-dev_*.deb | grep -q 'include/hmf/hmf.h' && dpkg-deb -x ../hmf_*.deb ../root && ../root/usr/bin/hmf --version
+}
+if command -v dpkg-buildpackage > /dev/null && dpkg -s debhelper > /dev/null 2>&1; then check debian debian_package
+else skip debian "no debhelper"; fi
+
+if { "$work/venv/bin/pip" install -q conan && "$work/venv/bin/conan" --version; } > "$work/conan-install.log" 2>&1; then
+    export CONAN_HOME=$work/conan
+    "$work/venv/bin/conan" profile detect --force > /dev/null 2>&1
+    check conan "$work/venv/bin/conan" create "$packaging/conan"
+else skip conan "it cannot be installed"; fi
+if command -v vcpkg > /dev/null; then check vcpkg vcpkg install hmf --overlay-ports="$packaging/vcpkg/ports" --x-install-root="$work/vcpkg"
+else skip vcpkg "no vcpkg"; fi
+if command -v conda-build > /dev/null; then check conda conda build "$packaging/conda"; else skip conda "no conda-build"; fi
+exit $failed
