@@ -63,7 +63,7 @@ void expect_cut_system(test::MadeMesh& made, bool round_trip = true) {
     const Mesh mesh = made.mesh();
     Context c;
     Loops loops;
-    ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK) << c.error.message;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK) << c.error.message;
     const uint32_t genus = genus_of(mesh);
     ASSERT_EQ(loops.count(), genus);
     expect_connected(mesh, loops);
@@ -152,7 +152,7 @@ TEST(CutSystem, ShortOnATorus) {
     const Mesh mesh = made.mesh();
     Context c;
     Loops loops;
-    ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK);
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
     EXPECT_EQ(loops.crossings.size(), 16u); // once round the tube
 }
 
@@ -170,8 +170,8 @@ TEST(CutSystem, Deterministic) {
     const Mesh mesh = made.mesh();
     Context c;
     Loops a, b;
-    ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, a), HMF_OK);
-    ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, b), HMF_OK);
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, a), HMF_OK);
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, b), HMF_OK);
     ASSERT_EQ(a.crossings.size(), b.crossings.size());
     EXPECT_EQ(std::memcmp(a.crossings.data(), b.crossings.data(), a.crossings.size() * sizeof(uint32_t)), 0);
 }
@@ -202,7 +202,7 @@ TEST(CutSystem, EveryAllocationMayFail) {
             Call call(memory, &error, nullptr, nullptr);
             Loops loops, again;
             std::vector<uint32_t> faces;
-            hmf_status status = cut_system(mesh, made.positions.data(), nullptr, call, loops);
+            hmf_status status = cut_system(mesh, made.positions.data(), call, loops);
             if (status == HMF_OK) {
                 for (uint32_t h : loops.crossings) faces.push_back(mesh.face[h]);
                 status = read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call,
@@ -230,7 +230,7 @@ TEST(CutSystem, CancelsAtEveryTick) {
         Memory memory(nullptr, nullptr, nullptr, 0);
         Call call(memory, nullptr, progress, &left);
         Loops loops;
-        hmf_status status = cut_system(mesh, made.positions.data(), nullptr, call, loops);
+        hmf_status status = cut_system(mesh, made.positions.data(), call, loops);
         if (status == HMF_OK) status = check_loops(mesh, loops, call);
         done = status == HMF_OK;
         if (!done) { EXPECT_EQ(status, HMF_CANCELLED); }
@@ -450,7 +450,7 @@ TEST(CheckLoops, ParallelOnAPlate) {
     const Mesh mesh = made.mesh();
     Context c;
     Loops loops;
-    ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK);
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
     std::vector<std::vector<uint32_t>> faces(2);
     for (size_t l = 0; l < 2; ++l)
         for (uint64_t i = loops.offsets[l]; i < loops.offsets[l + 1]; ++i)
@@ -611,7 +611,7 @@ TEST(CutSystem, EachIsTheShortest) {
         Multicurve curves;
         std::vector<double> length;
         for (uint32_t e = 0; e < mesh.edge_count; ++e) length.push_back(DualLength(mesh, made.positions.data())(e));
-        ASSERT_EQ(cut_system(mesh, made.positions.data(), nullptr, c.call, loops), HMF_OK);
+        ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
         ASSERT_TRUE(curves.allocate(mesh, c.memory));
         for (size_t k = 0; k < loops.count(); ++k) {
             const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];

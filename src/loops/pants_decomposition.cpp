@@ -271,8 +271,9 @@ private:
 
 } // namespace
 
-hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out) {
-    const hmf_status status = cut_system(mesh, position, nullptr, call, out);
+hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
+                               Loops& out) {
+    const hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
     if (status) return status;
     Pants pants(mesh, position, false, out, call);
     return pants.run();

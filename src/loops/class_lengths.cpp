@@ -1,0 +1,197 @@
+#include "class_lengths.hpp"
+
+#include "../base/random_word.hpp"
+#include "carry_loops.hpp"
+#include "library_loops.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t MEASURED_VERTICES = 10000;
+constexpr double TIE = 1.01;
+// Coarse lengths may be wrong by so much against each other.
+constexpr double DOUBT = 1.2;
+constexpr size_t COARSE_ROUNDS = 60, FINE_ROUNDS = 200;
+constexpr double DIRECTION[3] = {1, 0.6180339887498949, 0.3819660112501051};
+
+} // namespace
+
+ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call) :
+    hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, hierarchy.level_count - 1)),
+    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call),
+    coarsest_(hierarchy.level_count - 1), geodesic_(mesh_, position_, call) {
+    level_ = coarsest_;
+    while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
+}
+
+ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
+    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, call) {}
+
+bool ClassLengths::start() {
+    Memory& memory = call_.memory;
+    started_ = true;
+    classes_.start(memory);
+    crossings_.start(memory);
+    loop_.start(memory);
+    walk_.start(memory);
+    if (!table_.allocate_filled(memory, 256, NONE)) return false;
+    const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
+    if (!sphere && !words_.start(mesh_, mesh_.edge_count, memory)) return false;
+    if (mesh_.marked_count == 0) return true;
+    // Each edge of a tree gets the words of the marked vertices behind it, so that a loop adds up to the
+    // words of those on one side of it, if it has two.
+    Array<uint32_t> reached, queue;
+    Array<uint64_t> behind;
+    if (!mark_word_.allocate_filled(memory, mesh_.edge_count, uint64_t{0})
+        || !reached.allocate_filled(memory, mesh_.vertex_count, NONE) || !queue.allocate(memory, mesh_.vertex_count)
+        || !behind.allocate_filled(memory, mesh_.vertex_count, uint64_t{0}))
+        return false;
+    size_t begin = 0, end = 0;
+    queue[end++] = 0;
+    while (begin < end) {
+        const uint32_t v = queue[begin++], first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            const uint32_t w = mesh_.target(h);
+            if (w != 0 && reached[w] == NONE) {
+                reached[w] = h;
+                queue[end++] = w;
+            }
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+    }
+    uint64_t seed = 1;
+    for (uint32_t v = 1; v < mesh_.marked_count; ++v) behind[v] = random_word(seed);
+    while (end-- > 1) {
+        const uint32_t v = queue[end], h = reached[v];
+        mark_word_[edge_of(h)] = behind[v];
+        behind[mesh_.origin[h]] ^= behind[v];
+    }
+    return true;
+}
+
+bool ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
+    uint64_t marks = 0;
+    if (!mark_word_.empty())
+        for (size_t i = 0; i < n; ++i) marks ^= mark_word_[edge_of(crossings[i])];
+    walk_.clear();
+    if (words_.quads().size() > 0) {
+        // The path of edges on the left of the loop.
+        for (size_t i = 0; i < n; ++i) {
+            const uint32_t in = twin(crossings[i]), go = crossings[i + 1 < n ? i + 1 : 0];
+            if (go == mesh_.next[in] && !words_.append(twin(mesh_.prev(in)), walk_)) return false;
+        }
+        if (!words_.quads().canonical(walk_, call_.memory)) return false;
+    }
+    key = walk_.size() ^ marks;
+    for (const uint32_t spoke : walk_) {
+        key = (key ^ spoke) * 0x9e3779b97f4a7c15u;
+        key ^= key >> 29;
+    }
+    return true;
+}
+
+bool ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
+                        size_t n, size_t rounds, Class& c) {
+    loop_.clear();
+    for (size_t i = 0; i < n; ++i)
+        if (!loop_.push(crossings[i])) return false;
+    if (!geodesic.straighten(loop_, rounds, c.length)) return false;
+    c.place = 0;
+    for (const uint32_t h : loop_)
+        for (int a = 0; a < 3; ++a)
+            c.place += DIRECTION[a] * (position[3 * size_t{mesh.origin[h]} + static_cast<size_t>(a)] / geodesic.scale()
+                                       + position[3 * size_t{mesh.target(h)} + static_cast<size_t>(a)] / geodesic.scale())
+                     / static_cast<double>(loop_.size());
+    return true;
+}
+
+bool ClassLengths::grow_table() {
+    Array<uint32_t> table;
+    if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        size_t i = static_cast<size_t>(classes_[id].key) & (table.size() - 1);
+        while (table[i] != NONE) i = (i + 1) & (table.size() - 1);
+        table[i] = id;
+    }
+    table_.swap(table);
+    return true;
+}
+
+bool ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
+    if (!started_ && !start()) return false;
+    Class made{};
+    if (!key_of(crossings, n, made.key)) return false;
+    size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
+    for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
+        id = table_[i];
+        if (classes_[id].key == made.key) return true;
+    }
+    id = static_cast<uint32_t>(classes_.size());
+    made.first = crossings_.size();
+    for (size_t k = 0; k < n; ++k)
+        if (!crossings_.push(crossings[k])) return false;
+    made.end = crossings_.size();
+    made.measured = level_ == coarsest_;
+    if (!pull(geodesic_, mesh_, position_, crossings, n, made.measured ? FINE_ROUNDS : COARSE_ROUNDS, made)
+        || !classes_.push(made))
+        return false;
+    table_[i] = id;
+    return 2 * classes_.size() < table_.size() || grow_table();
+}
+
+size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
+    double least = classes_[ids[0]].length;
+    for (size_t i = 1; i < n; ++i)
+        if (classes_[ids[i]].length < least) least = classes_[ids[i]].length;
+    size_t best = n, close = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const Class& c = classes_[ids[i]];
+        if (c.length <= DOUBT * least) ++close;
+        if (c.length <= TIE * least && (best == n || c.place > classes_[ids[best]].place)) best = i;
+    }
+    for (size_t i = 0; i < n && close > 1; ++i) {
+        Class& c = classes_[ids[i]];
+        if (c.length <= DOUBT * least && !c.measured) c.wanted = true;
+    }
+    return best;
+}
+
+bool ClassLengths::measure(bool& changed) {
+    changed = false;
+    Loops loops;
+    Array<uint32_t> ids;
+    loops.offsets.start(call_.memory);
+    loops.crossings.start(call_.memory);
+    ids.start(call_.memory);
+    if (!loops.offsets.push(0)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        const Class& c = classes_[id];
+        if (!c.wanted || c.measured) continue;
+        for (uint64_t k = c.first; k < c.end; ++k)
+            if (!loops.crossings.push(crossings_[k])) return false;
+        if (!loops.offsets.push(loops.crossings.size()) || !ids.push(id)) return false;
+    }
+    if (ids.empty()) return true;
+    changed = true;
+    LoopCarrier carrier;
+    if (!carrier.load(*hierarchy_, coarsest_, level_, loops, call_.memory)) return false;
+    while (carrier.level() > level_)
+        if (!carrier.refine(call_)) return false;
+    if (!carrier.read(0, ids.size(), loops, call_.memory)) return false;
+    const Mesh& mesh = loop_mesh(*hierarchy_, level_);
+    const double* const position = hierarchy_->levels[level_].position;
+    ClosedGeodesic geodesic(mesh, position, call_);
+    for (size_t k = 0; k < ids.size(); ++k) {
+        Class& c = classes_[ids[k]];
+        const uint64_t first = loops.offsets[k];
+        if (!pull(geodesic, mesh, position, loops.crossings.data() + first,
+                  static_cast<size_t>(loops.offsets[k + 1] - first), FINE_ROUNDS, c))
+            return false;
+        c.measured = true;
+    }
+    return true;
+}
+
+} // namespace hmf

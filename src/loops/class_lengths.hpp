@@ -1,0 +1,67 @@
+// Lengths of the classes that loops are chosen from.
+//
+// A loop on the coarse level where it was found is as long as its strip there;
+// what counts is the closed geodesic of its class on the surface.  So each class,
+// known by its canonical walk (quad_system.hpp), has its length, first as pulled
+// straight where it was found, and once it matters as measured on a fine level:
+//
+//     found on the coarsest level -> carried (carry_loops.hpp) -> pulled straight
+//
+// The level to measure on is the coarsest that has 10 000 vertices.
+//
+// Ties: of the classes that are at most 1 % longer than the shortest one, the one
+// counts as shortest whose geodesic has its centre furthest in a fixed direction.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "../homotopy/edge_words.hpp"
+#include "closed_geodesic.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+class ClassLengths {
+public:
+    // Loops on the coarsest level of a hierarchy, or on a mesh alone, where they are measured at once.
+    ClassLengths(const hmf_hierarchy& hierarchy, Call& call);
+    ClassLengths(const Mesh& mesh, const double* position, Call& call);
+
+    // The number of the class of a loop.  False: out of memory or cancelled.
+    bool add(const uint32_t* crossings, size_t n, uint32_t& id);
+
+    // Which of these is the shortest, as far as is known.  Those that may be
+    // shorter once they are measured are noted.  n > 0.
+    size_t shortest(const uint32_t* ids, size_t n);
+    double length(uint32_t id) const { return classes_[id].length; }
+
+    // Measures what is noted; changed: there was any.  False: out of memory or cancelled.
+    bool measure(bool& changed);
+
+private:
+    struct Class {
+        uint64_t key;
+        uint64_t first, end; // its loop in crossings_
+        double length, place;
+        bool measured, wanted;
+    };
+    bool start();
+    bool key_of(const uint32_t* crossings, size_t n, uint64_t& key);
+    bool pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
+              size_t rounds, Class& c);
+    bool grow_table();
+
+    const hmf_hierarchy* hierarchy_;
+    const Mesh& mesh_;
+    const double* position_;
+    Call& call_;
+    size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
+    bool started_ = false;
+    EdgeWords words_;
+    Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
+    ClosedGeodesic geodesic_;
+    Array<Class> classes_;
+    Array<uint32_t> crossings_, loop_, table_;
+    Walk walk_;
+};
+
+} // namespace hmf
