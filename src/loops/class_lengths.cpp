@@ -2,6 +2,7 @@
 
 #include "../base/random_word.hpp"
 #include "carry_loops.hpp"
+#include "disjoint.hpp"
 #include "library_loops.hpp"
 
 namespace hmf {
@@ -9,10 +10,11 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
+constexpr size_t MOST_STARTS = 4; // of a class
 constexpr double TIE = 1.01;
 // Coarse lengths may be wrong by so much against each other.
 constexpr double DOUBT = 1.2;
-constexpr size_t COARSE_ROUNDS = 60, FINE_ROUNDS = 200;
+constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 100;
 constexpr double DIRECTION[3] = {1, 0.6180339887498949, 0.3819660112501051};
 
 } // namespace
@@ -35,7 +37,8 @@ bool ClassLengths::start() {
     crossings_.start(memory);
     loop_.start(memory);
     walk_.start(memory);
-    if (!table_.allocate_filled(memory, 256, NONE)) return false;
+    if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
+        return false;
     const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
     if (!sphere && !words_.start(mesh_, mesh_.edge_count, memory)) return false;
     if (mesh_.marked_count == 0) return true;
@@ -124,9 +127,17 @@ bool ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     Class made{};
     if (!key_of(crossings, n, made.key)) return false;
     size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
+    // Another strip of a class may lead to another of its geodesics; not so if they meet.
+    ++visit_;
+    for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
+    size_t starts = 0;
     for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
+        const Class& c = classes_[table_[i]];
+        if (c.key != made.key) continue;
         id = table_[i];
-        if (classes_[id].key == made.key) return true;
+        if (++starts == MOST_STARTS) return true;
+        for (uint64_t k = c.first; k < c.end; ++k)
+            if (visited_[mesh_.face[crossings_[k]]] == visit_) return true;
     }
     id = static_cast<uint32_t>(classes_.size());
     made.first = crossings_.size();
@@ -145,13 +156,15 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     double least = classes_[ids[0]].length;
     for (size_t i = 1; i < n; ++i)
         if (classes_[ids[i]].length < least) least = classes_[ids[i]].length;
-    size_t best = n, close = 0;
+    size_t best = n, same = 0, other = 0;
     for (size_t i = 0; i < n; ++i) {
         const Class& c = classes_[ids[i]];
-        if (c.length <= DOUBT * least) ++close;
+        if (c.length <= DOUBT * least && c.key != classes_[ids[0]].key) ++other;
+        if (c.length <= DOUBT * least && c.key == classes_[ids[0]].key) ++same;
         if (c.length <= TIE * least && (best == n || c.place > classes_[ids[best]].place)) best = i;
     }
-    for (size_t i = 0; i < n && close > 1; ++i) {
+    if (other == 0 || (same == 0 && other == 1)) return best;
+    for (size_t i = 0; i < n; ++i) {
         Class& c = classes_[ids[i]];
         if (c.length <= DOUBT * least && !c.measured) c.wanted = true;
     }
@@ -177,20 +190,38 @@ bool ClassLengths::measure(bool& changed) {
     changed = true;
     LoopCarrier carrier;
     if (!carrier.load(*hierarchy_, coarsest_, level_, loops, call_.memory)) return false;
-    while (carrier.level() > level_)
-        if (!carrier.refine(call_)) return false;
-    if (!carrier.read(0, ids.size(), loops, call_.memory)) return false;
-    const Mesh& mesh = loop_mesh(*hierarchy_, level_);
-    const double* const position = hierarchy_->levels[level_].position;
-    ClosedGeodesic geodesic(mesh, position, call_);
-    for (size_t k = 0; k < ids.size(); ++k) {
-        Class& c = classes_[ids[k]];
-        const uint64_t first = loops.offsets[k];
-        if (!pull(geodesic, mesh, position, loops.crossings.data() + first,
-                  static_cast<size_t>(loops.offsets[k + 1] - first), FINE_ROUNDS, c))
-            return false;
-        c.measured = true;
+    while (carrier.level() > level_) {
+        if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
+        const bool last = carrier.level() == level_;
+        const double* const position = hierarchy_->levels[carrier.level()].position;
+        const Mesh& mesh = carrier.mesh();
+        ClosedGeodesic geodesic(mesh, position, call_);
+        Multicurve curve;
+        Loops pulled;
+        pulled.offsets.start(call_.memory);
+        pulled.crossings.start(call_.memory);
+        if (!pulled.offsets.push(0) || (!last && !curve.allocate(mesh, call_.memory))) return false;
+        for (size_t k = 0; k < ids.size(); ++k) {
+            Class& c = classes_[ids[k]];
+            const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];
+            const size_t n = static_cast<size_t>(loops.offsets[k + 1] - loops.offsets[k]);
+            if (!pull(geodesic, mesh, position, loop, n, last ? FINE_ROUNDS : COARSE_ROUNDS, c)) return false;
+            if (last) continue;
+            for (const uint32_t h : loop_)
+                if (!pulled.crossings.push(h)) return false;
+            if (!pulled.offsets.push(pulled.crossings.size())) return false;
+            const Answer answer = disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory);
+            if (answer == Answer::out_of_memory) return false;
+            if (answer == Answer::yes) continue;
+            while (pulled.crossings.size() > pulled.offsets[k]) pulled.crossings.pop();
+            pulled.offsets.pop();
+            for (size_t i = 0; i < n; ++i)
+                if (!pulled.crossings.push(loop[i])) return false;
+            if (!pulled.offsets.push(pulled.crossings.size())) return false;
+        }
+        if (!last && !carrier.replace(pulled)) return false;
     }
+    for (const uint32_t id : ids) classes_[id].measured = true;
     return true;
 }
 

@@ -26,7 +26,8 @@ public:
     ClassLengths(const hmf_hierarchy& hierarchy, Call& call);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
-    // The number of the class of a loop.  False: out of memory or cancelled.
+    // The number of a loop's class, with others for strips of the class that lie elsewhere.
+    // False: out of memory or cancelled.
     bool add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Which of these is the shortest, as far as is known.  Those that may be
@@ -61,6 +62,8 @@ private:
     ClosedGeodesic geodesic_;
     Array<Class> classes_;
     Array<uint32_t> crossings_, loop_, table_;
+    Array<uint32_t> visited_; // per face
+    uint32_t visit_ = 0;
     Walk walk_;
 };
 

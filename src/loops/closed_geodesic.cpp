@@ -8,6 +8,7 @@ namespace {
 
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-4;
+constexpr double LITTLE = 1e-5; // relative, what is not worth another round
 
 } // namespace
 
@@ -270,6 +271,7 @@ bool ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
 }
 
 bool ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length) {
+    double before = HUGE_VAL;
     for (size_t round = 0; round < rounds; ++round) {
         if (!call_.tick(0, true)) return false;
         const size_t n = loop.size();
@@ -278,6 +280,9 @@ bool ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
             return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
         };
         if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
+        const double now = pulled_length(middle(0), middle(3 * n));
+        if (now > before * (1 - LITTLE)) break;
+        before = now;
         bool changed = false;
         if (!go_round(loop.data(), n, changed)) return false;
         if (!changed) break;

@@ -30,7 +30,9 @@ namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
+constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
 constexpr size_t MOST_CANDIDATES = 24; // for one loop
+constexpr size_t MOST_BOUNDS = 1000000;
 constexpr int MOST_ROUNDS = 8;         // of measuring and choosing again
 
 struct Root {
@@ -53,7 +55,7 @@ public:
         try_.start(memory_);
         candidates_.start(memory_);
         strips_.start(memory_);
-        chosen_.start(memory_);
+        strip_.start(memory_);
         ids_.start(memory_);
         choice_.start(memory_);
         if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
@@ -71,6 +73,8 @@ public:
                      restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
                 return call_.out_of_memory();
         const uint32_t fixed = k;
+        const size_t kept = size_t{genus - fixed} * mesh_.face_count;
+        if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
         for (int round = 0; round < MOST_ROUNDS; ++round) {
             for (; k < genus; ++k) {
                 if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
@@ -81,10 +85,14 @@ public:
             if (!lengths_.measure(changed)) return stopped();
             if (!changed) break;
             for (k = fixed; k < genus; ++k) {
-                const size_t first = choice_[k - fixed].first;
-                if (lengths_.shortest(&ids_[first], choice_[k - fixed].end - first) != choice_[k - fixed].taken) break;
+                Choice& choice = choice_[k - fixed];
+                const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
+                if (taken == choice.taken) continue;
+                choice.taken = taken;
+                if (!go_back(k, fixed)) return call_.out_of_memory();
+                ++k;
+                break;
             }
-            if (k < genus && !go_back(k, fixed)) return call_.out_of_memory();
         }
         return HMF_OK;
     }
@@ -105,22 +113,25 @@ private:
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");
         if (!choose()) return stopped();
-        if (!add(loop_.data(), loop_.size())) return call_.out_of_memory();
+        const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
+        if (!add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
         if (curves_.total >= MULTICURVE_LIMIT)
             return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
                               "The loops cross more than 2^29 edges. Use a coarser level.");
         keep_bounds();
+        if (!kept_bound_.empty())
+            std::memcpy(&kept_bound_[(choice_.size() - 1) * mesh_.face_count], face_bound_.data(),
+                        face_bound_.size() * sizeof(double));
         return HMF_OK;
     }
 
-    // loop_: of the candidates the one with the shortest class, as half-edges.
+    // Of the candidates the one with the shortest class.
     bool choose() {
         heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
             return a.length < b.length || (a.length == b.length && a.first < b.first);
         });
         const size_t first = ids_.size();
-        chosen_.clear();
-        for (size_t i = 0; i < candidates_.size() && chosen_.size() < MOST_CANDIDATES; ++i) {
+        for (size_t i = 0; i < candidates_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
             const Candidate& c = candidates_[i];
             if (!by_count_ && c.length > SLACK * best_) break;
             uint32_t id = 0;
@@ -128,24 +139,30 @@ private:
             bool known = false;
             for (size_t k = first; k < ids_.size(); ++k) known |= ids_[k] == id;
             if (known) continue;
-            if (!ids_.push(id) || !chosen_.push(static_cast<uint32_t>(i))) return false;
+            if (!ids_.push(id) || !strip_.push(c)) return false;
         }
         const size_t taken = lengths_.shortest(&ids_[first], ids_.size() - first);
-        const Candidate& c = candidates_[chosen_[taken]];
-        loop_.clear();
-        for (size_t k = 0; k < c.size; ++k)
-            if (!loop_.push(strips_[c.first + k])) return false;
         return choice_.push({first, ids_.size(), taken});
     }
 
-    // Keeps the first k loops.
+    // Keeps the first k loops, and takes the next one as it is chosen now.
     bool go_back(uint32_t k, uint32_t fixed) {
-        while (choice_.size() > k - fixed) choice_.pop();
+        while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
+        while (ids_.size() > choice_.back().end) {
+            ids_.pop();
+            strip_.pop();
+        }
         while (out_->offsets.size() > size_t{k} + 1) out_->offsets.pop();
         while (out_->crossings.size() > out_->offsets.back()) out_->crossings.pop();
-        for (double& bound : face_bound_) bound = 0;
+        if (kept_bound_.empty())
+            for (double& bound : face_bound_) bound = 0;
+        else
+            std::memcpy(face_bound_.data(), &kept_bound_[(choice_.size() - 1) * mesh_.face_count],
+                        face_bound_.size() * sizeof(double));
         curves_.clear();
-        return curves_.add(out_->crossings.data(), out_->crossings.size());
+        const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
+        return curves_.add(out_->crossings.data(), out_->crossings.size())
+            && add(strips_.data() + taken.first, taken.size);
     }
 
     hmf_status cancelled() {
@@ -251,7 +268,6 @@ private:
         found_ = false;
         best_ = UNREACHED;
         candidates_.clear();
-        strips_.clear();
         bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
@@ -281,7 +297,7 @@ private:
     bool search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
-            if (search_.bound(roots_[i].region) >= SLACK * best_) continue;
+            if (search_.bound(roots_[i].region) >= ROOTS * best_) continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 return true;
@@ -384,8 +400,10 @@ private:
         size_t first, end, taken;
     };
     Array<Candidate> candidates_; // for the next loop
-    Array<uint32_t> strips_, chosen_, ids_;
+    Array<uint32_t> strips_, ids_;
+    Array<Candidate> strip_; // per id
     Array<Choice> choice_;
+    Array<double> kept_bound_; // face_bound_ after each choice, if that is not too much
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
     bool found_ = false;
