@@ -5,15 +5,18 @@
 #include "disjoint.hpp"
 #include "library_loops.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
 constexpr size_t MOST_STARTS = 4; // of a class
-constexpr double TIE = 1.01;
-// Coarse lengths may be wrong by so much against each other.
-constexpr double DOUBT = 1.2;
+constexpr double TILT = 0.01;
+// Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
+// circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
+constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 100;
 constexpr double DIRECTION[3] = {1, 0.6180339887498949, 0.3819660112501051};
 
@@ -21,14 +24,14 @@ constexpr double DIRECTION[3] = {1, 0.6180339887498949, 0.3819660112501051};
 
 ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call) :
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, hierarchy.level_count - 1)),
-    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call),
-    coarsest_(hierarchy.level_count - 1), geodesic_(mesh_, position_, call) {
+    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call), coarsest_(hierarchy.level_count - 1),
+    geodesic_(mesh_, position_, 0, call) {
     level_ = coarsest_;
     while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
 }
 
 ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
-    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, call) {}
+    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call) {}
 
 bool ClassLengths::start() {
     Memory& memory = call_.memory;
@@ -37,6 +40,7 @@ bool ClassLengths::start() {
     crossings_.start(memory);
     loop_.start(memory);
     walk_.start(memory);
+    measure_extent();
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
     const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
@@ -74,6 +78,18 @@ bool ClassLengths::start() {
     return true;
 }
 
+// Of the surface, in the fixed direction.
+void ClassLengths::measure_extent() {
+    double highest = 0;
+    for (size_t v = 0; v < mesh_.vertex_count; ++v) {
+        double place = 0;
+        for (size_t a = 0; a < 3; ++a) place += DIRECTION[a] * (position_[3 * v + a] / geodesic_.scale());
+        if (v == 0 || place < lowest_) lowest_ = place;
+        if (v == 0 || place > highest) highest = place;
+    }
+    extent_ = highest > lowest_ ? highest - lowest_ : 1;
+}
+
 bool ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
     uint64_t marks = 0;
     if (!mark_word_.empty())
@@ -96,17 +112,35 @@ bool ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
 }
 
 bool ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
-                        size_t n, size_t rounds, Class& c) {
+                        size_t n, Stage stage, Class& c) {
+    const size_t rounds = stage == Stage::found ? COARSE_ROUNDS : FINE_ROUNDS;
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
     if (!geodesic.straighten(loop_, rounds, c.length)) return false;
-    c.place = 0;
-    for (const uint32_t h : loop_)
-        for (int a = 0; a < 3; ++a)
-            c.place += DIRECTION[a] * (position[3 * size_t{mesh.origin[h]} + static_cast<size_t>(a)] / geodesic.scale()
-                                       + position[3 * size_t{mesh.target(h)} + static_cast<size_t>(a)] / geodesic.scale())
-                     / static_cast<double>(loop_.size());
+    // Mean place of the loop, from middle to middle of the edges that it crosses.
+    const auto middle = [&](uint32_t h, double* to) {
+        for (size_t a = 0; a < 3; ++a)
+            to[a] = (position[3 * size_t{mesh.origin[h]} + a] / geodesic.scale()
+                     + position[3 * size_t{mesh.target(h)} + a] / geodesic.scale())
+                  / 2;
+    };
+    double before[3], here[3], sum = 0, total = 0;
+    middle(loop_.back(), before);
+    for (const uint32_t h : loop_) {
+        middle(h, here);
+        double square = 0, place = 0;
+        for (size_t a = 0; a < 3; ++a) {
+            square += (here[a] - before[a]) * (here[a] - before[a]);
+            place += DIRECTION[a] * (here[a] + before[a]) / 2;
+            before[a] = here[a];
+        }
+        sum += std::sqrt(square) * place;
+        total += std::sqrt(square);
+    }
+    const double n_left = static_cast<double>(loop_.size());
+    c.doubt = DOUBT_ROUND / (n_left * n_left) + DOUBT[stage];
+    if (total > 0) c.length *= 1 + TILT * ((sum / total - lowest_) / extent_);
     return true;
 }
 
@@ -144,35 +178,44 @@ bool ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     for (size_t k = 0; k < n; ++k)
         if (!crossings_.push(crossings[k])) return false;
     made.end = crossings_.size();
-    made.measured = level_ == coarsest_;
-    if (!pull(geodesic_, mesh_, position_, crossings, n, made.measured ? FINE_ROUNDS : COARSE_ROUNDS, made)
-        || !classes_.push(made))
-        return false;
+    made.stage = coarsest_ == 0 ? Stage::done : level_ == coarsest_ ? Stage::measured : Stage::found;
+    if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made) || !classes_.push(made)) return false;
     table_[i] = id;
     return 2 * classes_.size() < table_.size() || grow_table();
 }
 
 size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
-    double least = classes_[ids[0]].length;
+    size_t best = 0;
     for (size_t i = 1; i < n; ++i)
-        if (classes_[ids[i]].length < least) least = classes_[ids[i]].length;
-    size_t best = n, same = 0, other = 0;
+        if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
+    // Another class that may be shorter is measured, and this one as well.
+    double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
-        const Class& c = classes_[ids[i]];
-        if (c.length <= DOUBT * least && c.key != classes_[ids[0]].key) ++other;
-        if (c.length <= DOUBT * least && c.key == classes_[ids[0]].key) ++same;
-        if (c.length <= TIE * least && (best == n || c.place > classes_[ids[best]].place)) best = i;
+        const double upper = classes_[ids[i]].length * (1 + classes_[ids[i]].doubt);
+        if (upper < most) most = upper;
     }
-    if (other == 0 || (same == 0 && other == 1)) return best;
-    for (size_t i = 0; i < n; ++i) {
+    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
+    const uint64_t key = classes_[ids[best]].key;
+    bool other = false;
+    for (size_t i = 0; i < n; ++i) other |= classes_[ids[i]].key != key && may_be(classes_[ids[i]]);
+    for (size_t i = 0; i < n && other; ++i) {
         Class& c = classes_[ids[i]];
-        if (c.length <= DOUBT * least && !c.measured) c.wanted = true;
+        c.wanted |= c.stage != Stage::done && may_be(c);
     }
     return best;
 }
 
 bool ClassLengths::measure(bool& changed) {
     changed = false;
+    for (int stage = 0; stage < 2; ++stage)
+        if (!measure_stage(stage == 0 ? Stage::found : Stage::measured, changed)) return false;
+    return true;
+}
+
+// Those that are at a stage, for the next one.
+bool ClassLengths::measure_stage(Stage stage, bool& changed) {
+    const size_t finest = stage == Stage::found ? level_ : 0;
+    const Stage reached = finest == 0 ? Stage::done : Stage::measured;
     Loops loops;
     Array<uint32_t> ids;
     loops.offsets.start(call_.memory);
@@ -181,7 +224,7 @@ bool ClassLengths::measure(bool& changed) {
     if (!loops.offsets.push(0)) return false;
     for (uint32_t id = 0; id < classes_.size(); ++id) {
         const Class& c = classes_[id];
-        if (!c.wanted || c.measured) continue;
+        if (!c.wanted || c.stage != stage) continue;
         for (uint64_t k = c.first; k < c.end; ++k)
             if (!loops.crossings.push(crossings_[k])) return false;
         if (!loops.offsets.push(loops.crossings.size()) || !ids.push(id)) return false;
@@ -189,13 +232,13 @@ bool ClassLengths::measure(bool& changed) {
     if (ids.empty()) return true;
     changed = true;
     LoopCarrier carrier;
-    if (!carrier.load(*hierarchy_, coarsest_, level_, loops, call_.memory)) return false;
-    while (carrier.level() > level_) {
+    if (!carrier.load(*hierarchy_, coarsest_, finest, loops, call_.memory)) return false;
+    while (carrier.level() > finest) {
         if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
-        const bool last = carrier.level() == level_;
+        const bool last = carrier.level() == finest;
         const double* const position = hierarchy_->levels[carrier.level()].position;
         const Mesh& mesh = carrier.mesh();
-        ClosedGeodesic geodesic(mesh, position, call_);
+        ClosedGeodesic geodesic(mesh, position, geodesic_.scale(), call_);
         Multicurve curve;
         Loops pulled;
         pulled.offsets.start(call_.memory);
@@ -205,7 +248,7 @@ bool ClassLengths::measure(bool& changed) {
             Class& c = classes_[ids[k]];
             const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];
             const size_t n = static_cast<size_t>(loops.offsets[k + 1] - loops.offsets[k]);
-            if (!pull(geodesic, mesh, position, loop, n, last ? FINE_ROUNDS : COARSE_ROUNDS, c)) return false;
+            if (!pull(geodesic, mesh, position, loop, n, last ? reached : Stage::found, c)) return false;
             if (last) continue;
             for (const uint32_t h : loop_)
                 if (!pulled.crossings.push(h)) return false;
@@ -221,7 +264,10 @@ bool ClassLengths::measure(bool& changed) {
         }
         if (!last && !carrier.replace(pulled)) return false;
     }
-    for (const uint32_t id : ids) classes_[id].measured = true;
+    for (const uint32_t id : ids) {
+        classes_[id].stage = reached;
+        classes_[id].wanted = false;
+    }
     return true;
 }
 

@@ -7,10 +7,12 @@
 //
 //     found on the coarsest level -> carried (carry_loops.hpp) -> pulled straight
 //
-// The level to measure on is the coarsest that has 10 000 vertices.
+// The first level to measure on is the coarsest that has 10 000 vertices; classes
+// that are close even there are measured on the mesh of the caller.
 //
-// Ties: of the classes that are at most 1 % longer than the shortest one, the one
-// counts as shortest whose geodesic has its centre furthest in a fixed direction.
+// Ties: lengths are measured in a metric that grows by 1 % from one end of the
+// surface to the other, in the direction (1, 0.618, 0.382).  So of two loops
+// that are equally long, by symmetry say, the lower one counts as shorter.
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
@@ -39,16 +41,21 @@ public:
     bool measure(bool& changed);
 
 private:
+    enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
     struct Class {
         uint64_t key;
         uint64_t first, end; // its loop in crossings_
-        double length, place;
-        bool measured, wanted;
+        double length;       // tilted
+        double doubt;        // relative: it may be longer by so much
+        Stage stage;
+        bool wanted;
     };
     bool start();
+    void measure_extent();
+    bool measure_stage(Stage stage, bool& changed);
     bool key_of(const uint32_t* crossings, size_t n, uint64_t& key);
     bool pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
-              size_t rounds, Class& c);
+              Stage stage, Class& c);
     bool grow_table();
 
     const hmf_hierarchy* hierarchy_;
@@ -57,6 +64,7 @@ private:
     Call& call_;
     size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
     bool started_ = false;
+    double lowest_ = 0, extent_ = 1; // of the surface, in the direction of the tilt
     EdgeWords words_;
     Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
     ClosedGeodesic geodesic_;

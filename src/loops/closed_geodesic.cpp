@@ -12,10 +12,10 @@ constexpr double LITTLE = 1e-5; // relative, what is not worth another round
 
 } // namespace
 
-ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, Call& call) :
-    mesh_(mesh), position_(position), call_(call) {
+ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double scale, Call& call) :
+    mesh_(mesh), position_(position), scale_(scale > 0 ? scale : 1), call_(call) {
     double largest = 0;
-    for (size_t i = 0; i < 3 * size_t{mesh.vertex_count}; ++i) {
+    for (size_t i = 0; !(scale > 0) && i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest) largest = x;
     }
@@ -210,7 +210,8 @@ bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend
         return rotate(px * qx + py * qy, px * qy - py * qx);
     };
     const Point before = bend > 0 ? Point{bend_[bend - 1].x, bend_[bend - 1].y} : Point{portal_[0].left};
-    const Point after = bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : Point{portal_.back().left};
+    const Point after =
+        bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : Point{portal_.back().left};
     if (!between(before, left ? portal_[i - 1].left : portal_[i - 1].right)) return false;
     outside_.clear();
     uint32_t g = left ? mesh_.next[h(i)] : mesh_.prev(h(i));

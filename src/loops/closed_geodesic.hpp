@@ -19,17 +19,17 @@ namespace hmf {
 
 class ClosedGeodesic {
 public:
-    // position: 3 per vertex.
-    ClosedGeodesic(const Mesh& mesh, const double* position, Call& call);
+    // position: 3 per vertex.  scale: unit of the lengths; 0: the largest coordinate.
+    ClosedGeodesic(const Mesh& mesh, const double* position, double scale, Call& call);
 
     // Curve of a strip: where it bends, or one point on the first edge.
     struct Bend {
-        double x, y;      // in the plane
-        uint32_t portal;  // crossing at which the vertex is an end
-        bool left;        // of the loop
+        double x, y;     // in the plane
+        uint32_t portal; // crossing at which the vertex is an end
+        bool left;       // of the loop
     };
 
-    // Replaces the loop; its length in units of the largest coordinate.  At most `rounds` times step 2.
+    // Replaces the loop; its length.  At most `rounds` times step 2.
     // False: out of memory or cancelled.
     bool straighten(Array<uint32_t>& loop, size_t rounds, double& length);
 
@@ -55,7 +55,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
-    double scale_ = 1;
+    double scale_;
     Call& call_;
     Array<Portal> portal_;
     Array<Bend> bend_;

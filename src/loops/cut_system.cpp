@@ -30,10 +30,11 @@ namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
-constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
-constexpr size_t MOST_CANDIDATES = 24; // for one loop
+constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
+constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
+constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr size_t MOST_BOUNDS = 1000000;
-constexpr int MOST_ROUNDS = 8;         // of measuring and choosing again
+constexpr int MOST_ROUNDS = 8; // of measuring and choosing again
 
 struct Root {
     double known; // length of a loop through it, whatever its labels; 0 beside gates
@@ -297,7 +298,9 @@ private:
     bool search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
-            if (search_.bound(roots_[i].region) >= ROOTS * best_) continue;
+            if (search_.bound(roots_[i].region) >= ROOTS * best_
+                || search_.nearest_root(roots_[i].region) < APART * best_)
+                continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 return true;
@@ -339,8 +342,7 @@ private:
             size_t k = 0;
             while (k < c.size && strips_[c.first + k] != cut_.half_edge(try_[0])) ++k;
             size_t same = 0;
-            while (k < c.size && same < c.size
-                   && strips_[c.first + (k + same) % c.size] == cut_.half_edge(try_[same]))
+            while (k < c.size && same < c.size && strips_[c.first + (k + same) % c.size] == cut_.half_edge(try_[same]))
                 ++same;
             if (k < c.size && same == c.size) return true;
         }
@@ -403,7 +405,7 @@ private:
     Array<uint32_t> strips_, ids_;
     Array<Candidate> strip_; // per id
     Array<Choice> choice_;
-    Array<double> kept_bound_; // face_bound_ after each choice, if that is not too much
+    Array<double> kept_bound_;   // face_bound_ after each choice, if that is not too much
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
     bool found_ = false;

@@ -1,5 +1,7 @@
 #include "loop_search.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
 bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
@@ -12,7 +14,8 @@ bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region)
     starved_ = false;
     size_t places = edge_label_ ? 2 : 0;
     for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
-    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states)
+    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0)
+        || !nearest_root_.allocate_filled(memory, n, HUGE_VAL) || !state_.allocate(memory, states)
         || !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE)
         || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
         return false;
@@ -97,6 +100,11 @@ bool LoopSearch::search(uint32_t root, double limit) {
                 if (SLACK * shortest < reach) reach = SLACK * shortest;
             }
         }
+    }
+    for (const uint32_t s : order_) {
+        double& nearest = nearest_root_[state_[s].region];
+        if (starved_here_ || !(state_[s].distance < nearest)) continue;
+        nearest = state_[s].distance;
     }
     if (!starved_here_)
         for (const uint32_t s : order_) raise_bound(state_[s].region, shortest - 2 * state_[s].distance);

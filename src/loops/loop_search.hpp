@@ -32,7 +32,7 @@ public:
     // For a new cut; all bounds become 0.  False: out of memory.
     bool prepare(const Signatures& signatures, size_t states_per_region);
 
-    static constexpr double SLACK = 1.4;
+    static constexpr double SLACK = 1.7;
     static constexpr size_t MOST_LOOPS = 16; // of one search
 
     // Looks for loops through the root that are shorter than `limit`, with the
@@ -44,6 +44,8 @@ public:
     bool strip(size_t i, Array<uint32_t>& found);
 
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
+    // Of the nearest root of a search since prepare: its loops are like those through the region.
+    double nearest_root(uint32_t region) const { return nearest_root_[region]; }
     void raise_bound(uint32_t region, double length) {
         if (length > bound_[region]) bound_[region] = length;
     }
@@ -90,6 +92,7 @@ private:
     Call& call_;
     Array<Arc> arc_;      // three per region
     Array<double> bound_; // per region
+    Array<double> nearest_root_;
     Array<State> state_;
     Array<Covered> covered_; // per state
     Array<uint32_t> table_;  // states by region and label, NONE: free
