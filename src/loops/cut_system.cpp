@@ -299,7 +299,7 @@ private:
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= ROOTS * best_
-                || search_.nearest_root(roots_[i].region) < APART * best_)
+                || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))

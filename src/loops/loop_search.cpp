@@ -108,7 +108,7 @@ bool LoopSearch::search(uint32_t root, double limit) {
     }
     if (!starved_here_)
         for (const uint32_t s : order_) raise_bound(state_[s].region, shortest - 2 * state_[s].distance);
-    while (!closings_.empty() && !(closings_.back().length < reach)) closings_.pop();
+    while (!closings_.empty() && closings_.back().length > reach) closings_.pop();
     return true;
 }
 
