@@ -1,5 +1,5 @@
 #!/bin/bash
-# ./test.sh           everything but corpus-large and mutations; installs what is missing
+# ./test.sh           all but the long variants at the end of the list; installs what is missing
 # ./test.sh NAME...   only these variants
 # ./test.sh list      the names
 #
@@ -13,7 +13,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large mutations"
+variants="$default_variants corpus-large mutations machines"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -33,6 +33,7 @@ fuzz          replays the corpora and a short random run, with sanitizers
 valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
+machines      the same bits on other processors, systems and with other flags (long; not in the default run)
 mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
@@ -242,6 +243,18 @@ run_corpus() { # name, largest mesh in vertices, seconds
         return
     fi
     HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
+}
+variant_machines() {
+    if command -v apt-get > /dev/null; then
+        local package sudo=
+        [ "$(id -u)" -eq 0 ] || sudo=sudo
+        for package in qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
+            g++-mingw-w64-x86-64-posix wine wine64; do
+            dpkg -s "$package" > /dev/null 2>&1 ||
+                DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "$package" > /dev/null 2>&1
+        done
+    fi
+    run_check machines tests/check_machines.sh build/machines
 }
 variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }
 variant_corpus() { run_corpus corpus 250000 900; }

@@ -93,7 +93,7 @@ private:
         const Done done = log_.back();
         log_.pop_back();
         if (done.is_split) {
-            collapse_foliation(f_, done.collapse, scratch_);
+            FUZZ_ASSERT(collapse_foliation(f_, done.collapse, scratch_));
             count(-1);
         } else {
             flip_foliation(f_, done.edge, !done.reverse, statistics_);

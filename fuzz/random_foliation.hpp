@@ -150,11 +150,10 @@ public:
 
     // No pole, exact triangle inequalities, index sum 2 * chi - marked vertices.
     void assert_valid() {
-        const SingularityCount count = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
+        const SingularityCount count = count_singularities(f);
         FUZZ_ASSERT(count.broken_triangles == 0);
         FUZZ_ASSERT(count.poles == 0);
         FUZZ_ASSERT(count.index_sum == 2 * euler_ - f.mesh.marked_count);
-        FUZZ_ASSERT(!f.out_of_memory);
     }
 
     std::vector<uint32_t> connectivity() const {
@@ -255,7 +254,6 @@ private:
         face_.resize(2 * room);
         value_.resize(room);
         out_.resize(vertices + spare_vertices);
-        stamp_.resize(vertices + spare_vertices);
         for (uint32_t t = 0; t < triangles.size(); ++t) {
             uint32_t side[3];
             for (uint32_t s = 0; s < 3; ++s) {
@@ -277,8 +275,7 @@ private:
         f.mesh = {vertices,     edges,      static_cast<uint32_t>(triangles.size()), origin_.data(), next_.data(),
                   face_.data(), out_.data()};
         f.value = value_.data();
-        f.stamp = stamp_.data();
-        f.members.start(memory_);
+        if (!f.allocate_scratch(vertices + spare_vertices, memory_)) std::abort();
         for (uint32_t e = 0; e < edges; ++e) {
             const auto found = crossing.find(key(origin_[2 * e], origin_[2 * e + 1]));
             value_[e] = found == crossing.end() ? 0 : found->second;
@@ -290,7 +287,7 @@ private:
     std::vector<int64_t> weight_;                                    // of the loop of each torus, or of the sphere
     std::vector<uint8_t> side_of_mark_;                              // of the loop of the sphere, per marked vertex
     std::vector<std::vector<std::pair<uint32_t, uint32_t>>> across_; // edges that it crosses, all the same way
-    std::vector<uint32_t> origin_, next_, face_, out_, stamp_;
+    std::vector<uint32_t> origin_, next_, face_, out_;
     std::vector<int64_t> value_;
 };
 

@@ -58,7 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         RestrictionScratch scratch;
         FUZZ_ASSERT(scratch.allocate(random.memory()));
         while (!log.empty()) {
-            collapse_foliation(f, log.back(), scratch);
+            FUZZ_ASSERT(collapse_foliation(f, log.back(), scratch));
             f.mesh.vertex_count -= 1;
             f.mesh.edge_count -= 3;
             f.mesh.face_count -= 2;

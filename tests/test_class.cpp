@@ -181,7 +181,7 @@ struct Start {
         weights.start(memory);
         std::vector<int64_t> all(loops.count(), 0);
         for (size_t c = 0; c < weight.size() && c < all.size(); ++c) all[c] = weight[c] << bits;
-        for (const int64_t w : all) weights.push(w);
+        for (const int64_t w : all) EXPECT_TRUE(weights.push(w));
         hmf::initial_foliation(state.foliation.mesh, loops, weights.data(), state.foliation.value);
     }
     void reload(const std::vector<int64_t>& weight) {

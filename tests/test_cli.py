@@ -459,7 +459,7 @@ class Solve(Case):
         self.assertEqual(set(report), {
             "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
-            "class", "class_repeats", "class_seconds", "version", "input", "options", "exit_status", "errors", "cpu_seconds", "singularities"})
+            "class", "class_repeats", "class_seconds", "version", "input", "options", "exit_status", "errors", "cpu_seconds", "threads", "singularities"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1,
                                           "marked": 0, "components": 1, "boundaries": 0})
         self.assertEqual((report["class"], report["class_repeats"]), ("proven", 0))
@@ -506,7 +506,7 @@ class Solve(Case):
         self.assertEqual(found["singularities"], [])
         self.assertEqual(found["options"], {
             "loops": "cut", "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
-            "tolerance": 1e-8, "time-limit": None, "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes",
+            "tolerance": 1e-8, "time-limit": None, "threads": found["threads"], "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes",
             "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": False})
         # What it says are the defaults gives the same bits.
         self.run_tool("solve", mesh, "--values", self.path("a.csv"))

@@ -30,13 +30,13 @@ struct Quads {
     explicit Quads(const std::vector<uint32_t>& side) : twin(side), memory(nullptr, nullptr, nullptr, 0) {
         hmf::Array<uint32_t> sides;
         sides.start(memory);
-        for (const uint32_t s : side) sides.push(s);
+        for (const uint32_t s : side) EXPECT_TRUE(sides.push(s));
         EXPECT_TRUE(quads.start(sides, memory));
     }
     std::vector<uint32_t> canonical(const std::vector<uint32_t>& walk) {
         hmf::Walk w;
         w.start(memory);
-        for (const uint32_t s : walk) w.push(s);
+        for (const uint32_t s : walk) EXPECT_TRUE(w.push(s));
         EXPECT_TRUE(quads.canonical(w, memory));
         return std::vector<uint32_t>(w.begin(), w.end());
     }

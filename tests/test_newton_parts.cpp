@@ -29,16 +29,13 @@ struct Combed {
     Memory memory{nullptr, nullptr, nullptr, 0};
     Foliation f;
     std::vector<int64_t> height, value;
-    std::vector<uint32_t> stamp;
 
     explicit Combed(const std::vector<int64_t>& along) :
         made(test::torus(around, static_cast<uint32_t>(along.size()))) {
         f.mesh = made.mesh();
         for (uint32_t v = 0; v < f.mesh.vertex_count; ++v)
             height.push_back(100 * (v / static_cast<uint32_t>(along.size())) + along[v % along.size()]);
-        stamp.assign(f.mesh.vertex_count, 0);
-        f.stamp = stamp.data();
-        f.members.start(memory);
+        EXPECT_TRUE(f.allocate_scratch(f.mesh.vertex_count, memory));
         value = values();
         f.value = value.data();
     }
@@ -52,7 +49,7 @@ struct Combed {
         for (uint32_t e = 0; e < f.mesh.edge_count; ++e) all[e] = std::llabs(rise(2 * e));
         return all;
     }
-    SingularityCount count() { return count_singularities(f, nullptr, nullptr, nullptr, nullptr); }
+    SingularityCount count() { return count_singularities(f); }
 };
 
 void expect_combed(Combed& combed) {
@@ -67,7 +64,7 @@ void expect_combed(Combed& combed) {
     Call call(memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(model.allocate(f.mesh, memory));
-    model.look(f, rings, weight.data(), star, call);
+    ASSERT_TRUE(model.look(f, rings, weight.data(), star, call));
     // Energy and residual come from the same pass.
     EXPECT_NEAR(model.energy, energy(f, weight.data()), 1e-12 * model.energy);
     const ResidualResult residual = residuals(f, rings, weight.data(), star, nullptr, call);
@@ -178,12 +175,12 @@ TEST(TwistedModel, MinimumBetweenBounds) {
     Call call(combed.memory, nullptr, nullptr, nullptr);
     TwistedModel model;
     ASSERT_TRUE(model.allocate(combed.f.mesh, combed.memory));
-    model.look(combed.f, rings, weight.data(), star, call);
+    ASSERT_TRUE(model.look(combed.f, rings, weight.data(), star, call));
     model.assemble(combed.f, rings, weight.data(), call);
     for (uint32_t k = 0; k < model.count; k += 7) {
         model.lower[k] = k % 2 ? -2 : -40;
         model.upper[k] = k % 3 ? 1 : 50;
-        model.bounded.push(k);
+        model.bounded.add(k);
         model.d[k] = static_cast<double>(model.upper[k]);
     }
     Array<uint32_t> patch, distance;

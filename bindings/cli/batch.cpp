@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <set>
+#include <thread>
 
 #include "output.hpp"
 #include "progress.hpp"
@@ -165,6 +166,12 @@ ExitStatus batch(const std::vector<std::string>& words, bool help) {
             const bool flag = std::holds_alternative<bool*>(options[i].target);
             how.push_back(flag ? options[i].name : std::string(options[i].name) + "=" + value);
         }
+
+    // The meshes at a time share the processors.
+    if (unused.threads == 0) {
+        const uint64_t processors = std::max(std::thread::hardware_concurrency(), 1u);
+        how.push_back("--threads=" + std::to_string(std::clamp<uint64_t>(processors / jobs, 1, 256)));
+    }
 
     std::vector<std::string> meshes = meshes_in(folder);
     const std::set<std::string> done = done_in(out);

@@ -34,6 +34,16 @@ Progress::~Progress() {
     std::signal(SIGINT, previous_ == SIG_ERR ? SIG_DFL : previous_);
 }
 
+uint32_t Progress::use_threads(uint64_t count) {
+    if (count == 1) return 1;
+    pool_.reset(hmf_pool_create(static_cast<uint32_t>(count)));
+    control_.workers = hmf_pool_threads(pool_.get());
+    if (control_.workers == 1) return 1;
+    control_.parallel_for = hmf_pool_run;
+    control_.parallel_user = pool_.get();
+    return control_.workers;
+}
+
 const hmf_control* Progress::part(const char* label, double from, double to) {
     label_ = label;
     from_ = from;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <hmf/hmf.h>
+#include <hmf/pool.h>
 
 #include <chrono>
+#include <memory>
 
 namespace cli {
 
@@ -24,6 +26,8 @@ public:
     // For the calls of this part.
     const hmf_control* part(const char* label, double from, double to);
     void clear();
+    // Lends threads to these calls, 0: one for each processor; returns how many.
+    uint32_t use_threads(uint64_t count);
     // What follows an interrupted solve is not interrupted by the same Control-C.
     void finish_quietly() { heeds_interrupt_ = false; }
 
@@ -36,6 +40,7 @@ private:
     double from_ = 0, to_ = 1;
     Clock::time_point last_;
     hmf_control control_ = {};
+    std::unique_ptr<hmf_pool, decltype(&hmf_pool_destroy)> pool_{nullptr, hmf_pool_destroy};
     void (*previous_)(int);
 };
 

@@ -73,6 +73,7 @@ public:
 
     Outcome go() {
         read();
+        r_.threads = progress_.use_threads(r_.threads);
         build();
         choose_loops();
         solve();
@@ -474,6 +475,7 @@ private:
         } else add_totals(report);
         report.set("total_seconds", seconds);
         report.set("cpu_seconds", double(std::clock()) / CLOCKS_PER_SEC);
+        report.set("threads", r_.threads);
         report.set("peak_memory_bytes", meter_.peak);
         if (leaves_ > 0) report.set("leaves", leaves_);
         if (quads_ > 0) report.set("quads", quads_);

@@ -22,6 +22,7 @@ struct SolveRequest {
     bool repairs = false, joins = false; // of the mesh, before all else
     double ratio = 0.5, mollify = 0, tolerance = 0, time_limit = 0;
     uint64_t coarsest = 1000;
+    uint64_t threads = 0; // 0: one for each processor
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
     std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;

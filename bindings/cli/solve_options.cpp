@@ -57,6 +57,8 @@ Options solve_options(SolveRequest& r) {
                "newton: largest residual, else 1e-8; others: change of energy, else 1e-6"}
             .in("(0, 1)"),
         Option{"--time-limit", &r.time_limit, "X", "seconds"}.in("[0, inf)"),
+        Option{"--threads", &r.threads, "N", "else one for each processor; 1: none is started; the same results"}.in(
+            "[1, 256]"),
         Option{"--values", &r.values, "FILE", "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV"}.writes(
             ".csv .npy"),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),

@@ -47,7 +47,7 @@
  *             all defaults.  Structures of results begin with struct_size as
  *             well: fields beyond it are not there.
  *   control   Every call that can be long takes an optional hmf_control:
- *             progress and cancellation.
+ *             progress, cancellation, and threads of the host.
  *   levels    Level 0 is the caller's mesh, higher levels are coarser.
  *             Edges of level 0 are numbered by their first appearance in
  *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
@@ -194,12 +194,41 @@ typedef void (*hmf_release_fn)(void *user, void *block, size_t size);
 #define HMF_PROGRESS_FINISH 2
 typedef int32_t (*hmf_progress_fn)(void *user, double fraction);
 
-/* What a host gives to a call while it runs; NULL = nothing. */
+/* A part of the work of a call; it neither allocates nor calls back. */
+typedef void (*hmf_task_fn)(void *context, uint32_t index);
+
+/* Calls task(context, index) exactly once for each index from 0 to count - 1, on
+   any threads, in any order, and returns when all have ended.  The tasks of one
+   call may run at the same time or one after the other; what a task has written
+   must be visible after the return (joining threads or a mutex do that).  It
+   cannot fail: a host without a free thread runs the tasks itself.
+
+   Called on the calling thread only, never by a task; count is at least 2 and
+   at most workers.  hmf_pool_run of hmf/pool.h is one; with OpenMP:
+
+       void run(void *user, hmf_task_fn task, void *context, uint32_t count)
+       {
+           int i, n = (int)count;
+           #pragma omp parallel for schedule(static, 1)
+           for (i = 0; i < n; ++i) task(context, (uint32_t)i);
+       } */
+typedef void (*hmf_parallel_for_fn)(void *user, hmf_task_fn task, void *context, uint32_t count);
+
+/* What a host gives to a call while it runs; NULL = nothing.
+
+   The library starts no thread.  With parallel_for it shares the work of a call
+   among those of the host.  Results have the same bits with and without it, and
+   for every number of workers: the work is cut by the problem alone, and sums
+   are added in the order of the parts.  Each worker takes some memory of the
+   call.  The progress function and the allocator are called on the calling
+   thread only. */
 typedef struct hmf_control {
     uint32_t struct_size;
-    uint32_t reserved;           /* 0 */
+    uint32_t workers;            /* tasks that parallel_for can run at once; 0 = 16; at most 256 are used */
     hmf_progress_fn progress;    /* NULL = none */
     void *progress_user;
+    hmf_parallel_for_fn parallel_for; /* NULL = all on the calling thread */
+    void *parallel_user;
 } hmf_control;
 
 /* Frees a result that the library made (hmf_loops, hmf_singularities and the

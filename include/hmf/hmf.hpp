@@ -21,6 +21,8 @@
  *             destroyed or assigned to; its calls throw HMF_ERROR_NULL.
  *   threads   As in C: any number of threads may use a const Hierarchy or
  *             Foliation.
+ *   cores     A Threads object lends threads of the host to all calls that its
+ *             own thread makes while it lives; Pool of hmf/pool.hpp has some.
  *   progress  The last argument of every call that can be long.  An exception
  *             of the function cancels the call, and is thrown again once the
  *             call has ended.
@@ -229,18 +231,25 @@ void check(Call&& call) {
     if (call(&error) != HMF_OK) throw Error(error);
 }
 
+/* What the innermost Threads object of this thread lends; zero: nothing. */
+inline hmf_control& lent() noexcept {
+    static thread_local hmf_control control = {};
+    return control;
+}
+
 /* The callback of a call, and the exception that it must not let through. */
 class Reporter {
 public:
-    explicit Reporter(const ProgressFunction& function) : function_(function) {
+    explicit Reporter(const ProgressFunction& function) : function_(function), control_(lent()) {
         control_.struct_size = sizeof control_;
+        if (!function_) return;
         control_.progress = report;
         control_.progress_user = this;
     }
     Reporter(const Reporter&) = delete;
     Reporter& operator=(const Reporter&) = delete;
 
-    const hmf_control* control() const noexcept { return function_ ? &control_ : nullptr; }
+    const hmf_control* control() const noexcept { return &control_; }
     void rethrow() const {
         if (exception_) std::rethrow_exception(exception_);
     }
@@ -259,7 +268,7 @@ private:
 
     const ProgressFunction& function_;
     std::exception_ptr exception_;
-    hmf_control control_ = {};
+    hmf_control control_;
 };
 
 /* Makes call(control, error), which fills an array. */
@@ -341,6 +350,29 @@ inline Loops own(const hmf_loop_set& set) {
 }
 
 } // namespace detail
+
+/* ------------------------------------------------------------------------
+ * Threads of the host
+ * --------------------------------------------------------------------- */
+
+/* While it lives, the calls that its own thread makes share their work by
+   parallel_for, see hmf_parallel_for_fn.  The innermost one counts.  The bits of
+   the results are the same as without. */
+class Threads {
+public:
+    explicit Threads(hmf_parallel_for_fn parallel_for, void* user, uint32_t workers = 0) : before_(detail::lent()) {
+        hmf_control& lent = detail::lent();
+        lent.workers = workers;
+        lent.parallel_for = parallel_for;
+        lent.parallel_user = user;
+    }
+    ~Threads() { detail::lent() = before_; }
+    Threads(const Threads&) = delete;
+    Threads& operator=(const Threads&) = delete;
+
+private:
+    hmf_control before_;
+};
 
 /* A structure that the library made, with its arrays: result->count and the like. */
 template <class T>

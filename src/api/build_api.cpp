@@ -53,14 +53,14 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
         *out = new (block) hmf_hierarchy(all.allocate, all.release, all.allocator_user, all.memory_limit);
     }
     hmf_hierarchy* h = *out;
-    Call call(h->memory, error, given.given.progress, given.given.progress_user);
+    Call call(h->memory, error, given.given);
     const hmf_status status = build_hierarchy(*h, positions, vertex_count, static_cast<size_t>(build.position_stride),
                                               triangles, triangle_count, build, call);
     if (status != HMF_OK) {
         hmf_destroy(h);
         *out = nullptr;
     } else {
-        call.tick(1);
+        call.finished();
     }
     return status;
 }
@@ -75,7 +75,7 @@ hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const
     const bool readable = read_build_options(options, all, build);
     if (!readable) all.allocate = nullptr, all.release = nullptr;
     hmf_hierarchy h(all.allocate, all.release, all.allocator_user, all.memory_limit);
-    Call call(h.memory, error, given.given.progress, given.given.progress_user);
+    Call call(h.memory, error, given.given);
     if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
     if (!given.usable) return unusable_options("hmf_control", call);
     if (!readable) return refuse_build_options(call);
@@ -87,7 +87,7 @@ hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const
     ResultBlock block;
     block.array(set, set.vertices, found.size(), found.data());
     *out = block.make(set, h, call);
-    if (*out) call.tick(1);
+    if (*out) call.finished();
     return call.status();
 }
 

@@ -15,7 +15,7 @@ uint32_t internal_side(const hmf_hierarchy& h, size_t triangle) {
 
 uint32_t internal_face(const hmf_hierarchy& h, size_t triangle) { return h.input.face[internal_side(h, triangle)]; }
 
-bool side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Memory& memory) {
+Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Memory& memory) {
     const Mesh& mesh = level == 0 ? h.input : h.levels[level].mesh;
     if (!side.allocate(memory, mesh.face_count)) return false;
     if (level == 0) {

@@ -12,12 +12,12 @@ uint32_t internal_side(const hmf_hierarchy& h, size_t triangle);
 uint32_t internal_face(const hmf_hierarchy& h, size_t triangle);
 
 // Half-edge of side 0 of each triangle of the caller's mesh or of a coarser level.
-bool side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Memory& memory);
+Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& side, Memory& memory);
 
 // Internal face of each triangle of the caller.
-hmf_status caller_faces(const hmf_hierarchy& h, Array<uint32_t>& face, Call& call);
+[[nodiscard]] hmf_status caller_faces(const hmf_hierarchy& h, Array<uint32_t>& face, Call& call);
 
 // caller[internal[i]] = i
-hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
+[[nodiscard]] hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
 
 } // namespace hmf

@@ -13,14 +13,13 @@ Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* erro
     control_(control), error_(error),
     memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
            h ? h->memory_limit : 0, h ? h->memory.used() : 0),
-    call(memory, error, control_.given.progress, control_.given.progress_user) {
+    call(memory, error, control_.given) {
     if (!can_finish) call.never_finish();
 }
 
 hmf_status Entry::end() {
     if (call.status()) return call.status();
-    call.range(1, 1);
-    call.tick(1, true); // nothing is left to cancel
+    call.finished();
     return HMF_OK;
 }
 

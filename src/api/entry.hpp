@@ -23,9 +23,9 @@ bool copy_options(const Options* from, Options& to) {
 }
 
 // As above; fails the call with a sentence that names the structure.
-hmf_status unusable_options(const char* name, Call& call);
+[[nodiscard]] hmf_status unusable_options(const char* name, Call& call);
 template <class Options>
-hmf_status read_options(const Options* from, Options& to, const char* name, Call& call) {
+[[nodiscard]] hmf_status read_options(const Options* from, Options& to, const char* name, Call& call) {
     return copy_options(from, to) ? HMF_OK : unusable_options(name, call);
 }
 
@@ -52,11 +52,11 @@ public:
     Call call;
 
     // The status; a call that has succeeded reports its end.
-    hmf_status end();
+    [[nodiscard]] hmf_status end();
 
     // The same call on the memory of something that outlives it, up to a fraction of the progress.
     Call part(Memory& own, double until) {
-        Call part(own, error_, control_.given.progress, control_.given.progress_user);
+        Call part(own, error_, control_.given);
         part.never_finish();
         part.range(call.reached(), until);
         call.range(until, 1);
@@ -65,16 +65,16 @@ public:
 
     // hierarchy, control and out are there; *out becomes NULL.
     template <class Result>
-    hmf_status check(const hmf_hierarchy* hierarchy, Result** out) {
+    [[nodiscard]] hmf_status check(const hmf_hierarchy* hierarchy, Result** out) {
         if (out) *out = nullptr;
         return check(hierarchy, static_cast<const void*>(out));
     }
     // For outputs of the caller, which stay as they are.
-    hmf_status check(const hmf_hierarchy* hierarchy, const void* out);
+    [[nodiscard]] hmf_status check(const hmf_hierarchy* hierarchy, const void* out);
 };
 
-hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call);
-hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);
-hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call);
+[[nodiscard]] hmf_status check_level(const hmf_hierarchy& hierarchy, size_t level, Call& call);
+[[nodiscard]] hmf_status check_count(size_t count, size_t needed, const char* what, Call& call);
+[[nodiscard]] hmf_status check_capacity(size_t capacity, size_t needed, const char* what, Call& call);
 
 } // namespace hmf

@@ -2,6 +2,7 @@
 
 #include "shared_flat.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 
@@ -31,7 +32,7 @@ hmf_status check_foliation(const hmf_foliation* foliation, Call& call) {
 hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call) {
     const hmf_hierarchy& h = *foliation.hierarchy;
     const size_t level = foliation.level;
-    if (!state.allocate(h, finest < level ? finest : level, call.memory)) return call.out_of_memory();
+    if (!state.allocate(h, std::min(level, finest), call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
     for (size_t e = 0; e < foliation.count; ++e)
         state.foliation.value[internal_edge(h, level, e)] = static_cast<int64_t>(foliation.values[e] / foliation.unit);
@@ -48,8 +49,7 @@ hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call)
     state.load(foliation.level, Side::intrinsic);
     std::memcpy(state.foliation.value, foliation.solved, foliation.count * sizeof(int64_t));
     double largest = 0;
-    for (size_t e = 0; e < foliation.count; ++e)
-        if (foliation.values[e] > largest) largest = foliation.values[e];
+    for (size_t e = 0; e < foliation.count; ++e) largest = std::max(largest, foliation.values[e]);
     state.largest_input_value = static_cast<int64_t>(largest / foliation.unit);
     return HMF_OK;
 }
@@ -100,7 +100,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_EDGE, e,
                              "The value of edge %llu is %g. Values are finite and not negative.",
                              static_cast<unsigned long long>(e), x);
-        if (x > largest) largest = x;
+        largest = std::max(largest, x);
         if (x == 0) continue;
         int exponent = 0;
         const double mantissa = std::frexp(x, &exponent);
@@ -160,8 +160,7 @@ hmf_status read_values(State& state, const double* values, size_t count, double&
             static_cast<unsigned long long>(edge));
     }
     if (!call.tick(0.5)) return call.was_cancelled();
-    const SingularityCount found = count_singularities(f, nullptr, nullptr, nullptr, nullptr);
-    if (f.out_of_memory) return call.out_of_memory();
+    const SingularityCount found = count_singularities(f);
     poles = found.poles;
     return HMF_OK;
 }

@@ -41,10 +41,10 @@ struct Making {
 
 // The values of a state on its level (level 0: the caller's side) as an object.
 // Fails if a value has more bits than a double.
-hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out);
+[[nodiscard]] hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out);
 
 // The foliation is there, and has no poles.
-hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
+[[nodiscard]] hmf_status check_foliation(const hmf_foliation* foliation, Call& call);
 
 // A solve left it with residuals of 1e-8 at most: what is measured there needs
 // no further step.
@@ -55,15 +55,16 @@ inline bool is_minimum(const hmf_foliation& foliation) {
 
 // Its values into a state on its level, the caller's side on level 0; the
 // state has room down to level `finest`.
-hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);
+[[nodiscard]] hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);
 // The same on the side where it is solved: what to measure and improve.
-hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call);
+[[nodiscard]] hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call);
 
 // Values of the caller into a state on its level.  Finds the unit.  Validates:
 // finite, exact, triangle inequalities, parity; counts the poles.
-hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles, Call& call);
+[[nodiscard]] hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles,
+                                     Call& call);
 
-hmf_status refuse_poles(uint64_t poles, Call& call);
+[[nodiscard]] hmf_status refuse_poles(uint64_t poles, Call& call);
 
 // Unit for weights whose largest is `largest`: it is below 2^48 units, so values up to 32 weights are exact doubles.
 double unit_of_weights(double largest);

@@ -23,8 +23,7 @@ struct Indices {
             || !lowest.allocate_filled(call.memory, n, NONE) || !face.allocate(call.memory, m))
             return call.out_of_memory();
         if (!call.tick(0.3)) return call.was_cancelled();
-        count_singularities(f, at_vertex.data(), cluster.data(), size.data(), at_face.data());
-        if (f.out_of_memory) return call.out_of_memory();
+        count_singularities(f, {at_vertex.data(), cluster.data(), size.data(), at_face.data()});
         if (!call.tick(0.5)) return call.was_cancelled();
         internal_vertex = state.level == 0 ? h.vertex_internal : nullptr;
         // From internal numbers to the caller's: the lowest vertex of a cluster may be another one.
@@ -104,7 +103,7 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     State state;
     if (load_solved(*foliation, state, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight) * foliation->unit * foliation->unit;
+    *out = energy(state.foliation, weight, call.parallel) * foliation->unit * foliation->unit;
     return entry.end();
 }
 
@@ -123,11 +122,11 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Star star;
     Array<double> residual;
     if (load_solved(*foliation, state, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree)
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree)
         || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
-    if (state.foliation.out_of_memory || call.cancelled()) return call.stopped();
+    if (call.cancelled()) return call.was_cancelled();
     for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
     return entry.end();
 }
@@ -166,8 +165,7 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     block.room(counts, counts.triangle_index, m);
     hmf_singularity_set* made = block.make(counts, *foliation->hierarchy, call);
     if (!made) return call.status();
-    call.tick(0.8);
-    if (call.cancelled()) {
+    if (!call.tick(0.8)) {
         free_block(made);
         return call.was_cancelled();
     }

@@ -2,6 +2,7 @@
 
 #include "caller_numbers.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -57,8 +58,8 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
             return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
                              "The weight of loop %llu is %g. Weights are positive and finite.",
                              static_cast<unsigned long long>(c), w);
-        if (w > largest) largest = w;
-        if (w < smallest) smallest = w;
+        largest = std::max(largest, w);
+        smallest = std::min(smallest, w);
     }
     if (largest / smallest > 1048576.0)
         return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, 0,

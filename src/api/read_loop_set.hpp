@@ -14,7 +14,7 @@ struct WeightedLoops {
 };
 
 // set NULL: the library's cut system on level `own`, weights 1.
-hmf_status read_loop_set(const hmf_hierarchy& hierarchy, const hmf_loop_set* set, size_t own, WeightedLoops& out,
-                         Call& call);
+[[nodiscard]] hmf_status read_loop_set(const hmf_hierarchy& hierarchy, const hmf_loop_set* set, size_t own,
+                                       WeightedLoops& out, Call& call);
 
 } // namespace hmf

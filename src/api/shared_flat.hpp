@@ -18,7 +18,7 @@ struct SharedFlat {
 // What is kept with a foliation that is a minimum to 1e-8; out is NULL for
 // others, whose flat surface depends on how they are improved first.  Any
 // number of threads may ask: one result is kept, the others are freed.
-hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out);
+[[nodiscard]] hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out);
 
 void free_shared_flat(hmf_foliation& foliation);
 

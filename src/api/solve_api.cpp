@@ -2,6 +2,8 @@
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
 
+#include <algorithm>
+
 using namespace hmf;
 
 namespace {
@@ -41,10 +43,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
 // The sentence of a solve that ended with a foliation.
 hmf_status describe(hmf_status status, size_t level, const ClassWatch& watch, Call& call) {
     switch (status) {
-    case HMF_OK:
-        call.range(1, 1);
-        call.tick(1, true);
-        return HMF_OK;
+    case HMF_OK: call.finished(); return HMF_OK;
     case HMF_LIMIT_TIME:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
@@ -83,11 +82,11 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
     if (!certificate.known) {
         Rings rings;
         Star star;
-        if (!rings.build(state.foliation.mesh, level.weight, call.memory)
+        if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
             || !star.allocate(call.memory, rings.max_degree))
             return call.out_of_memory();
         const ResidualResult residual = residuals(state.foliation, rings, level.weight, star, nullptr, call);
-        certificate = {true, energy(state.foliation, level.weight), residual.max, residual.mean};
+        certificate = {true, energy(state.foliation, level.weight, call.parallel), residual.max, residual.mean};
         if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
     }
     recorder.report.energy = certificate.energy * recorder.unit() * recorder.unit();
@@ -121,8 +120,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         }
         if (!state.to_input(call)) return call.stopped();
     }
-    const SingularityCount count = count_singularities(state.foliation, nullptr, nullptr, nullptr, nullptr);
-    if (state.foliation.out_of_memory) return call.out_of_memory();
+    const SingularityCount count = count_singularities(state.foliation);
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;
@@ -263,8 +261,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     }
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
-    if (!state.allocate(*hierarchy, given.level < solve.stop_level ? given.level : solve.stop_level, call.memory))
-        return call.out_of_memory();
+    if (!state.allocate(*hierarchy, std::min(solve.stop_level, given.level), call.memory)) return call.out_of_memory();
     state.load(given.level, Side::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     return solve_from(state, start, &given, given.unit, solve, call, out);

@@ -1,5 +1,6 @@
 #include "memory.hpp"
 
+#include <algorithm>
 #include <new>
 
 #include <chrono>
@@ -34,7 +35,7 @@ void* Memory::take(size_t bytes) {
         return nullptr;
     }
     used_ += bytes;
-    if (used_ > peak_) peak_ = used_;
+    peak_ = std::max(peak_, used_);
     return block;
 }
 
@@ -85,6 +86,10 @@ void* Arena::take_bytes(size_t count, size_t size) {
     return taken;
 }
 
+Call::Call(Memory& m, hmf_error* error, const hmf_control& control) :
+    memory(m), parallel(control.parallel_for, control.parallel_user, control.workers), error_(error),
+    progress_(control.progress), progress_user_(control.progress_user), start_(now()) {}
+
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
     memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 
@@ -115,16 +120,21 @@ hmf_status Call::was_cancelled() {
     return fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
 }
 
-bool Call::tick(double fraction, bool can_finish) {
+Done Call::tick(double fraction, bool can_finish) {
     if (cancelled_) return false;
     if (!progress_) return true;
     double at = from_ + (to_ - from_) * (fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
-    if (at < last_) at = last_;
+    at = std::max(at, last_);
     last_ = at;
     const int32_t answer = progress_(progress_user_, at);
     if (answer == HMF_PROGRESS_FINISH && can_finish && may_finish_) finishing_ = true;
     else if (answer != HMF_PROGRESS_CONTINUE) cancelled_ = true;
     return !cancelled_;
+}
+
+void Call::finished() {
+    range(1, 1);
+    (void)tick(1, true);
 }
 
 double Call::seconds() const { return 1e-9 * static_cast<double>(now() - start_); }

@@ -1,18 +1,34 @@
 // Memory and call state of the core: allocator hooks, limit, arrays that
 // report failure instead of throwing, and the arena of a hierarchy.
 //
-// The core is compiled without exceptions.  Whatever can fail returns bool or
-// hmf_status; the first failure decides the status of the call.
+// The core is compiled without exceptions.  What can fail only for want of
+// memory, or because it was cancelled, returns Done; what knows more returns
+// hmf_status.  Neither may be ignored.  The first failure decides the status of
+// the call.
 #pragma once
 
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "../../include/hmf/hmf.h"
+#include "exact_arithmetic.hpp"
+#include "parallel.hpp"
 
 namespace hmf {
+
+// Was it done?  false: no memory, or cancelled; Call::stopped() says which.  To
+// be read like a bool; the compiler complains if nobody looks.
+class [[nodiscard]] Done {
+public:
+    constexpr Done(bool done) : done_(done) {}
+    constexpr explicit operator bool() const { return done_; }
+
+private:
+    bool done_;
+};
 
 // Allocator hooks with accounting.  Not thread-safe: each call owns one.
 class Memory {
@@ -50,7 +66,7 @@ public:
     }
 
     // Sets size and capacity to n; the content is undefined.
-    bool allocate(Memory& memory, size_t n) {
+    Done allocate(Memory& memory, size_t n) {
         release();
         memory_ = &memory;
         if (n == 0) return true;
@@ -63,7 +79,7 @@ public:
         size_ = capacity_ = n;
         return true;
     }
-    bool allocate_filled(Memory& memory, size_t n, T value) {
+    Done allocate_filled(Memory& memory, size_t n, T value) {
         if (!allocate(memory, n)) return false;
         for (size_t i = 0; i < n; ++i) data_[i] = value;
         return true;
@@ -73,12 +89,18 @@ public:
         release();
         memory_ = &memory;
     }
-    bool push(T value) {
-        if (size_ == capacity_ && !reserve(capacity_ ? 2 * capacity_ : 16)) return false;
+    Done push(T value) {
+        if (!reserve_one()) return false;
         data_[size_++] = value;
         return true;
     }
-    bool reserve(size_t n) {
+    Done reserve_one() { return size_ < capacity_ ? Done(true) : reserve(capacity_ ? 2 * capacity_ : 16); }
+    // Where room for it has been reserved.
+    void add(T value) {
+        assert(size_ < capacity_);
+        data_[size_++] = value;
+    }
+    Done reserve(size_t n) {
         if (n <= capacity_) return true;
         T* block = static_cast<T*>(memory_->take(n * sizeof(T)));
         if (!block) return false;
@@ -99,18 +121,10 @@ public:
         size_ = capacity_ = 0;
     }
     void swap(Array& other) {
-        T* d = data_;
-        data_ = other.data_;
-        other.data_ = d;
-        size_t s = size_;
-        size_ = other.size_;
-        other.size_ = s;
-        size_t c = capacity_;
-        capacity_ = other.capacity_;
-        other.capacity_ = c;
-        Memory* m = memory_;
-        memory_ = other.memory_;
-        other.memory_ = m;
+        std::swap(data_, other.data_);
+        std::swap(size_, other.size_);
+        std::swap(capacity_, other.capacity_);
+        std::swap(memory_, other.memory_);
     }
     T& operator[](size_t i) {
         assert(i < size_);
@@ -175,9 +189,11 @@ private:
 // State of one call of the interface: memory, error, progress, time.
 class Call {
 public:
+    Call(Memory& memory, hmf_error* error, const hmf_control& control);
     Call(Memory& memory, hmf_error* error, hmf_progress_fn progress, void* progress_user);
 
     Memory& memory;
+    const Parallel parallel; // what the host lends of its threads
 
     // Records the first failure (later ones are ignored) and returns status.
     hmf_status fail(hmf_status status, int32_t element, uint64_t index, const char* format, ...)
@@ -187,18 +203,19 @@ public:
         ;
     hmf_status out_of_memory(); // status and sentence of memory.failure()
     hmf_status was_cancelled(); // HMF_CANCELLED and its sentence
-    // Of a stage that returned false: cancelled, or out of memory.
+    // Of a stage that is not Done: cancelled, or out of memory.
     hmf_status stopped() { return cancelled_ ? was_cancelled() : out_of_memory(); }
     hmf_status status() const { return status_; }
 
     // Reports progress, mapped into the current range; false: cancelled.  With
     // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
     // Cheap enough for every few thousand elementary steps.
-    bool tick(double fraction, bool can_finish = false);
+    Done tick(double fraction, bool can_finish = false);
     void range(double from, double to) {
         from_ = from;
         to_ = to;
-    } // where the fractions 0 and 1 of tick lie
+    }                // where the fractions 0 and 1 of tick lie
+    void finished(); // reports 1; nothing is left to cancel
     double reached() const { return last_; }
     bool cancelled() const { return cancelled_; }
     bool finishing() const { return finishing_; } // the callback asked to stop improving

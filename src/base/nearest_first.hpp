@@ -15,16 +15,21 @@ public:
     };
 
     void start(Memory& memory) { heap_.start(memory); }
-    bool reserve(size_t n) { return heap_.reserve(n); }
+    Done reserve(size_t n) { return heap_.reserve(n); }
     void clear() { heap_.clear(); }
     bool empty() const { return heap_.empty(); }
 
-    bool push(Entry entry) {
-        if (!heap_.push(entry)) return false;
+    Done push(Entry entry) {
+        if (!heap_.reserve_one()) return false;
+        add(entry);
+        return true;
+    }
+    // Where room for it has been reserved.
+    void add(Entry entry) {
+        heap_.add(entry);
         size_t i = heap_.size() - 1;
         for (; i > 0 && before(entry, heap_[(i - 1) / 2]); i = (i - 1) / 2) heap_[i] = heap_[(i - 1) / 2];
         heap_[i] = entry;
-        return true;
     }
 
     Entry pop() {

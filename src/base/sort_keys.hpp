@@ -16,7 +16,7 @@ inline uint32_t key_of(double x) {
 struct KeyedItems {
     Array<uint32_t> item, key; // to be filled
 
-    bool allocate(Memory& memory, size_t n) {
+    Done allocate(Memory& memory, size_t n) {
         return item.allocate(memory, n) && key.allocate(memory, n) && other_item_.allocate(memory, n)
             && other_key_.allocate(memory, n);
     }

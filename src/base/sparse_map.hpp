@@ -10,7 +10,7 @@ public:
     static constexpr uint32_t absent = 0xffffffffu; // as key and as value
 
     // Empty, with room for a few keys.  False: out of memory.
-    bool start(Memory& memory) {
+    Done start(Memory& memory) {
         memory_ = &memory;
         count_ = 0;
         return slots_.allocate_filled(memory, 64, Slot{absent, absent});
@@ -25,7 +25,7 @@ public:
     }
 
     // False: out of memory.
-    bool set(uint32_t key, uint32_t value) {
+    Done set(uint32_t key, uint32_t value) {
         if (2 * (count_ + 1) > slots_.size() && !grow()) return false;
         put(key, value);
         return true;
@@ -53,7 +53,7 @@ private:
         }
     }
 
-    bool grow() {
+    Done grow() {
         Array<Slot> old;
         old.swap(slots_);
         if (!slots_.allocate_filled(*memory_, 4 * old.size(), Slot{absent, absent})) return false;

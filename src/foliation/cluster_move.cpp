@@ -13,6 +13,8 @@
 // between two vertices of the set (round a handle) changes by both half-edges.
 #include "whitehead.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -51,15 +53,9 @@ void for_half_edges(const Foliation& f, const Rings::Side* side, const Star& sta
     for (uint32_t t = 0; t < star.degree; ++t)
         if (star.step[t] != 0)
             visit(side[t].half_edge, star.step[t], sign_in_move(f, side, star, twin(side[t].half_edge)));
-    for (uint32_t u : star.pushed) {
-        const uint32_t first = f.mesh.out[u];
-        uint32_t h = first;
-        do {
-            const uint32_t ahead = f.mesh.rotate_ccw(h);
+    for (const uint32_t u : f.pushed)
+        for (const uint32_t h : f.mesh.around(u))
             if (f.at(h) != 0) visit(h, -1, sign_in_move(f, side, star, twin(h)));
-            h = ahead;
-        } while (h != first);
-    }
 }
 
 } // namespace
@@ -67,7 +63,7 @@ void for_half_edges(const Foliation& f, const Rings::Side* side, const Star& sta
 bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
     const Mesh& mesh = f.mesh;
     const uint32_t v = mesh.origin[side[0].half_edge], degree = star.degree;
-    star.pushed.clear();
+    f.pushed.clear();
     uint32_t rows = 0, closed = 0;
     bool to_itself = false;
     for (uint32_t t = 0; t < degree; ++t) {
@@ -92,8 +88,8 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
             uint32_t end = first;
             while (star.F[end] == 0 && mesh.target(side[end].half_edge) != v) end = side_after(end, degree);
             if (!passes(end)) continue;
-            const Cluster part = explore_cluster(f, neighbour, NONE, v, NONE, 2, star.budget);
-            if (f.out_of_memory) return false;
+            const Cluster part = explore_cluster(
+                f, neighbour, ClusterSearch().without_vertex(v).up_to_corners(2).up_to_vertices(star.budget));
             if (part.closed_corners >= 2 || part.marked > 0) continue;
             if (!part.complete) {
                 known = false;
@@ -110,24 +106,18 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
                 const uint32_t w = mesh.target(side[s].half_edge);
                 if (star.F[s] == 0 && w != v && f.stamp[w] == f.epoch) star.step[s] = 0;
             }
-            for (uint32_t w : f.members)
-                if (!star.pushed.push(w)) {
-                    f.out_of_memory = true;
-                    return false;
-                }
+            for (const uint32_t w : f.members) f.pushed.add(w); // parts are disjoint
         }
     }
     star.moving = ++f.epoch;
     f.stamp[v] = star.moving;
-    for (uint32_t w : star.pushed) f.stamp[w] = star.moving;
+    for (const uint32_t w : f.pushed) f.stamp[w] = star.moving;
     return known;
 }
 
 int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& star) {
     int64_t room = INT64_MAX;
-    const auto at_most = [&](int64_t x) {
-        if (x < room) room = x;
-    };
+    const auto at_most = [&](int64_t x) { room = std::min(room, x); };
     for_half_edges(f, side, star, [&](uint32_t h, int own, int other) {
         if (own + other < 0) at_most(f.at(h) / -(own + other));
     });
@@ -138,15 +128,9 @@ int64_t room_for_move(const Foliation& f, const Rings::Side* side, const Star& s
             star.F[t] != 0 && star.F[u] != 0 && star.group[t] == star.best && star.group[u] == star.best;
         if (inside && star.corner2[t] > 0) at_most(star.corner2[t] / 2);
     }
-    for (uint32_t u : star.pushed) {
-        const uint32_t first = f.mesh.out[u];
-        uint32_t h = first;
-        do {
-            const uint32_t ahead = f.mesh.rotate_ccw(h);
-            if (f.at(h) != 0 && f.at(ahead) != 0) at_most(f.corner2(h) / 2);
-            h = ahead;
-        } while (h != first);
-    }
+    for (const uint32_t u : f.pushed)
+        for (const uint32_t h : f.mesh.around(u))
+            if (f.at(h) != 0 && f.at(f.mesh.rotate_ccw(h)) != 0) at_most(f.corner2(h) / 2);
     return room;
 }
 

@@ -41,11 +41,12 @@ namespace hmf {
 struct Foliation {
     Mesh mesh;                // connectivity that the values belong to
     int64_t* value = nullptr; // edge_count
-    // Scratch of cluster searches; its size is the largest mesh of the call.
-    uint32_t* stamp = nullptr; // vertex_count
+    // Scratch of cluster searches and moves, so large that they cannot fail.
+    Array<uint32_t> stamp; // per vertex: the epoch in which it was met last
     uint32_t epoch = 0;
     Array<uint32_t> members; // vertices of the cluster found last
-    bool out_of_memory = false;
+    Array<uint32_t> pushed;  // vertices that move along with the one of the move planned last
+    Done allocate_scratch(uint32_t vertex_count, Memory& memory); // for all meshes up to this size
 
     int64_t at(uint32_t h) const { return value[edge_of(h)]; }
     // Twice the corner coordinate of origin(h) in the triangle left of h.
@@ -66,13 +67,23 @@ struct Cluster {
     bool is_pole() const { return complete && index() > 0; }
 };
 
+// How to search: ClusterSearch().without_vertex(v).up_to_corners(2).
+struct ClusterSearch {
+    uint32_t removed_edge = NONE;   // counts as removed
+    uint32_t removed_vertex = NONE; // its zero edges count as removed
+    uint32_t target = NONE;         // a vertex to look for
+    uint32_t corner_limit = 0;      // closed corners to stop at; 0 = no limit
+    uint32_t budget = 0;            // vertices to stop at; 0 = no limit
+
+    ClusterSearch& without_edge(uint32_t edge) { return removed_edge = edge, *this; }
+    ClusterSearch& without_vertex(uint32_t vertex) { return removed_vertex = vertex, *this; }
+    ClusterSearch& looking_for(uint32_t vertex) { return target = vertex, *this; }
+    ClusterSearch& up_to_corners(uint32_t limit) { return corner_limit = limit, *this; }
+    ClusterSearch& up_to_vertices(uint32_t limit) { return budget = limit, *this; }
+};
+
 // Collects the cluster of a vertex into foliation.members.
-//   without   an edge that counts as removed (NONE: none)
-//   blocked   a vertex whose zero edges count as removed (NONE: none)
-//   target    a vertex to look for (NONE: none)
-//   closed_limit, budget   stop when reached; 0 = no limit
-Cluster explore_cluster(Foliation& foliation, uint32_t vertex, uint32_t without, uint32_t blocked, uint32_t target,
-                        uint32_t closed_limit, uint32_t budget);
+Cluster explore_cluster(Foliation& foliation, uint32_t vertex, const ClusterSearch& search = ClusterSearch());
 
 struct SingularityCount {
     uint64_t poles = 0, zeros = 0; // counted with multiplicity: sum of index, sum of -index
@@ -80,11 +91,16 @@ struct SingularityCount {
     uint64_t broken_triangles = 0; // triangle inequality or parity violated
 };
 
-// Counts over the whole mesh.  Optional outputs: index per vertex (clusters at
-// their lowest vertex), lowest vertex of the cluster of each vertex, size of
-// the cluster at its lowest vertex, index per face.
-SingularityCount count_singularities(Foliation& foliation, int32_t* vertex_index, uint32_t* vertex_cluster,
-                                     uint32_t* cluster_size, int32_t* face_index);
+// Where they are; NULL = not wanted.
+struct SingularityMaps {
+    int32_t* vertex_index = nullptr;    // clusters at their lowest vertex
+    uint32_t* vertex_cluster = nullptr; // lowest vertex of the cluster of each vertex
+    uint32_t* cluster_size = nullptr;   // at the lowest vertex
+    int32_t* face_index = nullptr;
+};
+
+// Counts over the whole mesh.
+SingularityCount count_singularities(Foliation& foliation, const SingularityMaps& maps = SingularityMaps());
 
 // ---- transport between levels (transport.cpp) -----------------
 

@@ -52,7 +52,7 @@ public:
         }
         for (uint32_t t = 0; t < degree_; ++t)
             if (star_.F[t] == 0 && target(t) == v_) star_.step[t] = way(t) == OTHER;
-        return open == 0 && !f_.out_of_memory;
+        return open == 0;
     }
 
 private:
@@ -72,7 +72,8 @@ private:
 
     // The part without v behind side t, in all places where it hangs on v.
     void look_at_part(uint32_t t) {
-        const Cluster part = explore_cluster(f_, target(t), NONE, v_, NONE, 1, star_.budget);
+        const Cluster part = explore_cluster(
+            f_, target(t), ClusterSearch().without_vertex(v_).up_to_corners(1).up_to_vertices(star_.budget));
         bool fits = part.closed_corners == 0 && part.marked == 0 && (!part.complete || part.euler == 1),
              has_values = false;
         for (uint32_t s = 0; s < degree_; ++s)

@@ -26,6 +26,8 @@
 // Hence: no cluster of positive index before, none after.
 #include "foliation.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -36,34 +38,22 @@ namespace {
 void advance_cluster(Foliation& f, uint32_t behind) {
     const Mesh& mesh = f.mesh;
     int64_t limit = INT64_MAX;
-    for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+    for (const uint32_t v : f.members)
+        for (const uint32_t h : mesh.around(v)) {
+            if (f.at(h) <= 0 || h == behind) continue;
+            // An edge with both ends in the cluster gets shorter from both.
+            const bool both = f.stamp[mesh.target(h)] == f.epoch && twin(h) != behind;
+            limit = std::min(limit, both ? f.at(h) / 2 : f.at(h));
             const uint32_t ahead = mesh.rotate_ccw(h);
-            if (f.at(h) > 0 && h != behind) {
-                // An edge with both ends in the cluster gets shorter from both.
-                const int64_t room = f.stamp[mesh.target(h)] == f.epoch && twin(h) != behind ? f.at(h) / 2 : f.at(h);
-                if (room < limit) limit = room;
-                if (f.at(ahead) > 0 && ahead != behind) {
-                    const int64_t corner = f.corner2(h) / 2;
-                    if (corner < limit) limit = corner;
-                }
-            }
-            h = ahead;
-        } while (h != first);
-    }
+            if (f.at(ahead) > 0 && ahead != behind) limit = std::min(limit, f.corner2(h) / 2);
+        }
     if (limit == INT64_MAX) return;
-    for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+    for (const uint32_t v : f.members)
+        for (const uint32_t h : mesh.around(v)) {
             int64_t& value = f.value[edge_of(h)];
             if (h == behind) value += limit;
             else if (value > 0) value -= limit;
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
-    }
+        }
 }
 
 } // namespace
@@ -71,8 +61,7 @@ void advance_cluster(Foliation& f, uint32_t behind) {
 bool settle_extremum(Foliation& f, uint32_t vertex) {
     // Each round enlarges the cluster or gives it a direction.
     for (uint32_t round = 0; round <= f.mesh.vertex_count; ++round) {
-        const Cluster cluster = explore_cluster(f, vertex, NONE, NONE, NONE, 2, 0);
-        if (f.out_of_memory) return false;
+        const Cluster cluster = explore_cluster(f, vertex, ClusterSearch().up_to_corners(2));
         if (!cluster.is_pole()) return true;
         if (cluster.closed_corners == 1 || cluster.marked > 0) return false;
         advance_cluster(f, NONE);
@@ -96,8 +85,8 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
             bool advanced = false;
             for (uint32_t end = 0; end < 2 && !advanced; ++end) {
                 const uint32_t v = mesh.origin[ij ^ end], other = mesh.origin[ij ^ end ^ 1];
-                const Cluster cluster = explore_cluster(f, v, edge, NONE, other, 1, 0);
-                if (f.out_of_memory) return;
+                const Cluster cluster =
+                    explore_cluster(f, v, ClusterSearch().without_edge(edge).looking_for(other).up_to_corners(1));
                 if (!cluster.complete || cluster.reached || !cluster.is_disk()) continue;
                 // The edge stays behind: it grows from zero.
                 f.value[edge] = 0;
@@ -107,13 +96,12 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
             if (!advanced) break;
         } else {
             const int64_t through_ik = F_ik + F_jl, through_il = F_il + F_jk;
-            result = (through_ik > through_il ? through_ik : through_il) - F_ij;
+            result = std::max(through_ik, through_il) - F_ij;
             uint32_t closed_end = NONE;
             if (F_ik > 0 && F_il > 0 && F_jk == F_ij + F_ik && F_jl == F_ij + F_il) closed_end = ij;
             if (F_jk > 0 && F_jl > 0 && F_ik == F_ij + F_jk && F_il == F_ij + F_jl) closed_end = ji;
             if (closed_end == NONE) break;
-            const Cluster cluster = explore_cluster(f, mesh.origin[closed_end], NONE, NONE, NONE, 3, 0);
-            if (f.out_of_memory) return;
+            const Cluster cluster = explore_cluster(f, mesh.origin[closed_end], ClusterSearch().up_to_corners(3));
             if (!cluster.complete || !cluster.is_disk()) break;
             advance_cluster(f, closed_end);
         }
@@ -129,7 +117,7 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
     if (moved) {
         const uint32_t quad[4] = {ki, il, lj, jk}; // they start at k, i, l and j
         for (uint32_t h : quad)
-            if (explore_cluster(f, mesh.origin[h], NONE, NONE, NONE, 2, 0).is_pole()) {
+            if (explore_cluster(f, mesh.origin[h], ClusterSearch().up_to_corners(2)).is_pole()) {
                 ++statistics.bad_flips_left;
                 break;
             }

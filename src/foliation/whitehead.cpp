@@ -19,15 +19,21 @@
 // what would be one moves along (cluster_move.cpp).  Marked vertices never move.
 #include "whitehead.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
 
-bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
+Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel) {
     if (!offset.allocate(memory, mesh.vertex_count + size_t{1}) || !side.allocate(memory, size_t{2} * mesh.edge_count)
         || !neighbour.allocate(memory, size_t{2} * mesh.edge_count) || !weight_sum.allocate(memory, mesh.vertex_count)
         || !monogons.find(mesh, memory))
         return false;
+    // With monogons degrees are known only after the walk, and alone the walk is enough.
+    if (parallel.slots() > 1 && monogons.vertex.empty()) {
+        build_in_blocks(mesh, weight, parallel);
+        return true;
+    }
     uint32_t at = 0;
     max_degree = 0;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
@@ -51,14 +57,47 @@ bool Rings::build(const Mesh& mesh, const double* weight, Memory& memory) {
             h = ahead;
         } while (h != first);
         weight_sum[v] = sum;
-        if (at - offset[v] > max_degree) max_degree = at - offset[v];
+        max_degree = std::max(max_degree, at - offset[v]);
     }
     offset[mesh.vertex_count] = at;
     return true;
 }
 
-bool Star::allocate(Memory& memory, uint32_t max_degree) {
-    pushed.start(memory);
+// As above for a mesh without monogons: counts first, so that each star has its place.
+void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel) {
+    const uint32_t n = mesh.vertex_count;
+    uint32_t* at = offset.data();
+    std::memset(at, 0, (n + size_t{1}) * sizeof(uint32_t));
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) ++at[mesh.origin[h]];
+    uint32_t sum = 0;
+    max_degree = 0;
+    for (uint32_t v = 0; v <= n; ++v) {
+        const uint32_t degree = at[v];
+        if (degree > max_degree) max_degree = degree;
+        at[v] = sum;
+        sum += degree;
+    }
+    Side* const sides = side.data();
+    uint32_t* const neighbours = neighbour.data();
+    parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            uint32_t t = at[v];
+            double weights = 0;
+            const uint32_t first = mesh.out[v];
+            uint32_t h = first;
+            do {
+                const uint32_t across = mesh.next[h];
+                weights += weight[edge_of(h)];
+                sides[t] = {h, edge_of(across)};
+                neighbours[t++] = mesh.target(h);
+                h = twin(mesh.next[across]);
+            } while (h != first);
+            weight_sum[v] = weights;
+        }
+    });
+}
+
+Done Star::allocate(Memory& memory, uint32_t max_degree) {
     return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && group.allocate(memory, max_degree)
         && group_pull.allocate(memory, max_degree) && step.allocate(memory, max_degree)
         && way.allocate(memory, max_degree);
@@ -163,8 +202,8 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             }
             if (group[u] == group[t] || self_edge) continue;
             if (walk_to_next_visit(f, side[t].half_edge, star.budget, star.decided) != side[u].half_edge) continue;
-            const Cluster part =
-                explore_cluster(f, mesh.target(side[first_zero].half_edge), NONE, v, NONE, 0, star.budget);
+            const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
+                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.budget));
             if (part.marked > 0) continue; // different directions
             if (!part.complete) {
                 star.decided = false;
@@ -175,8 +214,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
             for (uint32_t s = u; s != first_zero; s = side_after(s, degree))
                 elsewhere |= F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
             if (elsewhere) continue;
-            const uint32_t keep = group[t] < group[u] ? group[t] : group[u];
-            const uint32_t drop = group[t] < group[u] ? group[u] : group[t];
+            const uint32_t keep = std::min(group[t], group[u]), drop = std::max(group[t], group[u]);
             star.group_pull[keep] += star.group_pull[drop];
             --groups;
             star.group_pull[drop] = star.group_pull[groups];
@@ -209,13 +247,13 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
             const int64_t corner = (here + ahead - opposite) / 2;
-            const int64_t along = corner != 0 && corner < here ? corner : here;
+            const int64_t along = corner != 0 ? std::min(here, corner) : here;
             const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
             pull += p;
             pull_of_second += p * static_cast<double>(direction);
             const int64_t first = direction ? INT64_MAX : along, other = direction ? along : INT64_MAX;
-            room = first < room ? first : room;
-            room_of_second = other < room_of_second ? other : room_of_second;
+            room = std::min(room, first);
+            room_of_second = std::min(room_of_second, other);
             second |= uint64_t{direction} << t;
         });
     if (closed != 2) return Outcome::undecided;
@@ -260,7 +298,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             ++result.blocked;
             return moved;
         }
-        if (self_edge || (star.has_zero && !star.pushed.empty())) {
+        if (self_edge || (star.has_zero && !f.pushed.empty())) {
             bool lands = false;
             if (!move_together(f, side, weight, star, lands, result.energy_change)) return moved;
             ++result.moves;
@@ -271,11 +309,11 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         int64_t limit = INT64_MAX;
         for (uint32_t t = 0; t < star.degree; ++t) {
             if (star.group[t] != star.best || star.F[t] == 0) continue;
-            if (star.F[t] < limit) limit = star.F[t];
+            limit = std::min(limit, star.F[t]);
             const uint32_t u = side_after(t, star.degree);
             // Corners inside S; a corner between two runs of S that are merged round a cluster is none.
-            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0 && star.corner2[t] / 2 < limit)
-                limit = star.corner2[t] / 2;
+            if (star.F[u] != 0 && star.group[u] == star.best && star.corner2[t] > 0)
+                limit = std::min(limit, star.corner2[t] / 2);
         }
         const bool lands = best >= static_cast<double>(limit);
         const int64_t mu = lands ? limit : static_cast<int64_t>(best);
@@ -310,7 +348,7 @@ double residual_at(Foliation& f, const Rings& rings, const double* weight, uint3
     read_star(f, &rings.side[rings.offset[v]], rings.offset[v + 1] - rings.offset[v], weight, star);
     star.budget = sweep_budget;
     const double excess = 2 * star.best_pull - star.pull;
-    const double scale = star.pull > floor ? star.pull : floor;
+    const double scale = std::max(floor, star.pull);
     return excess > 0 && scale > 0 ? excess / scale : 0;
 }
 
@@ -336,13 +374,15 @@ ResidualResult residuals(Foliation& f, const Rings& rings, const double* weight,
     return result;
 }
 
-double energy(const Foliation& f, const double* weight) {
-    double sum = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
-        const double x = static_cast<double>(f.value[e]);
-        sum += weight[e] * x * x;
-    }
-    return sum;
+double energy(const Foliation& f, const double* weight, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(f.mesh.edge_count, [&](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t e = begin; e < end; ++e) {
+            const double x = static_cast<double>(f.value[e]);
+            sum += weight[e] * x * x;
+        }
+        return sum;
+    });
 }
 
 } // namespace hmf

@@ -21,7 +21,7 @@ struct Rings {
     Array<double> weight_sum;  // vertex_count, over the sides
     Monogons monogons;
     uint32_t max_degree = 0;
-    bool build(const Mesh& mesh, const double* weight, Memory& memory);
+    Done build(const Mesh& mesh, const double* weight, Memory& memory, const Parallel& parallel = Parallel());
     // Asks for what a walk round v will read.  A pass over the vertices does so
     // for one that is `ahead`.
     static constexpr uint32_t ahead = 8;
@@ -32,6 +32,9 @@ struct Rings {
         }
     }
     bool is(uint32_t v, uint8_t kind) const { return !monogons.vertex.empty() && (monogons.vertex[v] & kind); }
+
+private:
+    void build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel);
 };
 
 // The next side of a vertex, counter-clockwise and clockwise.
@@ -71,11 +74,10 @@ struct Star {
     Array<uint32_t> group;  // per side: direction, NONE for zero edges
     Array<double> group_pull;
     // Of the move into group `best` that plan_move has found.
-    Array<int8_t> step;     // per side: sign of its share of the change of its edge, 0 if it has none
-    Array<uint8_t> way;     // per side: scratch of open_zero_self_edges
-    Array<uint32_t> pushed; // vertices that move along; all their values shrink
-    uint32_t moving = 0;    // stamp of these and of the vertex itself
-    bool allocate(Memory& memory, uint32_t max_degree);
+    Array<int8_t> step;  // per side: sign of its share of the change of its edge, 0 if it has none
+    Array<uint8_t> way;  // per side: scratch of open_zero_self_edges
+    uint32_t moving = 0; // stamp of what moves: the vertex itself and Foliation::pushed, whose values all shrink
+    Done allocate(Memory& memory, uint32_t max_degree);
 };
 
 // Fills star for the vertex with these sides.  weight NULL: all 1.  Groups that are one direction around a cluster
@@ -95,7 +97,7 @@ void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward
            Call& call, double fraction);
 
 // A move of the vertex of a star into star.best, with what has to go along
-// (cluster_move.cpp).  plan_move fills star.step and star.pushed; false: what
+// (cluster_move.cpp).  plan_move fills star.step and f.pushed; false: what
 // would be left behind or go along is not known, the vertex has to wait.
 bool plan_move(Foliation& f, const Rings::Side* side, Star& star);
 // The planned move goes up to the first neighbour or branch point.
@@ -126,6 +128,6 @@ double pull_floor(double total, uint32_t vertex_count);
 double residual_at(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor, Star& star);
 
 // Dirichlet energy in squared units ([W] Eq. 5).
-double energy(const Foliation& f, const double* weight);
+double energy(const Foliation& f, const double* weight, const Parallel& parallel = Parallel());
 
 } // namespace hmf

@@ -21,6 +21,8 @@
 #include "renumber.hpp"
 #include "simplify.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -34,8 +36,8 @@ struct Schedule {
 
     Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
         const uint64_t least = 40 * genus + 10 * options.marked_count; // ten for each zero
-        vertices = options.coarsest > least ? options.coarsest : least;
-        if (vertices < 4) vertices = 4;
+        vertices = std::max(least, options.coarsest);
+        vertices = std::max<uint64_t>(vertices, 4);
         if (vertices > NONE / 3) vertices = NONE / 3;
         edges = 3 * vertices + 6 * genus - 6;
     }
@@ -49,7 +51,7 @@ struct Schedule {
     }
 };
 
-bool take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, Mesh& mesh) {
+Done take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_t face_count, Mesh& mesh) {
     mesh.vertex_count = vertex_count;
     mesh.edge_count = edge_count;
     mesh.face_count = face_count;
@@ -116,7 +118,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         return call_.out_of_memory();
     std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
-    const Origin origin = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
+    const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
     hmf_status status =
         order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
     if (!status)
@@ -131,8 +133,8 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         || !work_.allocate(h_.memory, h_.input, options_.collapse == HMF_COLLAPSE_QSLIM))
         return call_.out_of_memory();
     work_.position = input_position_;
-    status = link_triangles(ordered, work_.position, origin, work_.mesh, work_.degree, work_.link.data(), call_);
-    if (!status) status = check_connection(work_.mesh, work_.degree, origin, work_.link.data(), call_);
+    status = link_triangles(ordered, work_.position, caller, work_.mesh, work_.degree, work_.link.data(), call_);
+    if (!status) status = check_connection(work_.mesh, work_.degree, caller, work_.link.data(), call_);
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
@@ -366,8 +368,7 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
         Builder builder(hierarchy, positions, position_stride, options, call);
         status = builder.run(vertex_count, triangles, triangle_count);
     }
-    if (status == HMF_CANCELLED)
-        return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+    if (status == HMF_CANCELLED) return call.was_cancelled();
     return status;
 }
 
@@ -383,7 +384,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
         if (target == 0) break;
         if (sum + edges > coarse) coarse = sum + edges;
         sum += target;
-        if (sum > coarse) coarse = sum;
+        coarse = std::max(coarse, sum);
         edges = target;
     }
     const uint64_t coarse_vertices = coarse / 3 + MAX_LEVELS;
@@ -410,8 +411,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t finishing = replaying + mesh + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;
     const uint64_t stages[4] = {loading, coarsening, numbering, finishing};
-    for (const uint64_t stage : stages)
-        if (stage > bound) bound = stage;
+    for (const uint64_t stage : stages) bound = std::max(bound, stage);
     return bound + slack;
 }
 

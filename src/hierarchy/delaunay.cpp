@@ -26,11 +26,8 @@ bool obtuse(const double* apex, const double* a, const double* b) {
 }
 
 bool neighbours(const WorkMesh& work, uint32_t k_out, uint32_t l) {
-    uint32_t g = k_out;
-    do {
+    for (const uint32_t g : work.mesh.clockwise_from(k_out))
         if (work.mesh.target(g) == l) return true;
-        g = work.mesh.rotate_cw(g);
-    } while (g != k_out);
     return false;
 }
 

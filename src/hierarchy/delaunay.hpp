@@ -11,6 +11,6 @@ constexpr uint64_t COARSE_FLIPS_PER_EDGE = 2;
 // Flips edges whose opposite angles add up to more than 180 degrees, unless
 // the other diagonal exists already.  Appends the edges to flips.  Expects a
 // mesh that is compact (renumber.hpp).
-hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, double fraction);
+[[nodiscard]] hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, double fraction);
 
 } // namespace hmf

@@ -82,9 +82,9 @@ struct hmf_hierarchy {
 namespace hmf {
 
 // arrays in -> validated mesh -> hierarchy.  Fills a freshly made hierarchy.
-hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
-                           size_t position_stride, const uint32_t* triangles, size_t triangle_count,
-                           const BuildOptions& options, Call& call);
+[[nodiscard]] hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                                         size_t position_stride, const uint32_t* triangles, size_t triangle_count,
+                                         const BuildOptions& options, Call& call);
 
 // Upper bound of the peak memory of build_hierarchy.
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options);

@@ -17,6 +17,7 @@
 
 #include "../base/prefetch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -195,7 +196,7 @@ bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
     // Clockwise: j, l .. k round i, and i, k .. l round j.  One loop for both,
     // since its end cannot be predicted; the smaller star comes round again.
     uint32_t round_i[MAX_DEGREE + 4], round_j[MAX_DEGREE + 4];
-    const uint32_t longer = degree_i > degree_j ? degree_i : degree_j;
+    const uint32_t longer = std::max(degree_j, degree_i);
     for (uint32_t n = 0, g = h, f = twin(h); n < longer; ++n) {
         round_i[n] = mesh.target(g);
         round_j[n] = mesh.target(f);
@@ -230,7 +231,7 @@ void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_qua
 
 } // namespace
 
-bool BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory, BUCKETS, NONE); }
+Done BucketQueue::allocate(Memory& memory) { return head_.allocate_filled(memory, BUCKETS, NONE); }
 
 uint32_t BucketQueue::bucket(double cost) {
     uint64_t bits;
@@ -250,13 +251,12 @@ void BucketQueue::clear() {
     high_ = 0;
 }
 
-bool WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
+Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     mesh = all;
     vertex_end = all.vertex_count;
     edge_end = all.edge_count;
     face_end = all.face_count;
-    return degree.allocate_filled(memory, vertex_end, 0)
-        && link.allocate(memory, edge_end > vertex_end ? edge_end : vertex_end)
+    return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, std::max(vertex_end, edge_end))
         && marks.allocate_filled(memory, vertex_end, 0) && queue.allocate(memory)
         && (!with_quadrics || quadrics.allocate(memory, vertex_end));
 }

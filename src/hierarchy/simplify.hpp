@@ -1,6 +1,8 @@
 // Coarsening by edge collapses ([W] 4.1).
 #pragma once
 
+#include <algorithm>
+
 #include "../base/memory.hpp"
 #include "../mesh/mesh.hpp"
 #include "hierarchy.hpp"
@@ -13,7 +15,7 @@ namespace hmf {
 // one before, and costs twice as much.
 class BucketQueue {
 public:
-    bool allocate(Memory& memory);
+    Done allocate(Memory& memory);
     static uint32_t bucket(double cost); // cost >= 0, finite
     void clear();
     bool empty(); // moves on to the lowest list in use
@@ -22,8 +24,8 @@ public:
     void put(uint32_t edge, uint32_t at, Array<uint32_t>& link) {
         link[edge] = head_[at];
         head_[at] = edge;
-        if (at < low_) low_ = at;
-        if (at > high_) high_ = at;
+        low_ = std::min(low_, at);
+        high_ = std::max(high_, at);
     }
     uint32_t take(const Array<uint32_t>& link) { // after empty() was false
         const uint32_t edge = head_[low_];
@@ -59,7 +61,7 @@ struct WorkMesh {
     BucketQueue queue;
 
     // For a mesh with room for all its elements.
-    bool allocate(Memory& memory, const Mesh& all, bool with_quadrics);
+    Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
     const double* at(uint32_t v) const { return position + size_t{3} * v; }
     double* at(uint32_t v) { return position + size_t{3} * v; }
     bool removed(uint32_t edge) const { return mesh.face[2 * edge] == NONE; }
@@ -71,7 +73,7 @@ void initial_quadrics(WorkMesh& work);
 // Collapses until at most edge_target edges are left or nothing more can be
 // collapsed.  Writes the records to log and counts them; log has room for all
 // vertices but vertex_minimum.
-hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
-                          Collapse* log, size_t& log_count, Call& call, double from, double to);
+[[nodiscard]] hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
+                                        Collapse* log, size_t& log_count, Call& call, double from, double to);
 
 } // namespace hmf

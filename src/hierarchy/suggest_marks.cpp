@@ -17,8 +17,9 @@
 
 #include "../base/disjoint_sets.hpp"
 #include "../base/nearest_first.hpp"
-#include "../loops/heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -43,7 +44,7 @@ public:
     Suggestion(const Mesh& mesh, const double* position, Call& call) :
         mesh_(mesh), position_(position), call_(call), memory_(call.memory) {}
 
-    bool find(Array<uint32_t>& marks) {
+    Done find(Array<uint32_t>& marks) {
         const uint32_t n = mesh_.vertex_count;
         heap_.start(memory_);
         order_.start(memory_);
@@ -91,7 +92,7 @@ private:
     // where it does not come; order_: as they were reached.  Ends with the vertex
     // for which enough(v) holds, and returns the last one.
     template <class Enough>
-    bool search(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
+    Done search(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
         for (double& d : distance_) d = HUGE_VAL;
         order_.clear();
         heap_.clear();
@@ -101,30 +102,27 @@ private:
             const NearestFirst::Entry entry = heap_.pop();
             const uint32_t v = entry.item;
             if (entry.distance > distance_[v]) continue;
-            order_.push(v); // within the reserve: each vertex once
+            order_.add(v); // each vertex once
             last = v;
             if (enough(v)) break;
-            const uint32_t first = mesh_.out[v];
-            uint32_t h = first;
-            do {
+            for (const uint32_t h : mesh_.around(v)) {
                 const uint32_t w = mesh_.target(h);
                 const double d = entry.distance + length_[edge_of(h)];
                 if (d < distance_[w] && (!allowed || allowed[w])) {
                     distance_[w] = d;
                     if (!heap_.push({d, w})) return false;
                 }
-                h = mesh_.rotate_ccw(h);
-            } while (h != first);
+            }
         }
         return true;
     }
 
-    bool search(uint32_t from, const uint8_t* allowed, uint32_t& last) {
+    Done search(uint32_t from, const uint8_t* allowed, uint32_t& last) {
         return search(from, allowed, last, [](uint32_t) { return false; });
     }
 
     // Mean distance to bases that are far from each other.
-    bool measure_heights() {
+    Done measure_heights() {
         uint32_t base = 0;
         if (!search(0, nullptr, base)) return false;
         for (uint32_t b = 0; b < BASES; ++b) {
@@ -132,7 +130,7 @@ private:
             if (!call_.tick(0.5 + 0.01 * b) || !search(base, nullptr, last)) return false;
             for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
                 height_[v] += distance_[v] / BASES;
-                if (distance_[v] < nearest_[v]) nearest_[v] = distance_[v];
+                nearest_[v] = std::min(nearest_[v], distance_[v]);
                 if (nearest_[v] > nearest_[base]) base = v;
             }
         }
@@ -143,7 +141,7 @@ private:
     }
 
     // From the highest vertex down; a component of what has been passed knows its highest one.
-    bool find_tips() {
+    Done find_tips() {
         const uint32_t n = mesh_.vertex_count;
         Array<uint32_t> falling, part, top;
         Array<uint8_t> passed;
@@ -157,9 +155,7 @@ private:
         heap_sort(falling.data(), n, higher);
         for (const uint32_t v : falling) {
             passed[v] = 1;
-            const uint32_t first = mesh_.out[v];
-            uint32_t h = first;
-            do {
+            for (const uint32_t h : mesh_.around(v)) {
                 const uint32_t w = mesh_.target(h);
                 if (passed[w]) {
                     const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
@@ -172,8 +168,7 @@ private:
                         top[find_root(part.data(), a)] = stays;
                     }
                 }
-                h = mesh_.rotate_ccw(h);
-            } while (h != first);
+            }
         }
         if (!tips_.push({falling[0], HUGE_VAL})) return false;
         heap_sort(tips_.data(), tips_.size(), [](const Tip& a, const Tip& b) {
@@ -183,13 +178,13 @@ private:
         return true;
     }
 
-    bool add_far_tip() {
+    Done add_far_tip() {
         uint32_t last = 0;
         if (tips_.size() > 1) return true;
         return search(tips_[0].vertex, nullptr, last) && tips_.push({last, 0});
     }
 
-    bool add(uint32_t v, Array<uint32_t>& marks) {
+    Done add(uint32_t v, Array<uint32_t>& marks) {
         if (v == NONE || used_[v]) return true;
         used_[v] = 1;
         return marks.push(v);
@@ -203,7 +198,7 @@ private:
 
     // The ends of a diameter of the disk round the tip, found by going to the
     // farthest vertex and back.
-    bool add_pair(uint32_t tip, Array<uint32_t>& marks) {
+    Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
         double area = 0;
         uint32_t ends[2] = {tip, tip}, reached = 0;
         if (!search(tip, nullptr, ends[0], [&](uint32_t v) {
@@ -252,9 +247,7 @@ hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t verte
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
     Suggestion suggestion(mesh, h.levels[coarsest].position, call);
-    if (!suggestion.find(marks))
-        return call.cancelled() ? call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
-                                : call.out_of_memory();
+    if (!suggestion.find(marks)) return call.stopped();
     Array<uint32_t> caller;
     if (!caller.allocate(call.memory, vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;

@@ -8,8 +8,8 @@ namespace hmf {
 // Two vertices at the tip of each limb, at least four in all, one pair after
 // the other; none on a surface of genus 1 or more.  `hierarchy` is freshly made
 // and is used up.  marks: vertices of the caller.
-hmf_status suggest_marks(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count, size_t position_stride,
-                         const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
-                         Array<uint32_t>& marks);
+[[nodiscard]] hmf_status suggest_marks(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                                       size_t position_stride, const uint32_t* triangles, size_t triangle_count,
+                                       const BuildOptions& options, Call& call, Array<uint32_t>& marks);
 
 } // namespace hmf

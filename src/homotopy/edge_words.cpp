@@ -1,6 +1,8 @@
 // Cutting the mesh into a polygon, and products of walks; see edge_words.hpp.
 #include "edge_words.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -8,41 +10,37 @@ namespace {
 enum : uint8_t { SIDE, IN_TREE, ACROSS }; // an edge: side of the polygon, contracted, or inside the polygon
 
 // A tree through all vertices, and one through all triangles that crosses none of its edges.
-bool find_trees(const Mesh& mesh, Array<uint8_t>& kind, Memory& memory) {
+Done find_trees(const Mesh& mesh, Array<uint8_t>& kind, Memory& memory) {
     Array<uint32_t> queue;
     Array<uint8_t> seen;
     queue.start(memory);
     if (!kind.allocate_filled(memory, mesh.edge_count, uint8_t{SIDE})
-        || !seen.allocate_filled(memory, mesh.face_count > mesh.vertex_count ? mesh.face_count : mesh.vertex_count,
-                                 uint8_t{0})
+        || !seen.allocate_filled(memory, std::max(mesh.face_count, mesh.vertex_count), uint8_t{0})
         || !queue.reserve(seen.size()))
         return false;
     seen[0] = 1;
-    queue.push(0);
+    queue.add(0);
     for (size_t i = 0; i < queue.size(); ++i) {
-        const uint32_t first = mesh.out[queue[i]];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(queue[i])) {
             const uint32_t v = mesh.target(h);
             if (!seen[v]) {
                 seen[v] = 1;
-                queue.push(v);
+                queue.add(v);
                 kind[edge_of(h)] = IN_TREE;
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        }
     }
     for (uint8_t& s : seen) s = 0;
     queue.clear();
     seen[mesh.face[0]] = 1;
-    queue.push(0); // a half-edge of each triangle
+    queue.add(0); // a half-edge of each triangle
     for (size_t i = 0; i < queue.size(); ++i) {
         uint32_t h = queue[i];
         for (uint32_t side = 0; side < 3; ++side, h = mesh.next[h]) {
             if (kind[edge_of(h)] != SIDE || seen[mesh.face[twin(h)]]) continue;
             seen[mesh.face[twin(h)]] = 1;
             kind[edge_of(h)] = ACROSS;
-            queue.push(twin(h));
+            queue.add(twin(h));
         }
     }
     return true;
@@ -59,10 +57,9 @@ uint64_t hash_of(const uint32_t* items, size_t n) {
 
 } // namespace
 
-bool EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) {
+Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory) {
     Array<uint8_t> kind;
     Array<uint32_t> corner, twin_side;
-    out_of_memory_ = false;
     memory_ = &memory;
     scratch_.start(memory);
     spoke_.start(memory);
@@ -107,7 +104,7 @@ void EdgeWords::set(uint32_t half_edge, uint32_t word, bool reversed) {
     word_[e] = 2 * word + ((half_edge & 1) != static_cast<uint32_t>(reversed));
 }
 
-bool EdgeWords::append(uint32_t half_edge, Walk& walk) const {
+Done EdgeWords::append(uint32_t half_edge, Walk& walk) const {
     const uint32_t e = edge_of(half_edge);
     if (!has(e)) return true;
     const uint64_t begin = offset_[word_[e] >> 1], end = offset_[(word_[e] >> 1) + 1];
@@ -122,19 +119,20 @@ bool EdgeWords::append(uint32_t half_edge, Walk& walk) const {
 }
 
 // Half-edge 2e is the way back along the two others of its triangle.
-void EdgeWords::join(uint32_t edge, uint32_t ahead, uint32_t back) {
+Done EdgeWords::join(uint32_t edge, uint32_t ahead, uint32_t back) {
     scratch_.clear();
     uint32_t word = 0;
-    if (!append(twin(back), scratch_) || !append(twin(ahead), scratch_)) {
-        out_of_memory_ = true;
-        return;
+    if (!append(twin(back), scratch_) || !append(twin(ahead), scratch_)) return false;
+    if (scratch_.empty()) {
+        clear(edge);
+        return true;
     }
-    if (scratch_.empty()) return clear(edge);
-    if (number_of(scratch_, word)) set(2 * edge, word, false);
-    else out_of_memory_ = true;
+    if (!number_of(scratch_, word)) return false;
+    set(2 * edge, word, false);
+    return true;
 }
 
-bool EdgeWords::number_of(const Walk& walk, uint32_t& word) {
+Done EdgeWords::number_of(const Walk& walk, uint32_t& word) {
     const size_t count = offset_.size() - 1;
     if (2 * (count + 1) > table_.size()) {
         Array<uint32_t> old;

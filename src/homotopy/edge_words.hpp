@@ -21,14 +21,15 @@ namespace hmf {
 
 class EdgeWords {
 public:
-    // On a mesh, with room for edge_capacity edges.  False: out of memory.
-    bool start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory);
+    // On a mesh, with room for edge_capacity edges.
+    Done start(const Mesh& mesh, uint32_t edge_capacity, Memory& memory);
 
     // After a flip, in either direction, and after a split, of the same mesh.
-    void flipped(const Mesh& mesh, uint32_t edge) {
+    Done flipped(const Mesh& mesh, uint32_t edge) {
         const uint32_t ahead = mesh.next[2 * edge], back = mesh.next[ahead];
-        if (!has(edge_of(ahead)) && !has(edge_of(back))) clear(edge);
-        else join(edge, ahead, back);
+        if (has(edge_of(ahead)) || has(edge_of(back))) return join(edge, ahead, back);
+        clear(edge);
+        return true;
     }
     void was_split(const Collapse& c) {
         clear(edge_of(c.h));
@@ -36,10 +37,9 @@ public:
         copy(c.il, twin(c.lj));
     }
 
-    // Appends the walk along a half-edge.  False: out of memory.
-    bool append(uint32_t half_edge, Walk& walk) const;
+    // Appends the walk along a half-edge.
+    Done append(uint32_t half_edge, Walk& walk) const;
     const QuadSystem& quads() const { return quads_; }
-    bool out_of_memory() const { return out_of_memory_; } // in flipped or was_split
 
 private:
     bool has(uint32_t edge) const { return bits_[edge / 64] >> edge % 64 & 1; }
@@ -50,8 +50,8 @@ private:
         if (!has(edge_of(from))) clear(edge_of(to));
         else set(to, word_[edge_of(from)] >> 1, (word_[edge_of(from)] ^ from) & 1);
     }
-    void join(uint32_t edge, uint32_t ahead, uint32_t back);
-    bool number_of(const Walk& walk, uint32_t& word);
+    Done join(uint32_t edge, uint32_t ahead, uint32_t back);
+    Done number_of(const Walk& walk, uint32_t& word);
 
     QuadSystem quads_;
     Array<uint64_t> bits_;   // per edge: the walk is not empty
@@ -61,7 +61,6 @@ private:
     Array<uint32_t> table_; // numbers of the walks by their contents, NONE where free
     Walk scratch_;
     Memory* memory_ = nullptr;
-    bool out_of_memory_ = false;
 };
 
 } // namespace hmf

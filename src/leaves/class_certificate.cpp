@@ -11,7 +11,7 @@ bool is_memory(hmf_status status) { return status == HMF_ERROR_MEMORY || status 
 // The edge path on the left of a closed curve that crosses these half-edges;
 // half_edge(i) for i in [begin, end), closed behind the last.
 template <class HalfEdge>
-bool walk_on_the_left(const Mesh& mesh, const EdgeWords& words, uint64_t begin, uint64_t end, HalfEdge half_edge,
+Done walk_on_the_left(const Mesh& mesh, const EdgeWords& words, uint64_t begin, uint64_t end, HalfEdge half_edge,
                       Walk& walk, Memory& memory) {
     walk.start(memory);
     for (uint64_t i = begin; i < end; ++i) {
@@ -22,7 +22,7 @@ bool walk_on_the_left(const Mesh& mesh, const EdgeWords& words, uint64_t begin, 
     return words.quads().canonical(walk, memory);
 }
 
-bool boundary_walk(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary, Walk& walk,
+Done boundary_walk(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary, Walk& walk,
                    Memory& memory) {
     const Boundary& b = graph.boundaries[boundary];
     return walk_on_the_left(
@@ -146,7 +146,7 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
     } else {
         status = cylinders.build(f, nullptr, nullptr, quiet);
     }
-    if (is_memory(status) || f.out_of_memory) return call.out_of_memory();
+    if (is_memory(status)) return call.out_of_memory();
     result.crossings = cylinders.graph.crossings.size();
     result.state = ClassState::lost;
     int64_t sum = 0;

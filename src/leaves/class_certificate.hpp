@@ -56,20 +56,20 @@ public:
     // From a foliation that is known to belong to the loops, as the initial one
     // is, with the walks of the edges of its mesh (not read with marked vertices).  HMF_OK and known() false:
     // its leaves do not bound cylinders, as of values that come from no loops.
-    hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
+    [[nodiscard]] hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
     bool known() const { return !height_.empty(); }
 
     // Numbers of the loops in messages: those of `loops` on the same mesh, by
     // their classes; or by their weights, in the unit of the foliation.
-    hmf_status number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call);
+    [[nodiscard]] hmf_status number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call);
     void number_by_weight(const Array<int64_t>& weights);
     // After one of them: one cylinder for each loop, as high as its weight.
     bool agrees(const Array<int64_t>& weights) const;
 
     // A foliation on a mesh with the walks of its edges, in a unit that is
     // `finer` times as fine.
-    hmf_status compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer, Call& call,
-                       ClassResult& result) const;
+    [[nodiscard]] hmf_status compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
+                                     Call& call, ClassResult& result) const;
 
 private:
     bool heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call, ClassResult& result) const;

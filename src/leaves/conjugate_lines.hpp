@@ -17,15 +17,16 @@ struct ConjugateLevels {
     Array<OnEdge> middle;    // leaf in the middle
     Array<double> height;    // units
 };
-hmf_status read_levels(const Foliation& f, const Cylinders& cylinders, ConjugateLevels& out, Call& call);
+[[nodiscard]] hmf_status read_levels(const Foliation& f, const Cylinders& cylinders, ConjugateLevels& out, Call& call);
 
 // Values of g: |dv|; du: |du|, both exact and every triangle flat in both.
 //
 // Lines across each cylinder from side to side, about `spacing` apart (units).
-hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du, const ConjugateLevels& levels,
-                                double spacing, double unit, const double* position, Call& call);
+[[nodiscard]] hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du,
+                                              const ConjugateLevels& levels, double spacing, double unit,
+                                              const double* position, Call& call);
 
 // Lines out of every prong of every zero of g.
-hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* position, Call& call);
+[[nodiscard]] hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* position, Call& call);
 
 } // namespace hmf

@@ -1,7 +1,9 @@
 // Sectors, boundary leaves and saddle connections; see critical_graph.hpp.
 #include "critical_graph.hpp"
 
-#include "../loops/heap_sort.hpp"
+#include "../base/heap_sort.hpp"
+
+#include <algorithm>
 
 namespace hmf {
 
@@ -24,7 +26,7 @@ uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
 
 } // namespace
 
-bool CriticalGraph::start(const Foliation& f, Memory& memory) {
+Done CriticalGraph::start(const Foliation& f, Memory& memory) {
     zeros.start(memory);
     sectors.start(memory);
     arcs.start(memory);
@@ -56,10 +58,9 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
     const uint32_t before = f.epoch;
     for (const uint32_t v : known.vertices) {
         if (f.stamp[v] > before) continue; // its cluster has been looked at
-        const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+        const Cluster cluster = explore_cluster(f, v);
         const int64_t index = 2 * cluster.euler - static_cast<int64_t>(cluster.closed_corners);
-        if (f.out_of_memory || (index != 0 && !add_zero_at(f, v, static_cast<int32_t>(index), cluster.euler)))
-            return call.out_of_memory();
+        if (index != 0 && !add_zero_at(f, v, static_cast<int32_t>(index), cluster.euler)) return call.out_of_memory();
     }
     for (const uint32_t h : known.tripods) {
         const uint32_t n = f.mesh.next[h], p = f.mesh.next[n];
@@ -70,7 +71,7 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
 }
 
 // The cluster of the vertex is f.members.
-bool CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
+Done CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     if (!zeros.push({false, vertex, index, euler})) return false;
     for (const uint32_t u : f.members)
@@ -78,7 +79,7 @@ bool CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, in
     return true;
 }
 
-bool CriticalGraph::add_tripod(const Foliation& f, uint32_t half_edge, int32_t index) {
+Done CriticalGraph::add_tripod(const Foliation& f, uint32_t half_edge, int32_t index) {
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     return zeros.push({true, half_edge, index, 1}) && add_sectors_of_tripod(f, zero, half_edge);
 }
@@ -113,16 +114,15 @@ hmf_status CriticalGraph::find_zeros(Foliation& f, const uint32_t* vertex_order,
     if (!at_vertex.allocate(call.memory, mesh.vertex_count) || !at_face.allocate(call.memory, mesh.face_count)
         || !cluster.allocate(call.memory, mesh.vertex_count) || !side_of_face.allocate(call.memory, mesh.face_count))
         return call.out_of_memory();
-    count_singularities(f, at_vertex.data(), cluster.data(), nullptr, at_face.data());
-    if (f.out_of_memory) return call.out_of_memory();
+    count_singularities(f, {at_vertex.data(), cluster.data(), nullptr, at_face.data()});
     if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
         const uint32_t v = vertex_order ? vertex_order[i] : i, lowest = cluster[v];
         const int32_t index = at_vertex[lowest];
         if (index == 0 || index == LISTED) continue;
         at_vertex[lowest] = LISTED;
-        const int64_t euler = explore_cluster(f, v, NONE, NONE, NONE, 0, 0).euler;
-        if (f.out_of_memory || !add_zero_at(f, v, index, euler)) return call.out_of_memory();
+        const int64_t euler = explore_cluster(f, v).euler;
+        if (!add_zero_at(f, v, index, euler)) return call.out_of_memory();
     }
     if (!call.tick(0)) return call.was_cancelled();
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side_of_face[mesh.face[h]] = h;
@@ -153,8 +153,7 @@ hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order
         if (other < end && !add_sectors_of_pair(f, static_cast<uint32_t>(z), static_cast<uint32_t>(other), done))
             return call.out_of_memory();
         if (done) continue;
-        explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
-        if (f.out_of_memory) return call.out_of_memory();
+        explore_cluster(f, v);
         for (uint32_t u : f.members)
             if (!add_sectors_of_vertex(f, static_cast<uint32_t>(z), u)) return call.out_of_memory();
     }
@@ -163,18 +162,12 @@ hmf_status CriticalGraph::find_marked(Foliation& f, const uint32_t* vertex_order
 
 // The circle round a cluster with two marked vertices: a sector at each, if both
 // lie on it.  Else it is not done, and the circle is one sector without prong.
-bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done) {
+Done CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done) {
     const uint32_t ends[2] = {zeros[zero].element, zeros[other_zero].element};
     uint32_t from[2] = {NONE, NONE};
-    for (int k = 0; k < 2; ++k) {
-        const uint32_t first = f.mesh.out[ends[k]];
-        uint32_t h = first;
-        do {
-            // The first one behind a zero edge.
+    for (int k = 0; k < 2; ++k)
+        for (const uint32_t h : f.mesh.around(ends[k])) // the first one behind a zero edge
             if (f.at(h) > 0 && (from[k] == NONE || f.at(f.mesh.rotate_cw(h)) == 0)) from[k] = h;
-            h = f.mesh.rotate_ccw(h);
-        } while (h != first);
-    }
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     if (from[0] == NONE || from[1] == NONE) return true;
     done = true;
@@ -199,45 +192,44 @@ bool CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint3
 }
 
 // The circles of the cluster's boundary on which half-edges of the vertex lie.
-bool CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex) {
-    const uint32_t first = f.mesh.out[vertex];
-    uint32_t h = first;
+Done CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex) {
+    for (const uint32_t h : f.mesh.around(vertex))
+        if (f.at(h) > 0 && at_vertex_.find(h) == NONE && !add_sectors_of_circle(f, zero, h)) return false;
+    return true;
+}
+
+// The circle that the half-edge lies on.
+Done CriticalGraph::add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h) {
+    circle_.clear();
+    uint32_t g = h, count = 0;
+    size_t start = 0; // behind a closed corner
     do {
-        if (f.at(h) > 0 && at_vertex_.find(h) == NONE) {
-            circle_.clear();
-            uint32_t g = h, count = 0;
-            size_t start = 0; // behind a closed corner
-            do {
-                bool closed = false;
-                if (!circle_.push(g)) return false;
-                g = next_round(f, g, closed);
-                if (closed) {
-                    ++count;
-                    start = circle_.size();
-                }
-            } while (g != h);
-            const uint32_t before = static_cast<uint32_t>(sectors.size()), n = count > 0 ? count : 1;
-            for (uint32_t s = 0; s < n; ++s)
-                if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE}))
-                    return false;
-            uint32_t s = before;
-            for (size_t i = 0; i < circle_.size(); ++i) {
-                g = circle_[(start + i) % circle_.size()];
-                if (!at_vertex_.set(g, s)) return false;
-                sectors[s].last = g;
-                bool closed = false;
-                next_round(f, g, closed);
-                if (closed) ++s;
-            }
+        bool closed = false;
+        if (!circle_.push(g)) return false;
+        g = next_round(f, g, closed);
+        if (closed) {
+            ++count;
+            start = circle_.size();
         }
-        h = f.mesh.rotate_ccw(h);
-    } while (h != first);
+    } while (g != h);
+    const uint32_t before = static_cast<uint32_t>(sectors.size()), n = std::max(count, 1u);
+    for (uint32_t s = 0; s < n; ++s)
+        if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE})) return false;
+    uint32_t s = before;
+    for (size_t i = 0; i < circle_.size(); ++i) {
+        g = circle_[(start + i) % circle_.size()];
+        if (!at_vertex_.set(g, s)) return false;
+        sectors[s].last = g;
+        bool closed = false;
+        next_round(f, g, closed);
+        if (closed) ++s;
+    }
     return true;
 }
 
 // Seen from the middle, the sectors are the corners, counter-clockwise; the
 // prong of corner i runs over the side i -> j.
-bool CriticalGraph::add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h) {
+Done CriticalGraph::add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h) {
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     for (uint32_t s = 0; s < 3; ++s, h = f.mesh.next[h]) {
         if (!at_tripod_.set(h, before + s)
@@ -310,7 +302,7 @@ hmf_status CriticalGraph::pair_arcs(Call& call) {
     return HMF_OK;
 }
 
-bool CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
+Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
     mark_offset_.start(memory);
     if (!marked_.start(memory) || !marks.allocate(memory, crossings.size() - boundaries.size())) return false;
     // How many on each edge, from the second entry on.

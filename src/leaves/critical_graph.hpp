@@ -88,9 +88,9 @@ public:
     // are listed, and behind them the marked vertices that are none; NULL: as
     // they are.  Without any of these (genus 1) one closed leaf
     // of the torus counts as critical, with a boundary leaf on either side.
-    hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    [[nodiscard]] hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     // The same, where the zeros are known.
-    hmf_status build(Foliation& f, const ZeroList& known, Call& call);
+    [[nodiscard]] hmf_status build(Foliation& f, const ZeroList& known, Call& call);
     // The marks of an edge.
     void marks_on(uint32_t edge, uint32_t& begin, uint32_t& end) const {
         begin = end = 0;
@@ -101,7 +101,8 @@ public:
     }
 
     // Zeros and sectors alone, for foliations whose leaves do not close.
-    hmf_status build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    [[nodiscard]] hmf_status build_sectors(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
+                                           Call& call);
 
     // The sector that a leaf passes at a crossing, or NONE.
     uint32_t sector_at(const Foliation& f, const Crossing& c) const;
@@ -113,19 +114,21 @@ public:
     bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
 
 private:
-    bool start(const Foliation& f, Memory& memory);
-    hmf_status trace(const Foliation& f, Call& call);
-    bool add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
-    bool add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
-    hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
-    hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
-                           const uint32_t* cluster, Call& call);
-    bool add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
-    bool add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
-    bool add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
-    hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
-    hmf_status pair_arcs(Call& call);
-    bool sort_marks(const Foliation& f, Memory& memory);
+    Done start(const Foliation& f, Memory& memory);
+    [[nodiscard]] hmf_status trace(const Foliation& f, Call& call);
+    Done add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler);
+    Done add_tripod(const Foliation& f, uint32_t half_edge, int32_t index);
+    [[nodiscard]] hmf_status find_zeros(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order,
+                                        Call& call);
+    [[nodiscard]] hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
+                                         const uint32_t* cluster, Call& call);
+    Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
+    Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
+    Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
+    Done add_sectors_of_tripod(const Foliation& f, uint32_t zero, uint32_t h);
+    [[nodiscard]] hmf_status trace_boundary(const Foliation& f, Crossing start, Call& call);
+    [[nodiscard]] hmf_status pair_arcs(Call& call);
+    Done sort_marks(const Foliation& f, Memory& memory);
 
     static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices
     SparseMap at_vertex_, at_tripod_;             // half-edge to sector

@@ -3,6 +3,8 @@
 
 #include "../solve/solve.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -15,7 +17,7 @@ hmf_status wrong_class(Call& call) {
 
 } // namespace
 
-bool Labels::choose(const Cylinders& cylinders, Memory& memory) {
+Done Labels::choose(const Cylinders& cylinders, Memory& memory) {
     const size_t n = cylinders.list.size();
     if (!factor.allocate(memory, n) || !height.allocate(memory, n)) return false;
     for (size_t c = 0; c < n; ++c) {
@@ -124,7 +126,7 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
     const size_t n = key.size();
     Labels labels;
     int64_t largest = 1;
-    for (size_t c = 0; c < n; ++c) largest = key[c] > largest ? key[c] : largest;
+    for (size_t c = 0; c < n; ++c) largest = std::max(largest, key[c]);
     if (!labels.height.allocate(call.memory, n)) return call.out_of_memory();
     const double scale = static_cast<double>(int64_t{1} << 46) / static_cast<double>(largest);
     for (size_t c = 0; c < n; ++c) {

@@ -12,18 +12,19 @@ namespace hmf {
 // through all flips, splits and collapses.
 struct Labels {
     Array<int64_t> factor, height; // per cylinder
-    bool choose(const Cylinders& cylinders, Memory& memory);
+    Done choose(const Cylinders& cylinders, Memory& memory);
     // The stretched values; after find_vertices.
     void stretch(const Foliation& f, const Cylinders& cylinders, int64_t* value) const;
     // found[c]: the cylinder of another decomposition that has the height of c.
-    hmf_status find(const Cylinders& others, Array<uint32_t>& found, Call& call) const;
+    [[nodiscard]] hmf_status find(const Cylinders& others, Array<uint32_t>& found, Call& call) const;
 };
 
 // Matches the decompositions of two values on one mesh that are nearly the
 // same, by the sequences of cylinders along the edges: found[c] is the one of
 // `there` that meets most of the edges of c.
-hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value,
-                          const Cylinders& there, Array<uint32_t>& found, Call& call);
+[[nodiscard]] hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here,
+                                        const int64_t* other_value, const Cylinders& there, Array<uint32_t>& found,
+                                        Call& call);
 
 // Closed curves of a level, one after the other.
 struct Curves {
@@ -32,15 +33,15 @@ struct Curves {
 };
 
 // The middle leaves of the cylinders; found reorders them (NULL: as they are).
-hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found, Curves& out,
-                         Call& call);
+[[nodiscard]] hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found,
+                                       Curves& out, Call& call);
 
 // Assigns to each of the disjoint curves a the one of b that is freely homotopic
 // to it and has the same key.  The harmonic foliation of a class is unique, so
 // both sets, weighted with their keys, have the same, and their cylinders lie
 // at the same place.  The state lies on the coarsest level, its values are
 // overwritten.
-hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& key_a, const Curves& b,
-                         const Array<int64_t>& key_b, Array<uint32_t>& found, Call& call);
+[[nodiscard]] hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& key_a, const Curves& b,
+                                       const Array<int64_t>& key_b, Array<uint32_t>& found, Call& call);
 
 } // namespace hmf

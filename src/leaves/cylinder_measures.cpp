@@ -1,5 +1,6 @@
 #include "cylinder_measures.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -45,7 +46,7 @@ hmf_status loops_on_coarsest(const hmf_hierarchy& h, size_t level, const Loops& 
     Array<uint32_t> order;
     State state;
     if (!number.allocate(call.memory, n) || !order.allocate_filled(call.memory, n, 0u)
-        || !state.allocate(h, level < coarsest ? level : coarsest, call.memory))
+        || !state.allocate(h, std::min(coarsest, level), call.memory))
         return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) number[c] = static_cast<int64_t>(c + 1) * step;
     state.load(level, Side::input);

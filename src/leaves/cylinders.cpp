@@ -5,7 +5,7 @@
 // a sum of integers, and it is the weight of the loop.
 #include "cylinders.hpp"
 
-#include "../loops/heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 namespace hmf {
 
@@ -48,17 +48,15 @@ hmf_status Cylinders::find_cylinders(Foliation& f, Call& call) {
 }
 
 // Where a path goes on that comes to a vertex along the twin of `back`: the
-// longest half-edge on the other side of its leaf.  NONE: there is none, or no memory.
-uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
+// longest half-edge on the other side of its leaf, NONE if there is none.
+Done Cylinders::half_edge_ahead(Foliation& f, uint32_t back, uint32_t& best) {
     const Mesh& mesh = f.mesh;
-    uint32_t best = NONE, closed_corners = 0;
+    uint32_t closed_corners = 0;
+    best = NONE;
     circle_.clear();
     uint32_t g = back;
     do {
-        if (!circle_.push(g)) {
-            f.out_of_memory = true;
-            return NONE;
-        }
+        if (!circle_.push(g)) return false;
         if (closed_corners == 1 && (best == NONE || f.at(g) > f.at(best))) best = g;
         const uint32_t ahead = mesh.rotate_ccw(g);
         if (f.at(ahead) > 0) {
@@ -66,15 +64,13 @@ uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
             g = ahead;
         } else g = twin(mesh.next[g]);
     } while (g != back && closed_corners < 2);
-    if (best != NONE) return best;
+    if (best != NONE) return true;
     // A closed leaf along zero edges: its other side is another circle.
     const auto ascending = [](uint32_t a, uint32_t b) { return a < b; };
     heap_sort(circle_.data(), circle_.size(), ascending);
-    explore_cluster(f, mesh.origin[back], NONE, NONE, NONE, 0, 0);
-    for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+    explore_cluster(f, mesh.origin[back]);
+    for (const uint32_t v : f.members)
+        for (const uint32_t h : mesh.around(v)) {
             if (f.at(h) > 0 && (best == NONE || f.at(h) > f.at(best))) {
                 size_t low = 0, high = circle_.size();
                 while (low < high) {
@@ -84,10 +80,8 @@ uint32_t Cylinders::half_edge_ahead(Foliation& f, uint32_t back) {
                 }
                 if (low == circle_.size() || circle_[low] != h) best = h;
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
-    }
-    return best;
+        }
+    return true;
 }
 
 hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found,
@@ -101,9 +95,8 @@ hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Pi
         if (path && !path->push({h, at, to, distance + 1})) return call.out_of_memory();
         distance += to - at;
         if (arrived) return HMF_OK;
-        h = half_edge_ahead(f, twin(h));
+        if (!half_edge_ahead(f, twin(h), h)) return call.out_of_memory();
         at = 0;
-        if (f.out_of_memory) return call.out_of_memory();
         if (h == NONE) break;
     }
     return call.fail(
@@ -152,7 +145,7 @@ bool closed_leaf(const Foliation& f, const Crossing& start, uint64_t limit, Arra
     return true;
 }
 
-bool Cylinders::find_vertices(const Foliation& f, Memory& memory) {
+Done Cylinders::find_vertices(const Foliation& f, Memory& memory) {
     const Mesh& mesh = f.mesh;
     // A vertex within a cylinder knows it from an edge with a mark, or from a neighbour.
     Array<uint32_t> queue;
@@ -163,20 +156,18 @@ bool Cylinders::find_vertices(const Foliation& f, Memory& memory) {
         const uint32_t v = mesh.origin[h];
         if (of_vertex_[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
         of_vertex_[v] = of_boundary[first.boundary];
-        queue.push(v); // within the reserve
+        queue.add(v);
     }
     for (size_t at = 0; at < queue.size(); ++at) {
-        const uint32_t v = queue[at], start = mesh.out[v];
-        uint32_t h = start;
-        do {
+        const uint32_t v = queue[at];
+        for (const uint32_t h : mesh.around(v)) {
             const uint32_t w = mesh.target(h);
             Mark first;
             if (of_vertex_[w] == NONE && !graph.mark_ahead(f, h, 0, first)) {
                 of_vertex_[w] = of_vertex_[v];
-                queue.push(w);
+                queue.add(w);
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != start);
+        }
     }
     return true;
 }

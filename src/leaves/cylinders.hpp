@@ -26,19 +26,19 @@ public:
     Array<uint32_t> of_boundary; // cylinder
     Array<Piece> pieces;
 
-    hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
+    [[nodiscard]] hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     // The same, where the zeros are known.
-    hmf_status build(Foliation& f, const ZeroList& known, Call& call);
+    [[nodiscard]] hmf_status build(Foliation& f, const ZeroList& known, Call& call);
 
     // The leaf at a height (half units above the lower critical leaves, odd),
     // where it crosses the path; it has the direction of the lower boundary leaf.
     Crossing leaf_at(const Foliation& f, uint32_t cylinder, int64_t height, uint64_t* piece = nullptr) const;
 
     // Which cylinder a leaf lies in, and how high (half units).
-    hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
+    [[nodiscard]] hmf_status locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call);
 
     // The cylinder of each vertex, NONE on critical leaves; for visit_parts.
-    bool find_vertices(const Foliation& f, Memory& memory);
+    Done find_vertices(const Foliation& f, Memory& memory);
 
     // visit(cylinder, from, to) for the parts of edge e between critical
     // leaves, along half-edge 2e in half units.
@@ -63,12 +63,12 @@ public:
     }
 
 private:
-    hmf_status find_cylinders(Foliation& f, Call& call);
+    [[nodiscard]] hmf_status find_cylinders(Foliation& f, Call& call);
     // Across the leaves from place `at` ahead on half-edge h to the first
     // boundary leaf; appends the way to `path` unless that is NULL.
-    hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found, int64_t& distance,
-                           Call& call);
-    uint32_t half_edge_ahead(Foliation& f, uint32_t back);
+    [[nodiscard]] hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found,
+                                         int64_t& distance, Call& call);
+    Done half_edge_ahead(Foliation& f, uint32_t back, uint32_t& best);
     Array<uint32_t> circle_, of_vertex_;
 };
 

@@ -4,6 +4,7 @@
 // branch points, which the tree does not see; prongs run from its centroid.
 #include "polyline.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -51,7 +52,7 @@ double surface_area(const Mesh& mesh, const double* position) {
 namespace {
 
 // Half a unit to the left; a vertex that is there already is not repeated.
-bool add_place(const Foliation& f, const Crossing& c, size_t first, Array<Crossing>& places) {
+Done add_place(const Foliation& f, const Crossing& c, size_t first, Array<Crossing>& places) {
     const Crossing place{c.half_edge, c.at + 1};
     const bool vertex = place.at == width(f, place.half_edge);
     if (vertex && places.size() > first) {
@@ -65,7 +66,7 @@ bool add_place(const Foliation& f, const Crossing& c, size_t first, Array<Crossi
 
 } // namespace
 
-bool arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places) {
+Done arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places) {
     const ArcSide& a = graph.arcs[arc];
     const size_t first = places.size();
     // The leaf passes the middle of a tripod before it comes to the crossing of its sector.
@@ -75,7 +76,7 @@ bool arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Ar
     return true;
 }
 
-bool closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places) {
+Done closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places) {
     const Boundary& b = graph.boundaries[boundary];
     const size_t first = places.size();
     for (uint64_t i = b.begin; i + 1 < b.end; ++i)
@@ -94,7 +95,7 @@ bool closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boun
 Lines::Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call) :
     f_(f), position_(position), unit_(unit), length_limit_(length_limit), call_(call) {}
 
-bool Lines::start() {
+Done Lines::start() {
     list.start(call_.memory);
     offsets.start(call_.memory);
     points.start(call_.memory);
@@ -102,23 +103,17 @@ bool Lines::start() {
     return offsets.push(0);
 }
 
-bool Lines::add(const double* point, uint32_t edge) {
+Done Lines::add(const double* point, uint32_t edge) {
     return points.push(point[0]) && points.push(point[1]) && points.push(point[2]) && edges.push(edge);
 }
 
-bool Lines::end_line(const hmf_line& line) { return list.push(line) && offsets.push(edges.size()); }
+Done Lines::end_line(const hmf_line& line) { return list.push(line) && offsets.push(edges.size()); }
 
 void Lines::reverse(size_t first) {
     for (size_t a = first, z = edges.size(); a + 1 < z; ++a) {
         --z;
-        for (size_t k = 0; k < 3; ++k) {
-            const double x = points[3 * a + k];
-            points[3 * a + k] = points[3 * z + k];
-            points[3 * z + k] = x;
-        }
-        const uint32_t e = edges[a];
-        edges[a] = edges[z];
-        edges[z] = e;
+        for (size_t k = 0; k < 3; ++k) std::swap(points[3 * a + k], points[3 * z + k]);
+        std::swap(edges[a], edges[z]);
     }
 }
 
@@ -198,14 +193,14 @@ hmf_status Lines::add_arcs(const CriticalGraph& graph) {
         double before[3], point[3];
         const Zero &from = graph.zeros[line.begin_zero], &to = graph.zeros[line.end_zero];
         bool any = false;
-        const auto append = [&](uint32_t edge) {
+        const auto append = [&](uint32_t edge) -> Done {
             if (any) line.length += distance(before, point);
             if (length_limit_ > 0 && line.length > length_limit_) return true;
             any = true;
             for (int k = 0; k < 3; ++k) before[k] = point[k];
             return add(point, edge);
         };
-        bool room = true;
+        Done room = true;
         if (from.tripod) {
             middle_of_tripod(f_, position_, from.element, point);
             room = append(NONE);
@@ -247,7 +242,7 @@ Crossing Lines::place_of_point(uint32_t h, const double* barycentric) const {
     if (corner == NONE) return {};
     const int64_t most = branch(f_, corner) - 1; // odd
     const int64_t at = best_at > 1 ? static_cast<int64_t>(best_at) | 1 : 1;
-    return {corner, at > most ? most : at};
+    return {corner, std::min(at, most)};
 }
 
 hmf_status Lines::add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number) {

@@ -19,10 +19,10 @@ double surface_area(const Mesh& mesh, const double* position);
 // The places of an arc, without the middle of a tripod: half a unit left of
 // its side.  A place of full width is the vertex that the half-edge ends at;
 // each comes once.  False: out of memory.
-bool arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places);
+Done arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places);
 
 // As above for a closed boundary leaf without zeros (genus 1), not repeating the first place.
-bool closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places);
+Done closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places);
 
 class Lines {
 public:
@@ -33,21 +33,21 @@ public:
     Array<double> points;    // 3 per point
     Array<uint32_t> edges;   // per point, NONE in the middle of a tripod
 
-    bool start();
-    hmf_status add_levels(Cylinders& cylinders, double spacing);
-    hmf_status add_arcs(const CriticalGraph& graph);
+    Done start();
+    [[nodiscard]] hmf_status add_levels(Cylinders& cylinders, double spacing);
+    [[nodiscard]] hmf_status add_arcs(const CriticalGraph& graph);
     // The leaf through the point with these barycentric coordinates for the
     // corners of a triangle, of which h is side 0.  cylinders: NULL if there are none.
-    hmf_status add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number);
+    [[nodiscard]] hmf_status add_point(Cylinders* cylinders, uint32_t h, const double* barycentric, uint32_t number);
 
     // A leaf through a place, until it closes or is too long.
-    hmf_status add_leaf(const Crossing& c, hmf_line line);
+    [[nodiscard]] hmf_status add_leaf(const Crossing& c, hmf_line line);
     // The place of a point, on the nearest leaf; NONE where the foliation is 0.
     Crossing place_of_point(uint32_t h, const double* barycentric) const;
     bool limited(double length) const { return length_limit_ > 0 && length > length_limit_; }
     double length_limit() const { return length_limit_; }
-    bool add(const double* point, uint32_t edge);
-    bool end_line(const hmf_line& line);
+    Done add(const double* point, uint32_t edge);
+    Done end_line(const hmf_line& line);
     void reverse(size_t first); // the points from first on
 
 private:

@@ -28,6 +28,7 @@
 #include "polyline.hpp"
 #include "quad_sizes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -101,7 +102,7 @@ struct Ruler {
         v.clear();
         points.clear();
     }
-    bool push(double value, const double* p) {
+    Done push(double value, const double* p) {
         return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]);
     }
     void point(double value, double* p) const {
@@ -254,7 +255,7 @@ private:
 
     bool tripod(uint32_t sector) const { return graph_.zeros[graph_.sectors[sector].zero].tripod; }
     uint32_t vertex_count() const { return static_cast<uint32_t>(out_.positions.size() / 3); }
-    bool add_vertex(const double* p) {
+    Done add_vertex(const double* p) {
         return out_.positions.push(p[0]) && out_.positions.push(p[1]) && out_.positions.push(p[2]);
     }
 
@@ -298,12 +299,18 @@ private:
             }
         }
         uint32_t next = 0;
-        for (uint32_t z = 0; z < n; ++z) // a zero joined to another lies behind it
-            zero_vertex_[z] = zero_vertex_[z] == z ? (leads_.push(z), next++) : zero_vertex_[zero_vertex_[z]];
-        return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
+        for (uint32_t z = 0; z < n; ++z) {
+            if (zero_vertex_[z] != z) {
+                zero_vertex_[z] = zero_vertex_[zero_vertex_[z]]; // which lies before it
+            } else {
+                if (!leads_.push(z)) return call_.out_of_memory();
+                zero_vertex_[z] = next++;
+            }
+        }
+        return HMF_OK;
     }
 
-    bool place_zeros() {
+    Done place_zeros() {
         for (uint32_t z : leads_) {
             double p[3];
             zero_point(z, p);
@@ -312,14 +319,14 @@ private:
         return true;
     }
 
-    bool push_crossing(uint64_t i) {
+    Done push_crossing(uint64_t i) {
         double p[3];
         point_at(f_, position_, {graph_.crossings[i].half_edge, graph_.crossings[i].at + 1}, p);
         return ruler_.push(v_[i], p);
     }
 
     // Points that divide an arc, seen from its first side.
-    bool place_arc(uint32_t a) {
+    Done place_arc(uint32_t a) {
         const ArcSide& arc = graph_.arcs[a];
         double p[3];
         ruler_.clear();
@@ -340,7 +347,7 @@ private:
     }
 
     // Without a zero: the closed leaf that counts as critical.
-    bool place_ring() {
+    Done place_ring() {
         const Boundary& b = graph_.boundaries[0];
         ruler_.clear();
         for (uint64_t i = b.begin; i < b.end; ++i)
@@ -353,7 +360,7 @@ private:
         return true;
     }
 
-    bool read_row(uint32_t boundary, Row& row) {
+    Done read_row(uint32_t boundary, Row& row) {
         row.vertex.clear();
         row.v.clear();
         const Boundary& b = graph_.boundaries[boundary];
@@ -381,7 +388,7 @@ private:
 
     // v along the path across a cylinder up to each piece, and at its end; the
     // place where it arrives on the upper boundary leaf.
-    bool read_path(const Cylinder& c) {
+    Done read_path(const Cylinder& c) {
         twist_.start(call_.memory);
         double v = 0;
         for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
@@ -417,7 +424,7 @@ private:
         int64_t height = static_cast<int64_t>(2 * static_cast<double>(c.height) * static_cast<double>(k)
                                               / static_cast<double>(rows_[cylinder]))
                        | 1;
-        if (height > most) height = most;
+        height = std::min(height, most);
         uint64_t piece = 0;
         const Crossing start = cylinders_.leaf_at(f_, cylinder, height, &piece);
         if (!call_.tick(0)) return call_.was_cancelled();

@@ -12,14 +12,14 @@ struct QuadMesh {
 
 // position: of the vertices of f.mesh; step: wished edge length in the flat
 // metric, in units of f.  Cylinders of the same f.
-hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step, QuadMesh& out,
-                      Call& call);
+[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, double step,
+                                    QuadMesh& out, Call& call);
 
 // Areas of the surface, in space and in the flat metric (squared units of f).
 struct FlatMetric {
     double area = 0, flat_area = 0;
 };
-hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,
-                       Call& call);
+[[nodiscard]] hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders,
+                                     FlatMetric& out, Call& call);
 
 } // namespace hmf

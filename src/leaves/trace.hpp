@@ -8,14 +8,14 @@ namespace hmf {
 
 // Of the foliation, whose cylinders are given.  side: half-edge of side 0 of
 // each triangle that points may lie in.
-hmf_status trace_leaves(const hmf_trace_options& all, const Array<uint32_t>& side, Cylinders& cylinders, Lines& made,
-                        Call& call);
+[[nodiscard]] hmf_status trace_leaves(const hmf_trace_options& all, const Array<uint32_t>& side, Cylinders& cylinders,
+                                      Lines& made, Call& call);
 
 // Of the conjugate.  flat: on the side of the caller, in units of `unit`.
 // levels: of the foliation, in the same; only read with spacing.  g: room for
 // |dv| on the mesh of that side, which the lines are made on.
-hmf_status trace_conjugate(Foliation& g, const double* position, const FlatSurface& flat, double unit,
-                           const hmf_trace_options& all, const Array<uint32_t>& side, const ConjugateLevels& levels,
-                           Lines& made, Call& call);
+[[nodiscard]] hmf_status trace_conjugate(Foliation& g, const double* position, const FlatSurface& flat, double unit,
+                                         const hmf_trace_options& all, const Array<uint32_t>& side,
+                                         const ConjugateLevels& levels, Lines& made, Call& call);
 
 } // namespace hmf

@@ -12,7 +12,7 @@ constexpr uint32_t TURNS = 4, FIRST_TURN = 1;
 } // namespace
 
 // The region on the left of the place: two places, or three in the middle of a triangle.
-bool Annulus::add_copy(Place entry, double distance) {
+Done Annulus::add_copy(Place entry, double distance) {
     const uint32_t h = entry.half_edge, k = mesh_.next[h], l = mesh_.next[k];
     const uint64_t n = count(h), m = count(k), q = count(l);
     const uint32_t at_origin = static_cast<uint32_t>((n + q - m) / 2),
@@ -37,7 +37,7 @@ bool Annulus::add_copy(Place entry, double distance) {
     return copies_.push(copy);
 }
 
-bool Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) {
+Done Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) {
     return border_.push({link, before, after});
 }
 

@@ -76,8 +76,8 @@ private:
     }
     uint32_t count(uint32_t h) const { return (*count_)[edge_of(h)]; }
     Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
-    bool add_copy(Place entry, double distance);
-    bool push_border(uint32_t link, uint32_t before, uint32_t after);
+    Done add_copy(Place entry, double distance);
+    Done push_border(uint32_t link, uint32_t before, uint32_t after);
     bool build_strip(const Array<Place>& loop);
     bool grow(size_t capacity);
     void close_up(uint32_t a);

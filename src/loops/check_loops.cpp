@@ -14,7 +14,7 @@
 #include "../base/disjoint_sets.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 namespace hmf {
 

@@ -33,7 +33,7 @@ ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call) :
 ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
     hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call) {}
 
-bool ClassLengths::start() {
+Done ClassLengths::start() {
     Memory& memory = call_.memory;
     started_ = true;
     classes_.start(memory);
@@ -90,7 +90,7 @@ void ClassLengths::measure_extent() {
     extent_ = highest > lowest_ ? highest - lowest_ : 1;
 }
 
-bool ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
+Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
     uint64_t marks = 0;
     if (!mark_word_.empty())
         for (size_t i = 0; i < n; ++i) marks ^= mark_word_[edge_of(crossings[i])];
@@ -111,7 +111,7 @@ bool ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
     return true;
 }
 
-bool ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
+Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
                         size_t n, Stage stage, Class& c) {
     const size_t rounds = stage == Stage::found ? COARSE_ROUNDS : FINE_ROUNDS;
     loop_.clear();
@@ -144,7 +144,7 @@ bool ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     return true;
 }
 
-bool ClassLengths::grow_table() {
+Done ClassLengths::grow_table() {
     Array<uint32_t> table;
     if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
     for (uint32_t id = 0; id < classes_.size(); ++id) {
@@ -156,7 +156,7 @@ bool ClassLengths::grow_table() {
     return true;
 }
 
-bool ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
+Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     if (!started_ && !start()) return false;
     Class made{};
     if (!key_of(crossings, n, made.key)) return false;
@@ -205,7 +205,7 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     return best;
 }
 
-bool ClassLengths::measure(bool& changed) {
+Done ClassLengths::measure(bool& changed) {
     changed = false;
     for (int stage = 0; stage < 2; ++stage)
         if (!measure_stage(stage == 0 ? Stage::found : Stage::measured, changed)) return false;
@@ -213,7 +213,7 @@ bool ClassLengths::measure(bool& changed) {
 }
 
 // Those that are at a stage, for the next one.
-bool ClassLengths::measure_stage(Stage stage, bool& changed) {
+Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     const size_t finest = stage == Stage::found ? level_ : 0;
     const Stage reached = finest == 0 ? Stage::done : Stage::measured;
     Loops loops;

@@ -30,7 +30,7 @@ public:
 
     // The number of a loop's class, with others for strips of the class that lie elsewhere.
     // False: out of memory or cancelled.
-    bool add(const uint32_t* crossings, size_t n, uint32_t& id);
+    Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Which of these is the shortest, as far as is known.  Those that may be
     // shorter once they are measured are noted.  n > 0.
@@ -38,7 +38,7 @@ public:
     double length(uint32_t id) const { return classes_[id].length; }
 
     // Measures what is noted; changed: there was any.  False: out of memory or cancelled.
-    bool measure(bool& changed);
+    Done measure(bool& changed);
 
 private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
@@ -50,13 +50,13 @@ private:
         Stage stage;
         bool wanted;
     };
-    bool start();
+    Done start();
     void measure_extent();
-    bool measure_stage(Stage stage, bool& changed);
-    bool key_of(const uint32_t* crossings, size_t n, uint64_t& key);
-    bool pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
+    Done measure_stage(Stage stage, bool& changed);
+    Done key_of(const uint32_t* crossings, size_t n, uint64_t& key);
+    Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
               Stage stage, Class& c);
-    bool grow_table();
+    Done grow_table();
 
     const hmf_hierarchy* hierarchy_;
     const Mesh& mesh_;

@@ -45,11 +45,11 @@ double ClosedGeodesic::edge_length(uint32_t edge) const {
 //         |  \      |               corner of its triangle is an end of the next
 //         h     \   |               portal.
 //        right ----- (or next right)
-bool ClosedGeodesic::unfold(const uint32_t* loop, size_t n, size_t portals) {
+Done ClosedGeodesic::unfold(const uint32_t* loop, size_t n, size_t portals) {
     portal_.clear();
     if (!portal_.reserve(portals)) return false;
     Portal at = {{0, edge_length(edge_of(loop[0]))}, {0, 0}};
-    portal_.push(at);
+    portal_.add(at);
     for (size_t i = 0, k = 0; i + 1 < portals; ++i) {
         const uint32_t t = twin(loop[k]);
         if (++k == n) k = 0;
@@ -63,13 +63,13 @@ bool ClosedGeodesic::unfold(const uint32_t* loop, size_t n, size_t portals) {
             apex.y += along * dy - ahead * dx;
         }
         (loop[k] == mesh_.next[t] ? at.left : at.right) = apex;
-        portal_.push(at);
+        portal_.add(at);
     }
     return true;
 }
 
 // The shortest way through the portals first .. last - 1; bend_ has its corners.
-bool ClosedGeodesic::pull(Point from, size_t first, Point to, size_t last) {
+Done ClosedGeodesic::pull(Point from, size_t first, Point to, size_t last) {
     const auto turn = [](Point a, Point b, Point c) { // > 0: c lies on the left of a -> b
         return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     };
@@ -118,7 +118,7 @@ double ClosedGeodesic::pulled_length(Point from, Point to) const {
 
 // Through three periods of the strip; a bend of the one in the middle is a
 // point of the closed curve, or close to it.
-bool ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
+Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
     if (!unfold(loop, n, 3 * n + 1)) return false;
     const auto middle = [&](size_t i) {
         return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
@@ -232,7 +232,7 @@ bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend
 }
 
 // All bends of the period in the middle that gain, as long as their crossings differ.
-bool ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
+Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
     changed = false;
     detour_.clear();
     if (!detours_at_.allocate_filled(call_.memory, n, NONE)) return false;
@@ -271,7 +271,7 @@ bool ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
     return true;
 }
 
-bool ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length) {
+Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length) {
     double before = HUGE_VAL;
     for (size_t round = 0; round < rounds; ++round) {
         if (!call_.tick(0, true)) return false;

@@ -31,12 +31,12 @@ public:
 
     // Replaces the loop; its length.  At most `rounds` times step 2.
     // False: out of memory or cancelled.
-    bool straighten(Array<uint32_t>& loop, size_t rounds, double& length);
+    Done straighten(Array<uint32_t>& loop, size_t rounds, double& length);
 
     double scale() const { return scale_; }
 
     // Of the shortest curve within the strip, as it is.
-    bool length_in_strip(const uint32_t* loop, size_t n, double& length);
+    Done length_in_strip(const uint32_t* loop, size_t n, double& length);
 
 private:
     struct Point {
@@ -47,10 +47,10 @@ private:
     };
 
     double edge_length(uint32_t edge) const;
-    bool unfold(const uint32_t* loop, size_t n, size_t portals);
-    bool pull(Point from, size_t first, Point to, size_t last);
+    Done unfold(const uint32_t* loop, size_t n, size_t portals);
+    Done pull(Point from, size_t first, Point to, size_t last);
     bool shorter_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count);
-    bool go_round(const uint32_t* loop, size_t n, bool& changed);
+    Done go_round(const uint32_t* loop, size_t n, bool& changed);
     double pulled_length(Point from, Point to) const;
 
     const Mesh& mesh_;

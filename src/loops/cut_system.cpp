@@ -19,7 +19,7 @@
 #include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 #include "loop_search.hpp"
 
 #include <cmath>
@@ -127,7 +127,7 @@ private:
     }
 
     // Of the candidates the one with the shortest class.
-    bool choose() {
+    Done choose() {
         heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
             return a.length < b.length || (a.length == b.length && a.first < b.first);
         });
@@ -147,7 +147,7 @@ private:
     }
 
     // Keeps the first k loops, and takes the next one as it is chosen now.
-    bool go_back(uint32_t k, uint32_t fixed) {
+    Done go_back(uint32_t k, uint32_t fixed) {
         while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
         while (ids_.size() > choice_.back().end) {
             ids_.pop();
@@ -171,7 +171,7 @@ private:
     }
     hmf_status stopped() { return call_.cancelled() ? cancelled() : call_.out_of_memory(); }
 
-    bool add(const uint32_t* loop, size_t n) {
+    Done add(const uint32_t* loop, size_t n) {
         for (size_t i = 0; i < n; ++i)
             if (!out_->crossings.push(loop[i])) return false;
         return out_->offsets.push(out_->crossings.size()) && curves_.add(loop, n);
@@ -252,7 +252,7 @@ private:
     bool all_roots() {
         roots_.start(memory_);
         if (!roots_.reserve(cut_.region_count)) return false;
-        for (uint32_t r = 0; r < cut_.region_count; ++r) roots_.push({0, r});
+        for (uint32_t r = 0; r < cut_.region_count; ++r) roots_.add({0, r});
         return true;
     }
 
@@ -295,7 +295,7 @@ private:
 
     // complete: as far as the bounds allowed, each root was searched.  False: out
     // of memory or cancelled.
-    bool search_roots(double allowed, bool& complete) {
+    Done search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= ROOTS * best_
@@ -312,7 +312,7 @@ private:
     }
 
     // The short loops through a region are candidates.  False: out of memory or cancelled.
-    bool look_from(uint32_t root) {
+    Done look_from(uint32_t root) {
         if (!search_.search(root, SLACK * best_)) return false;
         for (size_t i = 0; i < search_.count(); ++i) {
             if (!search_.strip(i, try_)) return false;
@@ -336,7 +336,7 @@ private:
     }
 
     // The same strip is found from many roots.
-    bool offer(double total) {
+    Done offer(double total) {
         for (const Candidate& c : candidates_) {
             if (c.length != total || c.size != try_.size()) continue;
             size_t k = 0;

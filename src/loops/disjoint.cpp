@@ -3,7 +3,7 @@
 // multicurve that has them, and compare: its components must be the loops.
 #include "disjoint.hpp"
 
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 namespace hmf {
 

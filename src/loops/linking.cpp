@@ -19,7 +19,7 @@
 #include "linking.hpp"
 
 #include "disjoint.hpp"
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 
 #include <cmath>
 

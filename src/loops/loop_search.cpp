@@ -53,7 +53,7 @@ uint32_t LoopSearch::find_state(uint32_t region, uint64_t label, bool make) {
     return made;
 }
 
-bool LoopSearch::search(uint32_t root, double limit) {
+Done LoopSearch::search(uint32_t root, double limit) {
     ++epoch_;
     heap_.clear();
     order_.clear();
@@ -62,7 +62,7 @@ bool LoopSearch::search(uint32_t root, double limit) {
     starved_here_ = false;
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
-    heap_.push({0, start}); // within the reserve: at most one for each link
+    heap_.add({0, start}); // at most one for each link
     closings_.clear();
     double shortest = limit, reach = limit; // of what is found, and of what is looked for
     while (!heap_.empty()) {
@@ -71,7 +71,7 @@ bool LoopSearch::search(uint32_t root, double limit) {
         if (settled(s)) continue;
         if (2 * entry.distance >= reach) break;
         state_[s].stamp = 2 * epoch_ + 1;
-        order_.push(s); // within the reserve
+        order_.add(s);
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
         const Arc* const arcs = &arc_[3 * size_t{state_[s].region}];
         const uint64_t label = edge_label_ ? covered_[s].label : 0, signature_here = state_[s].signature;
@@ -92,7 +92,7 @@ bool LoopSearch::search(uint32_t root, double limit) {
                 state.signature = signature;
                 state.before = s;
                 state.through = arc.half_segment;
-                heap_.push({d, to});
+                heap_.add({d, to});
             } else if (signature != state.signature && d + state.distance < reach) {
                 const double length = d + state.distance;
                 if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
@@ -113,7 +113,7 @@ bool LoopSearch::search(uint32_t root, double limit) {
 }
 
 // The shortest for each signature, sorted by length; MOST_LOOPS of them.
-bool LoopSearch::keep(const Closing& closing) {
+Done LoopSearch::keep(const Closing& closing) {
     size_t i = 0;
     while (i < closings_.size() && closings_[i].signature != closing.signature) ++i;
     if (i < closings_.size()) {
@@ -130,7 +130,7 @@ bool LoopSearch::keep(const Closing& closing) {
 // The cycle of a link in the search tree:  root ---- o===state
 //                                                     \\  | closing
 //                                                       `=to
-bool LoopSearch::strip(size_t i, Array<uint32_t>& found) {
+Done LoopSearch::strip(size_t i, Array<uint32_t>& found) {
     const uint32_t closing = closings_[i].link, state = closings_[i].from, to = closings_[i].to;
     ++epoch_; // marks the way from the state to the root
     for (uint32_t at = state; at != NONE; at = state_[at].before) state_[at].stamp = 2 * epoch_;

@@ -38,10 +38,10 @@ public:
     // Looks for loops through the root that are shorter than `limit`, with the
     // way from the root to them and back, and gets bounds.  False: out of memory
     // or cancelled.
-    bool search(uint32_t root, double limit);
+    Done search(uint32_t root, double limit);
     // The loops found, shortest first: cycles of half-segments, not longer.
     size_t count() const { return closings_.size(); }
-    bool strip(size_t i, Array<uint32_t>& found);
+    Done strip(size_t i, Array<uint32_t>& found);
 
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
     // Of the nearest root of a search since prepare: its loops are like those through the region.
@@ -75,7 +75,7 @@ private:
         uint32_t place; // in table_
     };
 
-    bool keep(const Closing& closing);
+    Done keep(const Closing& closing);
     uint32_t find_state(uint32_t region, uint64_t label, bool make);
     uint64_t label_after(uint64_t label, uint32_t half_segment) const {
         const uint64_t add = edge_label_[cut_.segment_edge[half_segment >> 1]];

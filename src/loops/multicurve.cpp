@@ -67,7 +67,7 @@ bool Multicurve::trace(const Mesh& mesh, Memory& memory) {
                 uint32_t& mark = strand[first[e] + (h & 1u ? n - 1 - p : p)];
                 if (mark != NONE) break;
                 mark = 2 * component + (h & 1u);
-                components.crossings.push(h); // within the reserve
+                components.crossings.add(h);
                 step(mesh, h, p);
             }
             if (!components.offsets.push(components.crossings.size())) return false;

@@ -79,7 +79,7 @@ private:
         return true;
     }
 
-    bool add_seed(uint32_t side, uint32_t crossing, uint32_t region, bool& counted) {
+    Done add_seed(uint32_t side, uint32_t crossing, uint32_t region, bool& counted) {
         if (!counted) ++holes_[find_root(piece_.data(), region)];
         counted = true;
         if (marks_only_ && side < 2 * curves_.components.count()) return true;
@@ -199,7 +199,7 @@ private:
     }
 
     // Once along the loop or round the marked vertex of a seed, with it on the right.
-    bool go_round(Array<uint32_t>& walk, uint32_t seed) const {
+    Done go_round(Array<uint32_t>& walk, uint32_t seed) const {
         if (seeds_[seed].side >= 2 * curves_.components.count()) {
             const uint32_t first_out = seeds_[seed].crossing;
             uint32_t h = first_out;
@@ -219,7 +219,7 @@ private:
         return true;
     }
 
-    bool join() {
+    Done join() {
         Array<uint32_t> walk, way;
         walk.start(memory_);
         way.start(memory_);

@@ -10,13 +10,13 @@ namespace hmf {
 
 namespace {
 
-bool append(Loops& to, const uint32_t* crossings, size_t n) {
+Done append(Loops& to, const uint32_t* crossings, size_t n) {
     for (size_t i = 0; i < n; ++i)
         if (!to.crossings.push(crossings[i])) return false;
     return to.offsets.push(to.crossings.size());
 }
 
-bool append(Loops& to, const Loops& from, size_t first, size_t last) {
+Done append(Loops& to, const Loops& from, size_t first, size_t last) {
     for (size_t c = first; c < last; ++c)
         if (!append(to, from.crossings.data() + from.offsets[c],
                     static_cast<size_t>(from.offsets[c + 1] - from.offsets[c])))
@@ -24,7 +24,7 @@ bool append(Loops& to, const Loops& from, size_t first, size_t last) {
     return true;
 }
 
-bool start(Loops& loops, Memory& memory) {
+Done start(Loops& loops, Memory& memory) {
     loops.offsets.start(memory);
     loops.crossings.start(memory);
     return loops.offsets.push(0);

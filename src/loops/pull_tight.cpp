@@ -21,7 +21,7 @@
 // essential, so the fingers are found at closed corners: opposite to an edge
 // that is crossed more than once.
 #include "../foliation/foliation.hpp"
-#include "heap_sort.hpp"
+#include "../base/heap_sort.hpp"
 #include "loops.hpp"
 
 namespace hmf {
@@ -35,12 +35,10 @@ public:
 
     hmf_status run() {
         if (!weight_.allocate_filled(memory_, loops_.count(), int64_t{2}) || !value_.allocate(memory_, mesh_.edge_count)
-            || !stamp_.allocate_filled(memory_, mesh_.vertex_count, 0u))
+            || !foliation_.allocate_scratch(mesh_.vertex_count, memory_))
             return call_.out_of_memory();
         foliation_.mesh = mesh_;
         foliation_.value = value_.data();
-        foliation_.stamp = stamp_.data();
-        foliation_.members.start(memory_);
         poles_.start(memory_);
         finger_.start(memory_);
         loop_.start(memory_);
@@ -64,7 +62,7 @@ public:
 
 private:
     // The lowest vertices of clusters with positive index.
-    bool find_poles() {
+    Done find_poles() {
         poles_.clear();
         const uint32_t before = foliation_.epoch;
         for (const uint32_t crossing : loops_.crossings) {
@@ -73,10 +71,9 @@ private:
             for (const uint32_t h : both) {
                 const uint32_t g = mesh_.prev(h), v = mesh_.origin[g];
                 if (foliation_.at(g) == 0 || foliation_.at(mesh_.next[h]) == 0 || foliation_.corner2(g) != 0
-                    || stamp_[v] > before)
+                    || foliation_.stamp[v] > before)
                     continue;
-                const Cluster cluster = explore_cluster(foliation_, v, NONE, NONE, NONE, 2, 0);
-                if (foliation_.out_of_memory) return false;
+                const Cluster cluster = explore_cluster(foliation_, v, ClusterSearch().up_to_corners(2));
                 if (!cluster.is_pole()) continue;
                 uint32_t lowest = v;
                 for (const uint32_t u : foliation_.members) lowest = u < lowest ? u : lowest;
@@ -89,9 +86,8 @@ private:
 
     // The half-edges that leave the cluster of v, counter-clockwise from the
     // closed corner, turned round: as the innermost loop crosses them.
-    bool trace_finger(uint32_t v) {
-        explore_cluster(foliation_, v, NONE, NONE, NONE, 0, 0);
-        if (foliation_.out_of_memory) return false;
+    Done trace_finger(uint32_t v) {
+        explore_cluster(foliation_, v);
         finger_.clear();
         uint32_t first = NONE;
         for (const uint32_t u : foliation_.members) {
@@ -169,7 +165,7 @@ private:
     Memory& memory_;
     Foliation foliation_;
     Array<int64_t> weight_, value_;
-    Array<uint32_t> stamp_, poles_, finger_, loop_;
+    Array<uint32_t> poles_, finger_, loop_;
 };
 
 } // namespace

@@ -36,12 +36,10 @@ const char* check(const Mesh& mesh) {
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         const uint32_t first = mesh.out[v];
         if (first >= sides || mesh.origin[first] != v) return "out does not start at its vertex";
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v)) {
             if (mesh.origin[h] != v) return "a fan contains a half-edge of another vertex";
-            h = mesh.rotate_ccw(h);
-            ++reached;
-        } while (h != first && reached <= sides);
+            if (++reached > sides) break;
+        }
     }
     if (reached != sides) return "a vertex has several fans";
     return nullptr;

@@ -36,22 +36,10 @@ bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks) {
     const uint32_t jk = mesh.next[h], il = mesh.next[twin(h)];
     const uint32_t i = mesh.origin[h], j = mesh.origin[jk], k = mesh.target(jk), l = mesh.target(il);
     if (i == j || k == l) return false;
-    uint32_t g = h;
-    do {
-        marks[mesh.target(g)] = 1;
-        g = mesh.rotate_cw(g);
-    } while (g != h);
     uint32_t shared = 0;
-    g = jk;
-    do {
-        shared += marks[mesh.target(g)];
-        g = mesh.rotate_cw(g);
-    } while (g != jk);
-    g = h;
-    do {
-        marks[mesh.target(g)] = 0;
-        g = mesh.rotate_cw(g);
-    } while (g != h);
+    for (const uint32_t g : mesh.clockwise_from(h)) marks[mesh.target(g)] = 1;
+    for (const uint32_t g : mesh.clockwise_from(jk)) shared += marks[mesh.target(g)];
+    for (const uint32_t g : mesh.clockwise_from(h)) marks[mesh.target(g)] = 0;
     return shared == 2;
 }
 

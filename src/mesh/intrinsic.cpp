@@ -21,6 +21,7 @@
 #include "weights.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace hmf {
 
@@ -96,21 +97,9 @@ bool flip_if_needed(Mesh& mesh, Metric& metric, const double* sum, uint32_t edge
 
 // Four times the area, by the formula that does not cancel [Kahan 2000].
 double four_areas(double a, double b, double c) {
-    if (a < b) {
-        const double x = a;
-        a = b;
-        b = x;
-    }
-    if (b < c) {
-        const double x = b;
-        b = c;
-        c = x;
-    }
-    if (a < b) {
-        const double x = a;
-        a = b;
-        b = x;
-    }
+    if (a < b) std::swap(a, b);
+    if (b < c) std::swap(b, c);
+    if (a < b) std::swap(a, b);
     return std::sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)));
 }
 
@@ -128,7 +117,7 @@ void add_cotangents(const uint32_t* half_edges, const double* length, double fou
 
 } // namespace
 
-bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
+Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
              Metric& metric, double* sum) {
     if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count))
         return false;

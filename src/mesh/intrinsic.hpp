@@ -23,9 +23,8 @@ struct Metric {
 // The metric of positions (3 per vertex), times scale: a power of two that makes
 // their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
 // the two angles opposite to each edge, added.  sides: the half-edges of each
-// face in 4 words, the last one unused; NULL if they are not at hand.  false:
-// out of memory.
-bool measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
+// face in 4 words, the last one unused; NULL if they are not at hand.
+Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
              Metric& metric, double* sum);
 
 // All edges get longer by the least amount that keeps every triangle
@@ -39,8 +38,8 @@ bool is_delaunay(const Mesh& mesh, const double* sum);
 // Flips until every edge is Delaunay, and counts; metric and sum follow.  Two
 // vertices may get several edges, a vertex edges to itself.  Writes the first
 // `capacity` of the flipped edges.  The same input gives the same sequence.
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
-                              size_t& flip_count, Call& call, double from, double to);
+[[nodiscard]] hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
+                                            size_t& flip_count, Call& call, double from, double to);
 
 // From sums of cotangents to weights, in place: raised to the floor and cut at
 // the cap.  Returns the number of weights that were negative beyond rounding.

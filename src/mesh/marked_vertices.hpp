@@ -9,7 +9,7 @@ namespace hmf {
 // order_vertices left them: marked vertices first, all else in the old order.
 // marked: `count` of the caller's vertices.  Refuses vertices that do not exist
 // or come twice.
-hmf_status put_marked_first(const uint32_t* marked, uint64_t count, size_t vertex_count, uint32_t* vertex_internal,
-                            double* position, Call& call);
+[[nodiscard]] hmf_status put_marked_first(const uint32_t* marked, uint64_t count, size_t vertex_count,
+                                          uint32_t* vertex_internal, double* position, Call& call);
 
 } // namespace hmf

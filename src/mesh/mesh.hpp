@@ -23,6 +23,40 @@ constexpr uint32_t NONE = 0xffffffffu;
 inline uint32_t twin(uint32_t h) { return h ^ 1u; }
 inline uint32_t edge_of(uint32_t h) { return h >> 1; }
 
+// The half-edges that start at one vertex, once round:
+//
+//     for (const uint32_t h : mesh.around(v)) ...
+//
+// The connectivity must not change meanwhile.
+template <bool clockwise>
+class OneRing {
+public:
+    OneRing(const uint32_t* next, uint32_t first) : next_(next), first_(first) {}
+    struct End {};
+    class Iterator {
+    public:
+        Iterator(const uint32_t* next, uint32_t first) : next_(next), first_(first), h_(first) {}
+        uint32_t operator*() const { return h_; }
+        Iterator& operator++() {
+            h_ = clockwise ? next_[twin(h_)] : twin(next_[next_[h_]]);
+            moved_ = true;
+            return *this;
+        }
+        bool operator!=(End) const { return h_ != first_ || !moved_; }
+
+    private:
+        const uint32_t* next_;
+        uint32_t first_, h_;
+        bool moved_ = false;
+    };
+    Iterator begin() const { return {next_, first_}; }
+    End end() const { return {}; }
+
+private:
+    const uint32_t* next_;
+    uint32_t first_;
+};
+
 // Arrays of a mesh, owned elsewhere.
 struct Mesh {
     uint32_t vertex_count = 0, edge_count = 0, face_count = 0;
@@ -39,6 +73,15 @@ struct Mesh {
     // The next half-edge out of origin(h), counter-clockwise and clockwise.
     uint32_t rotate_ccw(uint32_t h) const { return twin(prev(h)); }
     uint32_t rotate_cw(uint32_t h) const { return next[twin(h)]; }
+    // All of them, counter-clockwise from out[v], from h, and clockwise from h.
+    OneRing<false> around(uint32_t v) const { return {next, out[v]}; }
+    OneRing<false> around_from(uint32_t h) const { return {next, h}; }
+    OneRing<true> clockwise_from(uint32_t h) const { return {next, h}; }
+    uint32_t degree(uint32_t v) const {
+        uint32_t count = 0;
+        for (const uint32_t h : around(v)) count += h != NONE;
+        return count;
+    }
 };
 
 // What a collapse removed and where to put it back (hmf/src/mesh/collapse.cpp).

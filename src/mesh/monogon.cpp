@@ -34,7 +34,7 @@ struct Piece {
 
 } // namespace
 
-bool Monogons::find(const Mesh& mesh, Memory& memory) {
+Done Monogons::find(const Mesh& mesh, Memory& memory) {
     bool any = false;
     for (uint32_t e = 0; e < mesh.edge_count && !any; ++e) any = joins_itself(mesh, e);
     if (!any) return true;

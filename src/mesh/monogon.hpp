@@ -17,7 +17,7 @@ struct Monogons {
     static constexpr uint8_t HOST = 2;      // a monogon hangs on it, and it is not inside of another
     static constexpr uint8_t SELF_EDGE = 4; // has an edge to itself that bounds no disk, and is not inside
 
-    bool find(const Mesh& mesh, Memory& memory); // false: out of memory
+    Done find(const Mesh& mesh, Memory& memory);
 };
 
 } // namespace hmf

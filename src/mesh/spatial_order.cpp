@@ -15,6 +15,8 @@
 
 #include "../base/prefetch.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -38,8 +40,8 @@ hmf_status find_bounds(const double* positions, size_t vertex_count, size_t stri
                     HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
                     "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
                     static_cast<unsigned long long>(v));
-            bounds.low[c] = x[c] < bounds.low[c] ? x[c] : bounds.low[c];
-            bounds.high[c] = x[c] > bounds.high[c] ? x[c] : bounds.high[c];
+            bounds.low[c] = std::min(bounds.low[c], x[c]);
+            bounds.high[c] = std::max(bounds.high[c], x[c]);
         }
     }
     return HMF_OK;
@@ -49,7 +51,7 @@ double working_scale(const Bounds& bounds) {
     double largest = 0, scale = 1;
     for (int c = 0; c < 3; ++c) {
         if (-bounds.low[c] > largest) largest = -bounds.low[c];
-        if (bounds.high[c] > largest) largest = bounds.high[c];
+        largest = std::max(largest, bounds.high[c]);
     }
     if (largest > 1e-30 && largest < 1e30) return 1;
     for (int n = 0; n < 1000 && largest * scale > 1; ++n) scale *= 0.5;
@@ -76,7 +78,7 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
     double extent = 0;
     for (int c = 0; c < 3; ++c) {
         const double size = scale * bounds.high[c] - scale * bounds.low[c];
-        if (size > extent) extent = size;
+        extent = std::max(extent, size);
     }
     const double cells = extent > 1e-200 ? (DIGIT_SIZE - 1) / extent : 0;
 
@@ -123,8 +125,8 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
         return call.out_of_memory();
     constexpr size_t ahead = 16;
     const auto lowest = [](const uint32_t* v) {
-        const uint32_t low = v[0] < v[1] ? v[0] : v[1];
-        return low < v[2] ? low : v[2];
+        const uint32_t low = std::min(v[1], v[0]);
+        return std::min(v[2], low);
     };
     for (size_t t = 0; t < triangle_count; ++t) {
         if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))

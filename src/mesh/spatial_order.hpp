@@ -23,13 +23,14 @@ struct OrderedTriangles {
 // (3 * vertex_count, internal order, times scale).  scale is a power of two
 // that brings coordinates to a size whose fourth power is harmless; 1 for all
 // reasonable units.  Refuses coordinates that are not finite.
-hmf_status order_vertices(const double* positions, size_t vertex_count, size_t position_stride,
-                          uint32_t* vertex_internal, double* position, double& scale, Call& call);
+[[nodiscard]] hmf_status order_vertices(const double* positions, size_t vertex_count, size_t position_stride,
+                                        uint32_t* vertex_internal, double* position, double& scale, Call& call);
 
 // Refuses indices out of range and triangles with a repeated vertex.  sides has
 // 3 words for each of the caller's triangles; the first one becomes its place
 // in the order.
-hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal,
-                           size_t vertex_count, uint32_t* sides, OrderedTriangles& out, Call& call);
+[[nodiscard]] hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count,
+                                         const uint32_t* vertex_internal, size_t vertex_count, uint32_t* sides,
+                                         OrderedTriangles& out, Call& call);
 
 } // namespace hmf

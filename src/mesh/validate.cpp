@@ -14,6 +14,8 @@
 #include "../base/disjoint_sets.hpp"
 #include "../base/prefetch.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -41,7 +43,7 @@ bool has_area(const double* a, const double* b, const double* c) {
         const double sides[3] = {u[n], v[n], c[n] - b[n]};
         for (const double side : sides) {
             const double size = side < 0 ? -side : side;
-            largest = size > largest ? size : largest;
+            largest = std::max(largest, size);
         }
     }
     if (!(largest > 0)) return false;
@@ -59,7 +61,7 @@ bool has_area(const double* a, const double* b, const double* c) {
 // A side is a place in OrderedTriangles::words: 4 * face + corner.
 uint32_t side_after(uint32_t side) { return side % 4 == 2 ? side - 2 : side + 1; }
 
-struct Side {
+struct FaceSide {
     uint32_t high; // its higher vertex
     uint32_t place;
 };
@@ -96,18 +98,18 @@ struct Pairs {
 // Messages about one triangle or bucket.
 class Report {
 public:
-    Report(const OrderedTriangles& ordered, const Origin& origin, Call& call) :
-        ordered_(ordered), origin_(origin), call_(call) {}
+    Report(const OrderedTriangles& ordered, const CallerMesh& caller, Call& call) :
+        ordered_(ordered), caller_(caller), call_(call) {}
 
     // The third triangle at the edge, by the caller's numbers.
-    hmf_status third(const Side* bucket, uint32_t size, uint32_t high) const {
-        const Side* lowest[3] = {nullptr, nullptr, nullptr};
+    hmf_status third(const FaceSide* bucket, uint32_t size, uint32_t high) const {
+        const FaceSide* lowest[3] = {nullptr, nullptr, nullptr};
         for (uint32_t n = 0; n < size; ++n) {
             if (bucket[n].high != high) continue;
-            const Side* here = &bucket[n];
-            for (const Side*& place : lowest)
+            const FaceSide* here = &bucket[n];
+            for (const FaceSide*& place : lowest)
                 if (here && (!place || number(here->place) < number(place->place))) {
-                    const Side* moved = place;
+                    const FaceSide* moved = place;
                     place = here;
                     here = moved;
                 }
@@ -119,7 +121,7 @@ public:
             number(lowest[2]->place), from(lowest[2]->place), to(lowest[2]->place));
     }
     hmf_status flat(uint32_t triangle) const {
-        const uint32_t* corner = origin_.triangles + size_t{3} * triangle;
+        const uint32_t* corner = caller_.triangles + size_t{3} * triangle;
         return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_TRIANGLE, triangle,
                           "Triangle %u (%u, %u, %u) has no area. Move a corner, collapse its shortest edge, or set "
                           "mollify in the build options.",
@@ -142,11 +144,11 @@ public:
 
 private:
     uint32_t number(uint32_t side) const { return ordered_.number(side / 4); }
-    uint32_t from(uint32_t side) const { return origin_.triangles[size_t{3} * number(side) + side % 4]; }
-    uint32_t to(uint32_t side) const { return origin_.triangles[size_t{3} * number(side) + side_after(side) % 4]; }
+    uint32_t from(uint32_t side) const { return caller_.triangles[size_t{3} * number(side) + side % 4]; }
+    uint32_t to(uint32_t side) const { return caller_.triangles[size_t{3} * number(side) + side_after(side) % 4]; }
 
     const OrderedTriangles& ordered_;
-    const Origin& origin_;
+    const CallerMesh& caller_;
     Call& call_;
 };
 
@@ -174,26 +176,26 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
     return HMF_OK;
 }
 
-hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const Origin& origin, Mesh& mesh,
+hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const CallerMesh& caller, Mesh& mesh,
                           Array<uint32_t>& degree, uint32_t* part, Call& call) {
     uint32_t* const words = ordered.words.data();
     const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
-    const Report report(ordered, origin, call);
+    const Report report(ordered, caller, call);
     uint32_t flat = NONE; // the first triangle without area, by the caller's numbers
     for (uint32_t place = 0; place < places; place += 4) {
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
         const uint32_t* v = &words[place];
         for (int s = 0; s < 3; ++s) ++degree[v[s]];
-        if (!origin.flat_allowed
+        if (!caller.flat_allowed
             && !has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2])
             && v[3] < flat)
             flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
     Array<Mark> marks;
-    Array<Side> bucket;
+    Array<FaceSide> bucket;
     uint32_t largest = 0;
-    for (const uint32_t d : degree) largest = d > largest ? d : largest;
+    for (const uint32_t d : degree) largest = std::max(largest, d);
     if (!marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE})
         || !bucket.allocate(call.memory, size_t{2} * largest))
         return call.out_of_memory();
@@ -212,8 +214,8 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
             bucket[size] = {v, place + s};
             bucket[size + 1] = {w, last};
             size += 2;
-            const uint32_t lower = v < w ? v : w;
-            waiting.high[place / 4] = v < w ? w : v;
+            const uint32_t lower = std::min(w, v);
+            waiting.high[place / 4] = std::max(v, w);
             waiting.next[place / 4] = waiting.first[lower];
             waiting.first[lower] = next;
         }
@@ -223,7 +225,7 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
         // on it: what is written for the others is overwritten.
         uint32_t matched = 0, turned[2] = {NONE, NONE};
         for (uint32_t n = 0; n < size; ++n) {
-            const Side side = bucket[n];
+            const FaceSide side = bucket[n];
             Mark& mark = marks[side.high];
             const bool second = mark.low == low;
             const uint32_t first = second ? mark.place : side.place;
@@ -259,11 +261,11 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
     return HMF_OK;
 }
 
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part,
+hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const CallerMesh& caller, uint32_t* part,
                             Call& call) {
     const auto callers_vertex = [&](uint32_t internal) {
         uint32_t v = 0;
-        while (origin.vertex_internal[v] != internal) ++v;
+        while (caller.vertex_internal[v] != internal) ++v;
         return v;
     };
     uint32_t parts = 0;
@@ -296,7 +298,7 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
     }
     if (parts == 1) return HMF_OK;
     const auto part_of = [&](uint32_t triangle) {
-        return find_root(part, origin.vertex_internal[origin.triangles[size_t{3} * triangle]]);
+        return find_root(part, caller.vertex_internal[caller.triangles[size_t{3} * triangle]]);
     };
     uint32_t lost = 0;
     while (part_of(lost) == part_of(0)) ++lost;

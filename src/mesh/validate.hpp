@@ -9,11 +9,11 @@
 namespace hmf {
 
 // What must be known before memory is taken: NULL, counts, stride.
-hmf_status validate_arguments(const double* positions, size_t vertex_count, size_t position_stride,
-                              const uint32_t* triangles, size_t triangle_count, Call& call);
+[[nodiscard]] hmf_status validate_arguments(const double* positions, size_t vertex_count, size_t position_stride,
+                                            const uint32_t* triangles, size_t triangle_count, Call& call);
 
 // The arrays of the caller, for messages, and where his vertices went.
-struct Origin {
+struct CallerMesh {
     const uint32_t* triangles;       // 3 * triangle_count
     const uint32_t* vertex_internal; // caller's vertex -> internal vertex
     bool flat_allowed;               // triangles without area are no defect
@@ -23,17 +23,17 @@ struct Origin {
 // edge-manifold.  Fills mesh (whose arrays have room for 3/2 edges a triangle)
 // and degree; the corners in `ordered` become half-edges.  part (vertex_count)
 // becomes a forest of disjoint_sets.hpp over vertices that are connected.
-hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const Origin& origin, Mesh& mesh,
-                          Array<uint32_t>& degree, uint32_t* part, Call& call);
+[[nodiscard]] hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const CallerMesh& caller,
+                                        Mesh& mesh, Array<uint32_t>& degree, uint32_t* part, Call& call);
 
 // Refuses unused vertices, vertices with several fans, and several components.
-hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const Origin& origin, uint32_t* part,
-                            Call& call);
+[[nodiscard]] hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const CallerMesh& caller,
+                                          uint32_t* part, Call& call);
 
 // Numbers edges by their first appearance in the caller's triangles: fills
 // triangle_edges (3 * triangle_count), which is as order_triangles left it, and
 // edge_internal.  scratch: edge_count.
-hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges,
-                        uint32_t* edge_internal, uint32_t* scratch, Call& call);
+[[nodiscard]] hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges,
+                                      uint32_t* edge_internal, uint32_t* scratch, Call& call);
 
 } // namespace hmf

@@ -1,6 +1,7 @@
 // Cotangent weights ([W] Eq. 5).
 #include "weights.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -19,7 +20,7 @@ double largest(const double* u) {
     double m = 0;
     for (int c = 0; c < 3; ++c) {
         const double a = u[c] < 0 ? -u[c] : u[c];
-        if (a > m) m = a;
+        m = std::max(m, a);
     }
     return m;
 }
@@ -77,7 +78,7 @@ hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum,
     constexpr uint32_t step = 1u << 17; // half-edges
     for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
         if (!call.tick(fraction)) return HMF_CANCELLED;
-        const uint32_t size = left < step ? left : step;
+        const uint32_t size = std::min(step, left);
         for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
             const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
                                   position + size_t{3} * mesh.origin[ki]);

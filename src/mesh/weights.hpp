@@ -39,7 +39,8 @@ void for_each_face(const Mesh& mesh, uint32_t begin, uint32_t end, Visit visit) 
 
 // Fills sum with the cotangents of the two angles opposite to each edge, added.
 // The fourth power of a coordinate must be harmless.
-hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call, double fraction);
+[[nodiscard]] hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call,
+                                        double fraction);
 
 // From sums of cotangents to weights of a coarse level, in place: raised to the
 // floor and cut at the cap.  Returns the number of negative ones before that.

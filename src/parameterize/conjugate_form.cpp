@@ -36,7 +36,7 @@ public:
         return true;
     }
 
-    bool balance(Memory& memory) {
+    Done balance(Memory& memory) {
         const uint32_t n = mesh_.vertex_count;
         constexpr uint32_t unseen = NONE - 1;
         if (!parent_.allocate_filled(memory, n, unseen) || !order_.allocate(memory, n)) return false;
@@ -53,16 +53,13 @@ public:
         }
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
-            const uint32_t first = mesh_.out[order_[i]];
-            uint32_t h = first;
-            do {
+            for (const uint32_t h : mesh_.around(order_[i])) {
                 const uint32_t w = mesh_.target(h);
                 if (parent_[w] == unseen) {
                     parent_[w] = twin(h);
                     order_[size++] = w;
                 }
-                h = mesh_.rotate_ccw(h);
-            } while (h != first);
+            }
         }
         for (uint32_t i = size; i-- > roots;) carry(order_[i]);
         return has_odd || missing(0) == 0 || turn_round(size, memory);
@@ -71,12 +68,7 @@ public:
 private:
     int64_t missing(uint32_t v) const {
         int64_t sum = 0;
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
-            sum += charts_.chart[h] * flux_.at(bundle_, h);
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+        for (const uint32_t h : mesh_.around(v)) sum += charts_.chart[h] * flux_.at(bundle_, h);
         return sum;
     }
 
@@ -87,7 +79,7 @@ private:
 
     // No odd zero, but closed paths that come back with the opposite sign: half
     // of what is missing at the root goes round one of them.
-    bool turn_round(uint32_t size, Memory& memory) {
+    Done turn_round(uint32_t size, Memory& memory) {
         Array<int8_t> gauge; // of each vertex against the root, along the tree
         if (!gauge.allocate(memory, mesh_.vertex_count)) return false;
         gauge[0] = 1;
@@ -135,23 +127,17 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
     if (!fluxes.balance(call.memory)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (v % 65536 == 0 && !call.tick(0)) return HMF_CANCELLED;
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
         int64_t V = 0;
         double sum = 0;
         uint32_t degree = 0;
-        do {
+        for (const uint32_t h : mesh.around(v)) {
             q[h] = V;
             sum += static_cast<double>(V);
             ++degree;
             V -= charts.chart[h] * flux.at(bundle, mesh.prev(h));
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        }
         const int64_t mean = charts.odd[v] ? V / 2 : static_cast<int64_t>(sum / degree);
-        do {
-            q[h] = charts.chart[h] * (mean - q[h]);
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        for (const uint32_t h : mesh.around(v)) q[h] = charts.chart[h] * (mean - q[h]);
     }
     for (uint32_t e = 0; e < mesh.edge_count; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];
 #ifndef NDEBUG

@@ -15,26 +15,24 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     constexpr double tolerance = 1e-9;
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
-    const auto cancelled = [&] {
-        return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-    };
     if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
-    if (!call.tick(0.05)) return cancelled();
+    if (!call.tick(0.05)) return call.was_cancelled();
     VertexCharts charts;
     if (!charts.build(f.mesh, flat.bundle, call.memory)) return call.out_of_memory();
     TwistedLaplacian laplacian;
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
-        return call.cancelled() ? cancelled() : call.status();
-    if (!call.tick(0.3)) return cancelled();
-    if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return cancelled();
+        return call.cancelled() ? call.was_cancelled() : call.status();
+    if (!call.tick(0.3)) return call.was_cancelled();
+    if (laplacian.make_harmonic(flat.du, tolerance, call) || !call.tick(0.5)) return call.was_cancelled();
     if (conjugate_form(f.mesh, flat.bundle, charts, weight, flat.du, flat.dv, call))
-        return call.cancelled() ? cancelled() : call.status();
-    if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8)) return cancelled();
+        return call.cancelled() ? call.was_cancelled() : call.status();
+    if (!call.tick(0.6) || laplacian.make_harmonic(flat.dv, tolerance, call) || !call.tick(0.8))
+        return call.was_cancelled();
     flat.iterations = laplacian.iterations();
     return HMF_OK;
 }
 
-bool flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
+Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
     if (state.level == 0 && state.side == Side::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
@@ -68,13 +66,10 @@ void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone) {
 
 bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v) {
     constexpr int64_t least = 1000; // units
-    const uint32_t first = mesh.out[v];
-    uint32_t h = first;
-    do {
+    for (const uint32_t h : mesh.around(v)) {
         const int64_t u = flat.du.value[edge_of(h)], w = flat.dv.value[edge_of(h)];
         if (u < least && u > -least && w < least && w > -least) return false;
-        h = mesh.rotate_ccw(h);
-    } while (h != first);
+    }
     return true;
 }
 

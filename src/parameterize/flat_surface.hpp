@@ -15,11 +15,11 @@ struct FlatSurface {
 
 // state: a harmonic foliation on the intrinsic side of its level.  The values
 // of the state stay as they are.
-hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
+[[nodiscard]] hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
 
 // Carries mesh and forms of level 0 to the caller's triangulation.  The values
 // of the state become |du| there.
-bool flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
+Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
 
 // Cone angle of each vertex as a multiple of pi.  They add up to the number of
 // faces: each face has one corner in the middle, by u, then v, then number.

@@ -1,6 +1,7 @@
 // One twisted Poisson solve: min over w of  sum of weight * (form + dw)^2.
 #include "harmonic_form.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -27,22 +28,21 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
         if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
         offset_[v] = at;
         double sum = 0;
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        if (!charts.odd[v]) do {
-                const uint32_t u = mesh.target(h);
-                const double alpha = weight[edge_of(h)];
-                // Both charts against that of the face left of h.
-                const double entry = -alpha * charts.chart[h] * charts.chart[mesh.next[h]];
-                sum += alpha;
-                if (u == v) {
-                    sum += entry;
-                } else if (!charts.odd[u]) {
-                    column_[at] = u;
-                    entry_[at++] = entry;
-                }
-                h = mesh.rotate_ccw(h);
-            } while (h != first);
+        diagonal_[v] = 0;
+        if (charts.odd[v]) continue;
+        for (const uint32_t h : mesh.around(v)) {
+            const uint32_t u = mesh.target(h);
+            const double alpha = weight[edge_of(h)];
+            // Both charts against that of the face left of h.
+            const double entry = -alpha * charts.chart[h] * charts.chart[mesh.next[h]];
+            sum += alpha;
+            if (u == v) {
+                sum += entry;
+            } else if (!charts.odd[u]) {
+                column_[at] = u;
+                entry_[at++] = entry;
+            }
+        }
         diagonal_[v] = sum;
     }
     offset_[n] = at;
@@ -60,21 +60,18 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
         right_[v] = w_[v] = 0;
         if (charts_->odd[v]) continue;
         double sum = 0;
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v)) {
             const double flux = weight_[edge_of(h)] * static_cast<double>(charts_->chart[h] * form.at(*bundle_, h));
             right_[v] += flux;
             sum += flux < 0 ? -flux : flux;
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        }
         divergence += right_[v] * right_[v] / diagonal_[v];
         pull += sum * sum / diagonal_[v];
     }
     // Against the divergence that the rounding of the form leaves nothing helps.
     const double noise = divergence > 0 ? 1e-13 * std::sqrt(pull / divergence) : 1;
     if (noise >= 1) return HMF_OK;
-    if (relative_tolerance < noise) relative_tolerance = noise;
+    relative_tolerance = std::max(relative_tolerance, noise);
     const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
     constexpr uint32_t iteration_limit = 300;
     iterations_ +=
@@ -83,12 +80,7 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
     for (uint32_t v = 0; v < n; ++v) {
         if (charts_->odd[v] || !(w_[v] > -4e18 && w_[v] < 4e18)) continue;
         const int64_t w = static_cast<int64_t>(w_[v] < 0 ? w_[v] - 0.5 : w_[v] + 0.5);
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
-            form.add(*bundle_, h, -charts_->chart[h] * w);
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        for (const uint32_t h : mesh.around(v)) form.add(*bundle_, h, -charts_->chart[h] * w);
     }
     return HMF_OK;
 }

@@ -11,11 +11,11 @@ namespace hmf {
 // vertices where the chart comes back with the opposite sign are held.
 class TwistedLaplacian {
 public:
-    hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight,
-                     Call& call);
+    [[nodiscard]] hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
+                                   const double* weight, Call& call);
     // form += d(w) with the w that makes it coclosed, to relative_tolerance of
     // the divergence that it had.
-    hmf_status make_harmonic(TwistedForm& form, double relative_tolerance, Call& call);
+    [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double relative_tolerance, Call& call);
     uint32_t iterations() const { return iterations_; }
 
 private:
@@ -31,7 +31,7 @@ private:
 
 // dv: the closed form that follows the flux weight * du, turned by a right angle;
 // exact in its periods up to the rounding of the fluxes.  Not yet harmonic.
-hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts, const double* weight,
-                          const TwistedForm& du, TwistedForm& dv, Call& call);
+[[nodiscard]] hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
+                                        const double* weight, const TwistedForm& du, TwistedForm& dv, Call& call);
 
 } // namespace hmf

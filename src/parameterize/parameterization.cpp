@@ -23,7 +23,6 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
     ResidualResult found;
     for (uint32_t round = 0; round < 100; ++round) {
         found = residuals(f, rings, weight, star, residual.data(), call);
-        if (f.out_of_memory) return call.out_of_memory();
         if (call.cancelled()) return call.was_cancelled();
         if (found.max <= tolerance) return HMF_OK;
         uint32_t above = 0;
@@ -94,7 +93,7 @@ AffineMap map_of(const Mesh& mesh, const double* position, const Layout& layout,
 // Dilatations of all triangles, and their statistics.
 class Measure {
 public:
-    bool allocate(size_t triangles, Memory& memory) {
+    Done allocate(size_t triangles, Memory& memory) {
         return by_dilatation_.allocate(memory, triangles) && area_.allocate(memory, triangles);
     }
 

@@ -14,7 +14,7 @@ namespace hmf {
 // Refuses values whose residual of [W] Eq. 4 is above the tolerance, but for a
 // few vertices: the way between the two triangulations of level 0 may have to
 // move some.  They are relaxed.
-hmf_status check_harmonic(State& state, double tolerance, Call& call);
+[[nodiscard]] hmf_status check_harmonic(State& state, double tolerance, Call& call);
 
 // From an edge's first triangle to its second: (u', v') = sign * (u, v) + (u, v of this).
 struct Transition {
@@ -32,15 +32,15 @@ struct Parameterization {
 
     // mesh: of the caller's side, with positions.  side: half-edge of side 0 of
     // each triangle.  seam_edges: internal numbers where seams cost nothing.
-    hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
-                     const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call);
+    [[nodiscard]] hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
+                                   const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call);
     // From face(h) to face(twin h).
     Transition transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const;
     bool is_seam(uint32_t edge, const Transition& t) const {
         return seams.on[edge] || t.sign < 0 || t.u != 0 || t.v != 0;
     }
     // Statistics of the dilatation, flipped and degenerate triangles, area.
-    hmf_status measure(hmf_parameterization& out, Call& call) const;
+    [[nodiscard]] hmf_status measure(hmf_parameterization& out, Call& call) const;
 };
 
 } // namespace hmf

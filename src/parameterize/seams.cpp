@@ -26,7 +26,7 @@ public:
     Array<double> distance;
     Array<uint32_t> parent;
 
-    bool build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Call& call) {
+    Done build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Call& call) {
         Memory& memory = call.memory;
         heap_.start(memory);
         const uint32_t n = mesh.vertex_count;
@@ -49,9 +49,7 @@ public:
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
             const NearestFirst::Entry entry = heap_.pop();
             if (entry.distance > distance[entry.item]) continue;
-            const uint32_t first = mesh.out[entry.item];
-            uint32_t h = first;
-            do {
+            for (const uint32_t h : mesh.around(entry.item)) {
                 const uint32_t w = mesh.target(h);
                 const double d = entry.distance + length[edge_of(h)];
                 if (d < distance[w]) {
@@ -59,8 +57,7 @@ public:
                     parent[w] = twin(h);
                     if (!heap_.push({d, w})) return false;
                 }
-                h = mesh.rotate_ccw(h);
-            } while (h != first);
+            }
         }
         return true;
     }
@@ -71,7 +68,7 @@ private:
 
 } // namespace
 
-bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call) {
+Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call) {
     Memory& memory = call.memory;
     const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
     if (!seams.on.allocate_filled(memory, m, 1) || !seams.tree.allocate_filled(memory, m, 0)) return false;
@@ -116,13 +113,10 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     for (uint32_t v = 0; v < n; ++v)
         if (degree[v] == 1 && !is_cone[v]) queue[size++] = v;
     for (uint32_t i = 0; i < size; ++i) {
-        uint32_t h = mesh.out[queue[i]];
-        const uint32_t first = h;
-        do {
-            if (seams.on[edge_of(h)]) break;
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
-        if (!seams.on[edge_of(h)]) continue; // the other end of its last edge was first
+        uint32_t h = NONE;
+        for (const uint32_t g : mesh.around(queue[i]))
+            if (h == NONE && seams.on[edge_of(g)]) h = g;
+        if (h == NONE) continue; // the other end of its last edge was first
         seams.on[edge_of(h)] = 0;
         const uint32_t w = mesh.target(h);
         if (--degree[w] == 1 && !is_cone[w]) queue[size++] = w;
@@ -137,7 +131,7 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     return true;
 }
 
-bool Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
                    uint32_t first_half_edge, const Seams& seams, Call& call) {
     Memory& memory = call.memory;
     const size_t sides = size_t{2} * mesh.edge_count;

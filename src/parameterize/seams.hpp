@@ -16,7 +16,7 @@ struct Seams {
 // A short cut graph through all cones: shortest paths between cones and round
 // the handles [Erickson and Whittlesey 2005].  length: per edge, > 0.
 // false: out of memory or cancelled.
-bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call);
+Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call);
 
 // (u, v) at the corner origin(h) of face(h), for each half-edge, below 2^53.  The
 // same from both sides of every edge that is not on a seam, but where a layout
@@ -24,7 +24,7 @@ bool cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
 struct Layout {
     Array<int64_t> u, v; // per half-edge
     Array<int8_t> chart; // per face: sign of the layout in the chart of the face
-    bool build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
+    Done build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
                uint32_t first_half_edge, const Seams& seams, Call& call);
 };
 

@@ -23,21 +23,19 @@
 
 #include "../foliation/restriction.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
 
-bool VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& memory) {
+Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& memory) {
     if (!chart.allocate(memory, size_t{2} * mesh.edge_count) || !odd.allocate(memory, mesh.vertex_count)) return false;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        const uint32_t first = mesh.out[v];
         int8_t c = 1;
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v)) {
             chart[h] = c;
             c = static_cast<int8_t>(c * bundle.turn[edge_of(mesh.prev(h))]);
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
+        }
         odd[v] = c < 0;
     }
     return true;
@@ -60,7 +58,7 @@ public:
             || !seen_.allocate_filled(memory_, n, NONE) || !bundle_.turn.allocate(memory_, m)
             || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
-        if (!call_.tick(0)) return cancelled();
+        if (!call_.tick(0)) return call_.was_cancelled();
         if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.out_of_memory();
         for (uint32_t e = 0; e < m; ++e) {
             const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
@@ -68,15 +66,11 @@ public:
             du_.value[e] = a * f_.value[e];
         }
         for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
-        if (!call_.tick(0)) return cancelled();
+        if (!call_.tick(0)) return call_.was_cancelled();
         return turn_zero_edges() ? HMF_OK : call_.out_of_memory();
     }
 
 private:
-    hmf_status cancelled() {
-        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-    }
-
     // Signs in a face whose longest side is h: h is the sum of the two others.
     void sign_face(uint32_t h) {
         sign_[h] = 1;
@@ -85,7 +79,7 @@ private:
         sign_[p] = static_cast<int8_t>(f_.at(p) ? -1 : 0);
     }
 
-    bool sign_faces() {
+    Done sign_faces() {
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
             const uint32_t n = mesh_.next[h], p = mesh_.next[n];
             if (h > n || h > p) continue;
@@ -105,20 +99,17 @@ private:
     // A vertex without zero edges and with two directions.
     bool is_regular(uint32_t v) const {
         uint32_t closed = 0;
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v)) {
             if (f_.at(h) == 0 || mesh_.target(h) == v) return false;
             closed += f_.corner2(h) == 0 && f_.at(mesh_.prev(h)) != 0;
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+        }
         return closed == 2 && !mesh_.is_marked(v);
     }
 
     // A corner for each tripod, no vertex twice: the nearest that is free,
     // else along an augmenting path.  The star of the vertex gets an angle of
     // 3 pi: with fewer than six triangles they would be stretched.
-    bool match() {
+    Done match() {
         for (uint32_t t = 0; t < tripod_.size(); ++t) {
             uint32_t h = tripod_[t], best = NONE;
             double least = 0;
@@ -147,14 +138,13 @@ private:
         double V = 0, sum = 0;
         uint32_t degree = 0;
         int8_t s = 1;
-        uint32_t h = corner;
-        do {
+        for (const uint32_t h : mesh_.around_from(corner)) {
             sum += V;
             ++degree;
             if (f_.corner2(h) == 0) s = static_cast<int8_t>(-s);
-            h = mesh_.rotate_ccw(h);
-            V += s * weight_[edge_of(h)] * static_cast<double>(f_.at(h));
-        } while (h != corner);
+            const uint32_t ahead = mesh_.rotate_ccw(h);
+            V += s * weight_[edge_of(ahead)] * static_cast<double>(f_.at(ahead));
+        }
         const double b = sum / degree;
         return std::sqrt(a * a + b * b) * (degree < enough ? 1 << (enough - degree) : 1);
     }
@@ -165,7 +155,7 @@ private:
     }
 
     // seen_ holds the tripod that a vertex was reached from.
-    bool augment(uint32_t start) {
+    Done augment(uint32_t start) {
         queue_.clear();
         Array<uint32_t> reached;
         reached.start(memory_);
@@ -202,29 +192,22 @@ private:
     }
 
     // Vertices without mark for all zeros of a cluster with marks.
-    bool part_zeros_from_marks() {
+    Done part_zeros_from_marks() {
         RestrictionScratch scratch;
         if (!scratch.allocate(memory_)) return false;
         for (uint32_t v = 0; v < mesh_.marked_count; ++v)
             for (;;) {
-                const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
-                if (f_.out_of_memory) return false;
+                const Cluster cluster = explore_cluster(f_, v);
                 const int64_t plain = static_cast<int64_t>(f_.members.size()) - cluster.marked;
                 if (plain + cluster.index() >= 0) break;
                 uint32_t nearest = NONE; // half-edge into the cluster
-                for (const uint32_t u : f_.members) {
-                    const uint32_t first = mesh_.out[u];
-                    uint32_t h = first;
-                    do {
+                for (const uint32_t u : f_.members)
+                    for (const uint32_t h : mesh_.around(u))
                         if (f_.at(h) > 0 && (nearest == NONE || f_.at(h) < f_.at(nearest))
                             && is_regular(mesh_.target(h)))
                             nearest = twin(h);
-                        h = mesh_.rotate_ccw(h);
-                    } while (h != first);
-                }
                 if (nearest == NONE) break;
-                move_to_end(f_, nearest, scratch);
-                if (f_.out_of_memory) return false;
+                if (!move_to_end(f_, nearest, scratch)) return false;
             }
         return true;
     }
@@ -233,19 +216,17 @@ private:
     void move_to_branch_point(uint32_t corner) {
         const int64_t a = f_.corner2(corner) / 2;
         int8_t s = 1;
-        uint32_t h = corner;
-        do {
+        for (const uint32_t h : mesh_.around_from(corner)) {
             // F of h falls by s * a.
             du_.value[edge_of(h)] -= sign_[2 * edge_of(h)] * s * a;
             if (f_.corner2(h) == 0) s = static_cast<int8_t>(-s);
-            h = mesh_.rotate_ccw(h);
-        } while (h != corner);
+        }
     }
 
     // The sign of u says nothing about the turn of a zero edge.  A spanning tree
     // of each cluster decides: the zeros of the cluster go one by one to the vertices with most closed
     // corners, all others shall be even.
-    bool turn_zero_edges() {
+    Done turn_zero_edges() {
         Array<uint32_t> parent; // half-edge to the parent
         Array<uint8_t> closed, odd;
         if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count)
@@ -255,8 +236,7 @@ private:
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) seen_[v] = unseen;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (seen_[v] != unseen || !has_zero_edge(v)) continue;
-            const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
-            if (f_.out_of_memory) return false;
+            const Cluster cluster = explore_cluster(f_, v);
             const int64_t index = cluster.index();
             const size_t size = f_.members.size() - cluster.marked;
             for (const uint32_t u : f_.members) {
@@ -277,26 +257,19 @@ private:
             seen_[v] = v;
             parent[v] = NONE;
             for (size_t i = 0; i < queue_.size(); ++i) {
-                const uint32_t u = queue_[i], first = mesh_.out[u];
-                uint32_t h = first;
-                do {
+                for (const uint32_t h : mesh_.around(queue_[i])) {
                     const uint32_t w = mesh_.target(h);
                     if (f_.at(h) == 0 && seen_[w] == unseen) {
                         seen_[w] = v;
                         parent[w] = twin(h);
                         if (!queue_.push(w)) return false;
                     }
-                    h = mesh_.rotate_ccw(h);
-                } while (h != first);
+                }
             }
             for (size_t i = queue_.size(); i-- > 1;) {
-                const uint32_t u = queue_[i], first = mesh_.out[u];
+                const uint32_t u = queue_[i];
                 int8_t turn = 1;
-                uint32_t h = first;
-                do {
-                    turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
-                    h = mesh_.rotate_ccw(h);
-                } while (h != first);
+                for (const uint32_t h : mesh_.around(u)) turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
                 if ((turn < 0) != (odd[u] != 0)) bundle_.turn[edge_of(parent[u])] = -1;
             }
         }
@@ -304,24 +277,16 @@ private:
     }
 
     bool has_zero_edge(uint32_t v) const {
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v))
             if (f_.at(h) == 0) return true;
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
         return false;
     }
 
     uint8_t closed_corners(uint32_t v) const {
         uint32_t closed = 0;
-        const uint32_t first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(v))
             closed += f_.at(h) != 0 && f_.at(mesh_.prev(h)) != 0 && f_.corner2(h) == 0;
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
-        return static_cast<uint8_t>(closed < 255 ? closed : 255);
+        return static_cast<uint8_t>(std::min(closed, 255u));
     }
 
     Foliation& f_;

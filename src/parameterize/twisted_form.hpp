@@ -40,13 +40,14 @@ struct TwistedForm {
 struct VertexCharts {
     Array<int8_t> chart; // per half-edge
     Array<uint8_t> odd;  // per vertex: the chart comes back with the opposite sign
-    bool build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
+    Done build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
 };
 
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
 // the zero in each moves to one of its corners.  HMF_ERROR_UNSUPPORTED if
 // the mesh is so coarse that two zeros would need the same vertex.
-hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du, Call& call);
+[[nodiscard]] hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du,
+                                           Call& call);
 
 // Reverses a flip of an edge of a mesh, its bundle and two forms on it.
 void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);

@@ -23,7 +23,7 @@ void Recorder::event(size_t level, uint32_t kind, double energy_units, double re
 }
 
 bool LevelWork::prepare() {
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory) || !star.allocate(call.memory, rings.max_degree))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree))
         return false;
     // Searches round clusters may look at all of a small level.
     const uint32_t n = state.foliation.mesh.vertex_count;
@@ -49,7 +49,6 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
             if (work.call.cancelled()) residual = -1; // it is unfinished
         }
         work.record(1, D, residual);
-        if (f.out_of_memory) return work.call.out_of_memory();
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
@@ -204,7 +203,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;
-        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight), -1);
+        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight, call.parallel), -1);
     }
 }
 

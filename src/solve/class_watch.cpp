@@ -76,7 +76,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     SolveOptions careful = options;
     careful.guarded = true;
     recorder.certificate.known = false;
-    recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight), -1);
+    recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1);
     status = run_cascade(state, careful, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     const ClassResult lost = watch.lost;

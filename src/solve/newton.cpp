@@ -38,7 +38,7 @@ public:
     Newton(LevelWork& work, bool smooth_only) :
         w_(work), f_(work.state.foliation), weight_(work.level.weight), smooth_only_(smooth_only) {}
 
-    bool allocate() {
+    Done allocate() {
         Memory& memory = w_.call.memory;
         const Mesh& mesh = f_.mesh;
         const size_t n = mesh.vertex_count;
@@ -51,13 +51,13 @@ public:
     }
 
     // Signs, energy and residual of the foliation as it is.
-    const TwistedModel& look() {
-        model_.look(f_, w_.rings, weight_, w_.star, w_.call);
-        return model_;
-    }
+    Done look() { return model_.look(f_, w_.rings, weight_, w_.star, w_.call); }
+    const TwistedModel& model() const { return model_; }
+    // Why something was not done.
+    hmf_status stopped() { return w_.call.memory.failure() ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
     // The zeros that the last look has seen.
-    bool hand_over(ZeroList& zeros) {
+    Done hand_over(ZeroList& zeros) {
         zeros.vertices.clear();
         zeros.tripods.clear();
         for (uint32_t v : model_.resting)
@@ -87,7 +87,7 @@ public:
     }
 
     // Between two passes over the mesh; false: cancelled or asked to finish.
-    bool go_on() { return w_.call.tick(0, true) && !w_.call.finishing(); }
+    Done go_on() { return w_.call.tick(0, true) && !w_.call.finishing(); }
 
     // Moves at the vertices within some rings of the zeros.
     void relax_near_zeros(uint32_t rings_around, uint32_t rounds) {
@@ -97,7 +97,7 @@ public:
         const auto add = [&](uint32_t v, uint32_t ring) {
             if (distance_[v] != NONE) return;
             distance_[v] = ring;
-            near_.push(v);
+            near_.add(v);
         };
         // Every zero is where it was before the step, or at a vertex next to that.
         for (uint32_t v : model_.resting) add(v, 0);
@@ -120,15 +120,10 @@ public:
 private:
     void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
 
-    hmf_status stopped() {
-        return f_.out_of_memory || (!w_.call.cancelled() && !w_.call.finishing()) ? w_.call.out_of_memory()
-                                                                                  : HMF_CANCELLED;
-    }
-
     // Solves the model and sets the values of the whole step; false: see stopped().
     bool propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
-        if (f_.out_of_memory || !go_on()) return false;
+        if (!go_on()) return false;
         ++w_.statistics.linear_solves;
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
@@ -181,7 +176,7 @@ private:
                 find_suspects();
             }
             const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
-            if (f_.out_of_memory || !go_on()) return stopped();
+            if (!go_on()) return stopped();
             if (sound) energy_change_ = energy_change();
             if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
                 bool kept = true;
@@ -304,7 +299,7 @@ private:
         model_.fix_active();
         for (uint32_t v : model_.fixed)
             if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > share) return false;
-        return !f_.out_of_memory;
+        return true;
     }
 
     // Bounds are integers, so rounding does not leave them.
@@ -323,18 +318,24 @@ private:
 
     void set_values(double factor) {
         const Mesh& mesh = f_.mesh;
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) step_[v] = rounded(v, factor);
-        for (uint32_t e = 0; e < mesh.edge_count; ++e) set_value(mesh, e);
+        w_.call.parallel.for_blocks(mesh.vertex_count, [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) step_[v] = rounded(static_cast<uint32_t>(v), factor);
+        });
+        w_.call.parallel.for_blocks(mesh.edge_count, [&](size_t begin, size_t end) {
+            for (size_t e = begin; e < end; ++e) set_value(mesh, static_cast<uint32_t>(e));
+        });
     }
 
     // From the backup to the values, without the cancellation of two energies.
     double energy_change() const {
-        double sum = 0;
-        for (uint32_t e = 0; e < f_.mesh.edge_count; ++e) {
-            const double change = static_cast<double>(f_.value[e] - backup_[e]);
-            sum += weight_[e] * change * static_cast<double>(f_.value[e] + backup_[e]);
-        }
-        return sum;
+        return w_.call.parallel.sum_blocks<double>(f_.mesh.edge_count, [&](size_t begin, size_t end) {
+            double sum = 0;
+            for (size_t e = begin; e < end; ++e) {
+                const double change = static_cast<double>(f_.value[e] - backup_[e]);
+                sum += weight_[e] * change * static_cast<double>(f_.value[e] + backup_[e]);
+            }
+            return sum;
+        });
     }
 
     // As walk_plain_star; NONE also where a monogon hangs on v.
@@ -372,21 +373,38 @@ private:
 
     // Collects the vertices that are not sound; returns the number of extrema.
     uint64_t find_suspects() {
-        uint64_t extrema = 0;
         suspect_.clear();
         check_all_ = false;
-        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
-            if (v % 65536 == 0 && !go_on()) return 0;
-            const Shape s = shape(v);
-            if (s == Shape::sound) continue;
-            suspect_.push(v);
-            extrema += s == Shape::extremum;
+        if (!go_on()) return 0;
+        // Each block lists its own where it lies; then the lists move together.
+        struct Found {
+            uint32_t suspects = 0;
+            uint64_t extrema = 0;
+        };
+        const size_t n = f_.mesh.vertex_count, size = Parallel::pass_block(n);
+        Found found[Parallel::most_parts];
+        uint32_t* const list = suspect_.data(); // room for all
+        w_.call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            Found here;
+            for (size_t i = begin; i < end; ++i) {
+                const uint32_t v = static_cast<uint32_t>(i);
+                const Shape s = shape(v);
+                if (s == Shape::sound) continue;
+                list[begin + here.suspects++] = v;
+                here.extrema += s == Shape::extremum;
+            }
+            found[begin / size] = here;
+        });
+        uint64_t extrema = 0;
+        for (size_t k = 0; k * size < n; ++k) {
+            for (uint32_t i = 0; i < found[k].suspects; ++i) suspect_.add(list[k * size + i]);
+            extrema += found[k].extrema;
         }
         return extrema;
     }
 
     void suspect(uint32_t v) {
-        if (suspect_.size() < f_.mesh.vertex_count) suspect_.push(v);
+        if (suspect_.size() < f_.mesh.vertex_count) suspect_.add(v);
         else check_all_ = true;
     }
 
@@ -414,7 +432,7 @@ private:
             if (s == Shape::broken) return false;
             if (s == Shape::sound || s == Shape::misplaced || (s == Shape::has_zero && f_.stamp[v] > before))
                 return true;
-            if (s == Shape::has_zero && !explore_cluster(f_, v, NONE, NONE, NONE, 0, 0).is_pole()) return true;
+            if (s == Shape::has_zero && !explore_cluster(f_, v).is_pole()) return true;
             moved = true;
             return settle_extremum(f_, v);
         });
@@ -427,7 +445,7 @@ private:
         const Mesh& mesh = f_.mesh;
         patch_.clear();
         for (uint32_t v : suspect_)
-            if (shape(v) == Shape::extremum) patch_.push(v);
+            if (shape(v) == Shape::extremum) patch_.add(v);
         for (uint32_t round = 0; round < 8 && !patch_.empty(); ++round) {
             const size_t had = patch_.size();
             for (size_t i = 0; i < had; ++i) {
@@ -445,7 +463,7 @@ private:
                     const uint32_t u = w_.rings.neighbour[t];
                     suspect(u);
                     if (end < mesh.vertex_count && shape(u) == Shape::extremum) {
-                        patch_.push(u);
+                        patch_.add(u);
                         ++end;
                     }
                 }
@@ -474,8 +492,7 @@ private:
             const uint32_t closed = count_closed(v, [](uint32_t, uint32_t, int64_t, int64_t, int64_t) {});
             if (closed != NONE) return index_of(v, closed) == expected[v];
             if (f_.stamp[v] > before) return true;
-            const Cluster cluster = explore_cluster(f_, v, NONE, NONE, NONE, 0, 0);
-            if (f_.out_of_memory) return false;
+            const Cluster cluster = explore_cluster(f_, v);
             int64_t sum = 0;
             for (uint32_t u : f_.members) sum += expected[u];
             return cluster.index() == sum;
@@ -517,9 +534,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     bool fineness_known = !finest;
     for (uint32_t round = 0; round < most_rounds; ++round) {
         // The first step of a level needs no reason but on the last level.
-        const TwistedModel& model = newton.look();
-        if (work.state.foliation.out_of_memory) return work.call.out_of_memory();
-        if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED; // the residual may be unfinished
+        if (!newton.look()) return newton.stopped();
+        if (work.call.finishing()) return HMF_CANCELLED;
+        const TwistedModel& model = newton.model();
         const double before = round == 0 && !finest ? 1 : model.residual_max, D = model.energy;
         work.record(2, D, before);
         if (before <= goal) {
@@ -565,7 +582,6 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (accepted == 1 && !finest && !coarsest) return HMF_OK;
         newton.sweeps(accepted < 1 ? 10 : round > (tight ? 3 : 1) ? 2 : 0);
     }
-    if (work.state.foliation.out_of_memory) return work.call.out_of_memory();
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     return finest ? HMF_LIMIT_STALLED : HMF_OK;
 }

@@ -4,13 +4,12 @@
 
 namespace hmf {
 
-bool State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
+Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
     hierarchy = &h;
     const Mesh& mesh = h.levels[finest].mesh;
-    foliation.members.start(memory);
     return origin_.allocate(memory, size_t{2} * mesh.edge_count) && next_.allocate(memory, size_t{2} * mesh.edge_count)
         && face_.allocate(memory, size_t{2} * mesh.edge_count) && out_.allocate(memory, mesh.vertex_count)
-        && value_.allocate(memory, mesh.edge_count) && stamp_.allocate_filled(memory, mesh.vertex_count, 0);
+        && value_.allocate(memory, mesh.edge_count) && foliation.allocate_scratch(mesh.vertex_count, memory);
 }
 
 void State::load(size_t at, Side which) {
@@ -25,7 +24,6 @@ void State::load(size_t at, Side which) {
     mesh.face = face_.data();
     mesh.out = out_.data();
     foliation.value = value_.data();
-    foliation.stamp = stamp_.data();
     std::memcpy(mesh.origin, from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
     std::memcpy(mesh.next, from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
     std::memcpy(mesh.face, from.face, size_t{2} * from.edge_count * sizeof(uint32_t));
@@ -34,13 +32,13 @@ void State::load(size_t at, Side which) {
     side = which;
 }
 
-bool State::refine(Call& call) {
+Done State::refine(Call& call) {
     const Level& finer = hierarchy->levels[level - 1];
     Mesh& mesh = foliation.mesh;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics);
-        if (words) words->flipped(mesh, hierarchy->flips[i]);
+        if (words && !words->flipped(mesh, hierarchy->flips[i])) return false;
     }
     mesh.vertex_count = finer.mesh.vertex_count;
     mesh.edge_count = finer.mesh.edge_count;
@@ -52,17 +50,16 @@ bool State::refine(Call& call) {
     }
     --level;
     side = Side::input;
-    return !foliation.out_of_memory && !(words && words->out_of_memory());
+    return true;
 }
 
-bool State::coarsen(Call& call, RestrictionScratch& scratch) {
+Done State::coarsen(Call& call, RestrictionScratch& scratch) {
     const Level& level_now = hierarchy->levels[level];
     const Level& coarser = hierarchy->levels[level + 1];
     Mesh& mesh = foliation.mesh;
     for (size_t i = level_now.collapse_begin; i < level_now.collapse_end; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
-        collapse_foliation(foliation, hierarchy->collapses[i], scratch);
-        if (foliation.out_of_memory) return false;
+        if (!collapse_foliation(foliation, hierarchy->collapses[i], scratch)) return false;
     }
     mesh.vertex_count = coarser.mesh.vertex_count;
     mesh.edge_count = coarser.mesh.edge_count;
@@ -73,10 +70,10 @@ bool State::coarsen(Call& call, RestrictionScratch& scratch) {
     }
     ++level;
     side = Side::intrinsic;
-    return !foliation.out_of_memory;
+    return true;
 }
 
-bool State::go_to(size_t target, Call& call) {
+Done State::go_to(size_t target, Call& call) {
     if (level == 0 && side == Side::intrinsic && !to_input(call)) return false;
     while (level > target)
         if (!refine(call)) return false;
@@ -89,27 +86,27 @@ bool State::go_to(size_t target, Call& call) {
     return true;
 }
 
-bool State::to_intrinsic(Call& call) {
+Done State::to_intrinsic(Call& call) {
     largest_input_value = 0;
     for (uint32_t e = 0; e < foliation.mesh.edge_count; ++e)
         if (foliation.value[e] > largest_input_value) largest_input_value = foliation.value[e];
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
-        if (words) words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i]);
+        if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i])) return false;
     }
     side = Side::intrinsic;
-    return !foliation.out_of_memory && !(words && words->out_of_memory());
+    return true;
 }
 
-bool State::to_input(Call& call) {
+Done State::to_input(Call& call) {
     words = nullptr;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);
     }
     side = Side::input;
-    return !foliation.out_of_memory;
+    return true;
 }
 
 } // namespace hmf

@@ -21,22 +21,22 @@ struct State {
     int64_t largest_input_value = 0; // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
-    bool allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);
+    Done allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);
     // Takes over the connectivity of a level; the values are the caller's to fill.
     void load(size_t at, Side which);
     // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
-    // reached on the input side.  false: cancelled half-way, state unusable.
-    bool refine(Call& call);
+    // reached on the input side.  Not done: cancelled half-way, state unusable.
+    Done refine(Call& call);
     // One level coarser, from the input side on level 0: exact restriction.
-    bool coarsen(Call& call, RestrictionScratch& scratch);
+    Done coarsen(Call& call, RestrictionScratch& scratch);
     // To any level; level 0: input side.
-    bool go_to(size_t target, Call& call);
+    Done go_to(size_t target, Call& call);
     // Between the two triangulations of level 0.
-    bool to_intrinsic(Call& call);
-    bool to_input(Call& call); // words stay behind
+    Done to_intrinsic(Call& call);
+    Done to_input(Call& call); // words stay behind
 
 private:
-    Array<uint32_t> origin_, next_, face_, out_, stamp_;
+    Array<uint32_t> origin_, next_, face_, out_;
     Array<int64_t> value_;
 };
 

@@ -2,7 +2,7 @@
 
 namespace hmf {
 
-bool TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
+Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
     resting.start(memory);
@@ -62,34 +62,31 @@ double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* si
     }
     int8_t s = 1;
     for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v))
             if (sign[h] > 1) {
                 sign_boundary(h, s);
                 s = -1;
             }
-            h = mesh.rotate_ccw(h);
-        } while (h != first);
     }
     return agreement;
 }
 
 } // namespace
 
-void TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
+Done TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
     const Mesh& mesh = f.mesh;
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
         const uint32_t h = rings.side[t].half_edge, n = mesh.next[h], p = mesh.next[n];
         if (h > n || h > p) continue; // each from its lowest half-edge
-        if (f.corner2(h) > 0 && f.corner2(n) > 0 && f.corner2(p) > 0 && !tripod.push(h)) f.out_of_memory = true;
+        if (f.corner2(h) > 0 && f.corner2(n) > 0 && f.corner2(p) > 0 && !tripod.push(h)) return false;
     }
+    return true;
 }
 
-// A vertex without zero edges; false: it has one, and nothing was done.
+// A vertex without zero edges; false: it has one or is not of the kind, and nothing was done.
 // floor: the least pull that residuals are measured against.
-bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v,
-                                        double floor) {
+bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                                        double floor, Kind kind, Residuals& residuals) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
     double pull = 0, pull_of_second = 0, agreement = 0;
@@ -107,13 +104,14 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
         });
     if (closed == NONE) return false;
     const bool marked = f.mesh.is_marked(v);
+    if (kind == Kind::regular && (marked || closed != 2 || tripods)) return false;
     index[v] = 2 - marked - static_cast<int32_t>(closed);
     if (marked && closed == 1) {
         hold(rings, v);
     } else if (closed == 2 && !marked) {
         const bool turned = agreement < 0;
         const double excess = pull - 2 * pull_of_second, scale = pull > floor ? pull : floor;
-        add_residual((excess < 0 ? -excess : excess) / scale);
+        residuals.add((excess < 0 ? -excess : excess) / scale);
         rests[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
@@ -127,14 +125,13 @@ bool TwistedModel::look_at_plain_vertex(Foliation& f, const Rings& rings, const 
         }
     } else {
         set_at_rest(rings, v);
-        special_.push(v);
+        special_.add(v);
     }
-    if (tripods) find_tripods(f, rings, v);
     return true;
 }
 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
-    resting.push(v);
+    resting.add(v);
     hold(rings, v);
 }
 
@@ -146,14 +143,14 @@ void TwistedModel::hold(const Rings& rings, uint32_t v) {
 }
 
 // The cluster of v, which has zero edges.
-void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
-    const Cluster cluster = explore_cluster(f, v, NONE, NONE, NONE, 0, 0);
+Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
+    const Cluster cluster = explore_cluster(f, v);
     const bool balanced = cluster.complete && cluster.index() == 0;
     const bool regular = balanced && cluster.marked == 0;
     const bool turned = regular && sign_regular_cluster(f, weight, sign.data()) < 0;
     for (uint32_t u : f.members) {
-        special_.push(u);
-        find_tripods(f, rings, u);
+        special_.add(u);
+        if (!find_tripods(f, rings, u)) return false;
         index[u] = 0;
         if (!regular) {
             if (balanced) hold(rings, u);
@@ -173,36 +170,73 @@ void TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const doubl
         row_scale[u] = static_cast<float>(1 / (pull > floor ? pull : floor));
     }
     index[v] = static_cast<int32_t>(cluster.index());
+    return true;
 }
 
-void TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
+Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call) {
     const uint32_t n = count = f.mesh.vertex_count;
     offset = rings.offset.data();
     column = rings.neighbour.data();
-    energy = residual_max = residual_sum = 0;
-    double total = 0; // pull of all edges at one of their ends
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
-        const double x = static_cast<double>(f.value[e]);
-        total += weight[e] * x;
-        energy += weight[e] * x * x;
-    }
-    const double floor = pull_floor(total, n);
+    struct Sums {
+        double pull = 0, energy = 0; // of all edges, at one of their ends
+        void operator+=(const Sums& other) {
+            pull += other.pull;
+            energy += other.energy;
+        }
+    };
+    const Sums sums = call.parallel.sum_blocks<Sums>(f.mesh.edge_count, [&](size_t begin, size_t end) {
+        Sums here;
+        for (size_t e = begin; e < end; ++e) {
+            const double x = static_cast<double>(f.value[e]);
+            here.pull += weight[e] * x;
+            here.energy += weight[e] * x * x;
+        }
+        return here;
+    });
+    energy = sums.energy;
+    const double floor = pull_floor(sums.pull, n);
     tripod.clear();
     resting.clear();
     special_.clear();
+    if (!call.tick(0, true)) return false;
+    // Nearly all are regular.  The others are listed by each block where it lies, and follow in order.
+    const size_t size = Parallel::pass_block(n);
+    uint32_t listed[Parallel::most_parts];
+    uint32_t* const list = fixed.data(); // room for all, not in use now
+    Residuals part[Parallel::most_parts], residuals;
+    call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        Residuals here;
+        uint32_t others = 0;
+        for (size_t i = begin; i < end; ++i) {
+            const uint32_t v = static_cast<uint32_t>(i);
+            if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
+            if (rings.is(v, Monogons::HOST) || !look_at_plain_vertex(f, rings, weight, v, floor, Kind::regular, here))
+                list[begin + others++] = v;
+        }
+        part[begin / size] = here;
+        listed[begin / size] = others;
+    });
     const uint32_t before = f.epoch;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % stride == 0 && !call.tick(0, true)) return;
-        if (n - v > Rings::ahead) rings.prefetch_star(f.value, weight, v + Rings::ahead);
-        if (!rings.is(v, Monogons::HOST) && look_at_plain_vertex(f, rings, weight, v, floor)) continue;
-        if (f.stamp[v] <= before) look_at_cluster(f, rings, weight, v, floor);
-        if (f.out_of_memory) return;
+    for (size_t k = 0; k * size < n; ++k) {
+        residuals.sum += part[k].sum;
+        if (part[k].max > residuals.max) residuals.max = part[k].max;
+        for (uint32_t i = 0; i < listed[k]; ++i) {
+            const uint32_t v = list[k * size + i];
+            if (i % stride == 0 && !call.tick(0, true)) return false;
+            if (!rings.is(v, Monogons::HOST)
+                && look_at_plain_vertex(f, rings, weight, v, floor, Kind::any, residuals)) {
+                if (!find_tripods(f, rings, v)) return false;
+            } else if (f.stamp[v] <= before && !look_at_cluster(f, rings, weight, v, floor)) return false;
+        }
     }
     // A monogon moves with the vertex on which it hangs.
     for (uint32_t e : rings.monogons.edges) sign[2 * e] = sign[2 * e + 1] = 0;
     for (uint32_t v = 0; v < n && !rings.monogons.edges.empty(); ++v)
         if (rings.is(v, Monogons::INSIDE)) rests[v] = 1;
-    for (uint32_t v : special_) { add_residual(residual_at(f, rings, weight, v, floor, star)); }
+    for (uint32_t v : special_) residuals.add(residual_at(f, rings, weight, v, floor, star));
+    residual_max = residuals.max;
+    residual_sum = residuals.sum;
+    return true;
 }
 
 void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call) {
@@ -212,17 +246,21 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
         upper[k] = INT64_MAX;
     }
     bounded.clear();
-    for (uint32_t v = 0; v < count; ++v) {
-        if (v % stride == 0 && !call.tick(0, true)) return;
-        for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge;
-            entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
+    if (!call.tick(0, true)) return;
+    call.parallel.for_blocks(count, [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
+                const uint32_t h = rings.side[t].half_edge;
+                entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
+            }
+            // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
+            diagonal[v] = rings.weight_sum[v];
+            d[v] = 0;
         }
-        // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
-        diagonal[v] = rings.weight_sum[v];
-        d[v] = 0;
+    });
+    for (uint32_t v = 0; v < count && !rings.monogons.vertex.empty(); ++v)
         if (rings.is(v, Monogons::SELF_EDGE)) fill_row_with_self_edges(f, rings, weight, v);
-    }
+    if (!call.tick(0, true)) return;
     for (uint32_t v : resting) {
         bound(v, 0, 0);
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
@@ -254,7 +292,7 @@ void TwistedModel::fill_row_with_self_edges(const Foliation& f, const Rings& rin
 
 // low <= d_k <= high from now on.
 void TwistedModel::bound(uint32_t k, int64_t low, int64_t high) {
-    if (lower[k] == INT64_MIN && upper[k] == INT64_MAX) bounded.push(k);
+    if (lower[k] == INT64_MIN && upper[k] == INT64_MAX) bounded.add(k);
     if (low > lower[k]) lower[k] = low;
     if (high < upper[k]) upper[k] = high;
 }
@@ -304,7 +342,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
             const uint32_t other = column[j];
             if (distance[other] != NONE || rests[other]) continue;
             distance[other] = distance[k] + 1;
-            patch.push(other);
+            patch.add(other);
         }
     }
     for (uint32_t s = 0; s < sweeps; ++s)
@@ -321,7 +359,7 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
 void TwistedModel::fix_active() {
     fixed.clear();
     for (uint32_t k : bounded)
-        if (!rests[k] && at_bound(k)) fixed.push(k); // room is there
+        if (!rests[k] && at_bound(k)) fixed.add(k);
 }
 
 bool TwistedModel::release() {
@@ -341,7 +379,7 @@ uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uin
     for (uint32_t k : bounded)
         if (clip(k)) {
             distance[k] = 0;
-            patch.push(k);
+            patch.add(k);
         }
     const uint64_t active = patch.size();
     for (size_t i = 0; i < active; ++i) rest(f, rings, patch[i]);
@@ -357,7 +395,7 @@ void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, ui
     const auto add = [&](uint32_t k, uint32_t ring) {
         if (rests[k] || distance[k] != NONE) return;
         distance[k] = ring;
-        patch.push(k);
+        patch.add(k);
     };
     add(v, 0);
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) add(f.mesh.target(rings.side[t].half_edge), 1);

@@ -49,12 +49,11 @@ struct TwistedModel {
     Array<float> row_scale;        // count, makes a row of the residual of the equations that of [W] Eq. 4
     Array<uint32_t> fixed;         // unknowns that the equations leave out, by fix_active()
 
-    bool allocate(const Mesh& mesh, Memory& memory);
+    Done allocate(const Mesh& mesh, Memory& memory);
     // Signs, right side, zeros, energy and residual of the current foliation.
     // Which direction is called + is free: the one that was, as far as the
-    // pulls agree, so that the matrix hardly changes between the zeros.  Stops
-    // half-way if the call is cancelled.
-    void look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
+    // pulls agree, so that the matrix hardly changes between the zeros.
+    Done look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
     // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
@@ -75,13 +74,20 @@ struct TwistedModel {
     double relaxed(uint32_t unknown_index) const;
 
 private:
-    bool look_at_plain_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
-    void look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
-    void add_residual(double r) {
-        residual_sum += r;
-        if (r > residual_max) residual_max = r;
-    }
-    void find_tripods(Foliation& f, const Rings& rings, uint32_t v);
+    // Sum and largest of some residuals.
+    struct Residuals {
+        double sum = 0, max = 0;
+        void add(double r) {
+            sum += r;
+            if (r > max) max = r;
+        }
+    };
+    // Which vertices a look is to do: of regular ones without a tripod nothing is listed, so blocks can do them.
+    enum class Kind : uint8_t { regular, any };
+    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                              double floor, Kind kind, Residuals& residuals);
+    Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
+    Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void hold(const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);

@@ -120,13 +120,26 @@ pub type hmf_release_fn = ::core::option::Option<
 pub type hmf_progress_fn = ::core::option::Option<
     unsafe extern "C" fn(user: *mut ::core::ffi::c_void, fraction: f64) -> i32,
 >;
+pub type hmf_task_fn = ::core::option::Option<
+    unsafe extern "C" fn(context: *mut ::core::ffi::c_void, index: u32),
+>;
+pub type hmf_parallel_for_fn = ::core::option::Option<
+    unsafe extern "C" fn(
+        user: *mut ::core::ffi::c_void,
+        task: hmf_task_fn,
+        context: *mut ::core::ffi::c_void,
+        count: u32,
+    ),
+>;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_control {
     pub struct_size: u32,
-    pub reserved: u32,
+    pub workers: u32,
     pub progress: hmf_progress_fn,
     pub progress_user: *mut ::core::ffi::c_void,
+    pub parallel_for: hmf_parallel_for_fn,
+    pub parallel_user: *mut ::core::ffi::c_void,
 }
 impl Default for hmf_control {
     fn default() -> Self {

@@ -7,6 +7,7 @@ mod memory;
 mod owned;
 mod progress;
 mod records;
+mod threads;
 // What hmf.h has: a hierarchy, loops, foliations, solving.
 mod foliation;
 mod hierarchy;
@@ -21,6 +22,7 @@ pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
 pub use loops::{LoopElements, Loops, LoopsKind};
 pub use progress::{with_progress, Progress};
 pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
+pub use threads::with_threads;
 pub use uses::cylinders::{Cylinder, Cylinders};
 pub use uses::parameterize::{MapQuality, Parameterization, Parameterizer};
 pub use uses::quads::QuadMesh;

@@ -136,13 +136,17 @@ unsafe extern "C" fn report(user: *mut c_void, fraction: f64) -> i32 {
     }
 }
 
-/// Makes a call with the control of this thread; NULL where nobody watches.
+/// Makes a call with the control of this thread; NULL where nobody watches and nothing is lent.
 pub(crate) fn with_control<T>(call: impl FnOnce(*const sys::hmf_control) -> T) -> T {
     let user = CURRENT.get();
-    if user.is_null() {
+    let (workers, parallel_for, parallel_user) = crate::threads::lent();
+    if user.is_null() && parallel_for.is_none() {
         return call(ptr::null());
     }
-    call(&options!(hmf_control progress: Some(report), progress_user: user))
+    let progress: sys::hmf_progress_fn = if user.is_null() { None } else { Some(report) };
+    call(
+        &options!(hmf_control progress: progress, progress_user: user, workers: workers, parallel_for: parallel_for, parallel_user: parallel_user),
+    )
 }
 
 /// A panic of the closure goes on here, once the call is over.
