@@ -506,7 +506,7 @@ class Solve(Case):
         self.assertEqual(found["singularities"], [])
         self.assertEqual(found["options"], {
             "loops": "cut", "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
-            "tolerance": 1e-8, "time-limit": None, "threads": found["threads"], "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes",
+            "tolerance": 1e-8, "time-limit": None, "threads": found["threads"], "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes", "camera": "auto", "image-size": "1400x1050", "legend": False, "period": found["options"]["period"],
             "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": False})
         # What it says are the defaults gives the same bits.
         self.run_tool("solve", mesh, "--values", self.path("a.csv"))
@@ -640,6 +640,41 @@ class Solve(Case):
         self.refused(3, "solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj"), "--values", self.path("u.csv"),
                      says=["--method newton"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
+
+    def test_pictures(self):
+        """Size, camera, legend and every pattern; what has no effect is refused."""
+        def picture(*options):
+            self.run_tool("solve", self.mesh, "--image", self.path("i.png"), "--image-size", "160x120", *options)
+            return pixels_of(self.read("i.png"))
+        def share(pixels, colour):
+            return sum(colour(*p) for row in pixels for p in row) / (len(pixels) * len(pixels[0]))
+        is_red = lambda r, g, b: r > 2 * g and r > 2 * b
+        is_object = lambda r, g, b: max(r, g, b) - min(r, g, b) > 12 or max(r, g, b) < 120
+        pictures = {}
+        for pattern in ("stripes", "checkerboard", "quads", "dilatation"):
+            pictures[pattern] = picture("--pattern", pattern)
+            self.assertEqual((len(pictures[pattern]), len(pictures[pattern][0])), (120, 160))
+        for pattern in ("stripes", "checkerboard"):
+            self.assertGreater(share(pictures[pattern], is_red), 0.05)
+        self.assertEqual(share(pictures["quads"], is_red), 0)
+        self.assertEqual(len({str(p) for p in pictures.values()}), 4)
+        # Round the z axis: from the top (z) there is a hole in the middle, from the front it is flat.
+        top, side = picture("--camera", "0,0,1"), picture("--camera", "0,-1,0,0,0,1")
+        self.assertFalse(is_object(*top[60][80]))
+        self.assertTrue(is_object(*side[60][80]))
+        rows = lambda pixels: sum(any(is_object(*p) for p in row) for row in pixels)
+        self.assertGreater(rows(top), 1.8 * rows(side))
+        self.assertEqual(picture("--camera", "front"), top)
+        # A finer period, more stripes: more changes along a row through the tube.
+        changes = lambda pixels: sum(is_red(*a) != is_red(*b) for row in pixels for a, b in zip(row, row[1:]))
+        self.assertGreater(changes(picture("--camera", "front", "--period", "0.05")), 1.5 * changes(picture("--camera", "front", "--period", "0.2")))
+        legend = picture("--camera", "front", "--legend")
+        self.assertNotEqual(legend, top)
+        for wrong in (("--camera", "up"), ("--camera", "1,2"), ("--camera", "0,0,0"), ("--camera", "1,0,0,2,0,0"), ("--image-size", "10x"), ("--image-size", "1x9"),
+                      ("--period", "0"), ("--pattern", "quads", "--period", "1"), ("--size", "1")):
+            self.refused(2, "solve", self.mesh, "--image", self.path("i.png"), *wrong, says=[wrong[-2]])
+        for option in (("--camera", "top"), ("--image-size", "160x120"), ("--legend",)):
+            self.refused(2, "solve", self.mesh, *option, says=["--image"])
 
     def test_start(self):
         first, second, report = self.path("first.csv"), self.path("second.csv"), self.path("r.json")

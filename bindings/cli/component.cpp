@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "closed_pattern.hpp"
 #include "marks.hpp"
 
 namespace cli {
@@ -185,11 +186,34 @@ const hmf_cylinder_set* Component::find_cylinders(const hmf_control* control) {
     return cylinders_.get();
 }
 
+Owned<hmf_lines> Component::trace_cylinders(const hmf_control* control) const {
+    hmf_trace_options options = {};
+    options.struct_size = sizeof options;
+    options.critical = 1;
+    options.spacing = 1e300; // one level set in each, in the middle
+    return make<hmf_lines>(subject_, [&](hmf_lines** out, hmf_error* error) {
+        return hmf_trace(foliation_.get(), &options, control, out, error);
+    });
+}
+
 const hmf_parameterization* Component::parameterize(const hmf_control* control) {
+    if (parameterization_) return parameterization_.get();
     parameterization_ = make<hmf_parameterization>(subject_, [&](hmf_parameterization** out, hmf_error* error) {
         return hmf_parameterize(foliation_.get(), nullptr, control, out, error);
     });
     return parameterization_.get();
+}
+
+std::vector<double> Component::checkerboard_uv(double period) const {
+    std::vector<uint32_t> triangles(3 * finest_.triangle_count), edges(triangles.size());
+    hmf_error error{};
+    check(hmf_level_triangle_vertices(hierarchy_.get(), 0, triangles.data(), triangles.size(), &error), error,
+          subject_);
+    check(hmf_level_triangle_edges(hierarchy_.get(), 0, edges.data(), edges.size(), &error), error, subject_);
+    std::vector<double> closed = closed_pattern(triangles, edges, *parameterization_, period);
+    if (closed.empty())
+        closed.assign(parameterization_->corner_uv, parameterization_->corner_uv + 2 * triangles.size());
+    return closed;
 }
 
 Json Component::json(const std::vector<hmf_singularity>& singularities) const {

@@ -93,6 +93,10 @@ public:
 
     const hmf_cylinder_set* find_cylinders(const hmf_control* control);
     const hmf_parameterization* parameterize(const hmf_control* control);
+    // Where critical leaves and the middle leaves of the cylinders cross the edges of this component.
+    Owned<hmf_lines> trace_cylinders(const hmf_control* control) const;
+    // (u, v) of each corner for a checkerboard: without seams if that can be.  Needs parameterize.
+    std::vector<double> checkerboard_uv(double period) const;
     const hmf_cylinder_set* cylinders() const { return cylinders_.get(); }
     const hmf_parameterization* parameterization() const { return parameterization_.get(); }
 

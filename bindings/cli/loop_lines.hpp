@@ -10,8 +10,7 @@ namespace cli {
 
 using Line = std::vector<std::array<double, 3>>; // closed
 
-// Loops of the input mesh: through their vertices, or through the middles of
-// the edges that their triangles share, smoothed a little.
+// Loops of the input mesh: through their vertices, or the shortest closed curve in the strip of their triangles.
 std::vector<Line> loop_lines(const Foliation& foliation, const hmf_loop_set& loops);
 
 } // namespace cli

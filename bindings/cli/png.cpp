@@ -26,7 +26,10 @@ public:
                 continue;
             }
             put_match(static_cast<unsigned>(length), static_cast<unsigned>(distance));
-            for (const size_t end = at + length; at < end; ++at) insert(at);
+            // Of a long match only the beginning is found again.
+            const size_t end = at + length, known = std::min(end, at + 16);
+            while (at < known) insert(at++);
+            at = end;
         }
         put_symbol(256);
         put(0, 7); // whole bytes
@@ -35,7 +38,7 @@ public:
 
 private:
     static constexpr size_t SHORTEST = 4, LONGEST = 258, WINDOW = 32768;
-    static constexpr int HASH_BITS = 15, TRIES = 32;
+    static constexpr int HASH_BITS = 15, TRIES = 8;
 
     uint32_t hash(size_t at) const {
         const auto byte = [&](size_t k) { return uint32_t{static_cast<unsigned char>(in_[at + k])}; };
@@ -79,14 +82,28 @@ private:
 
     // Huffman codes begin with their highest bit.
     void put_code(uint32_t code, int count) {
-        for (int k = count; k-- > 0;) put(code >> k & 1, 1);
+        uint32_t turned = 0;
+        for (int k = 0; k < count; ++k) turned |= (code >> k & 1) << (count - 1 - k);
+        put(turned, count);
     }
 
     void put_symbol(unsigned symbol) {
-        if (symbol < 144) put_code(0x30 + symbol, 8);
-        else if (symbol < 256) put_code(0x190 + symbol - 144, 9);
-        else if (symbol < 280) put_code(symbol - 256, 7);
-        else put_code(0xc0 + symbol - 280, 8);
+        // The codes of bytes, turned once.
+        static const std::array<std::array<uint16_t, 2>, 288> codes = [] {
+            std::array<std::array<uint16_t, 2>, 288> table{};
+            for (unsigned n = 0; n < table.size(); ++n) {
+                const unsigned count = n < 144 ? 8 : n < 256 ? 9 : n < 280 ? 7 : 8;
+                const unsigned code = n < 144 ? 0x30 + n
+                                    : n < 256 ? 0x190 + n - 144
+                                    : n < 280 ? n - 256
+                                              : 0xc0 + n - 280;
+                unsigned turned = 0;
+                for (unsigned k = 0; k < count; ++k) turned |= (code >> k & 1) << (count - 1 - k);
+                table[n] = {static_cast<uint16_t>(turned), static_cast<uint16_t>(count)};
+            }
+            return table;
+        }();
+        put(codes[symbol][0], codes[symbol][1]);
     }
 
     void put_match(unsigned length, unsigned distance) {
@@ -120,19 +137,30 @@ std::string big_endian(uint32_t n) {
 }
 
 uint32_t crc(const std::string& bytes) {
+    static const std::array<uint32_t, 256> table = [] {
+        std::array<uint32_t, 256> made{};
+        for (uint32_t n = 0; n < made.size(); ++n) {
+            made[n] = n;
+            for (int k = 0; k < 8; ++k) made[n] = (made[n] & 1) ? made[n] >> 1 ^ 0xedb88320u : made[n] >> 1;
+        }
+        return made;
+    }();
     uint32_t c = 0xffffffffu;
-    for (const char b : bytes) {
-        c ^= static_cast<unsigned char>(b);
-        for (int k = 0; k < 8; ++k) c = (c & 1) ? c >> 1 ^ 0xedb88320u : c >> 1;
-    }
+    for (const char b : bytes) c = c >> 8 ^ table[(c ^ static_cast<unsigned char>(b)) & 0xff];
     return ~c;
 }
 
 uint32_t adler(const std::string& bytes) {
     uint32_t a = 1, b = 0;
-    for (const char c : bytes) {
-        a = (a + static_cast<unsigned char>(c)) % 65521;
-        b = (b + a) % 65521;
+    // The sums of so many bytes fit into 32 bits.
+    constexpr size_t RUN = 5000;
+    for (size_t from = 0; from < bytes.size(); from += RUN) {
+        for (size_t k = from; k < std::min(bytes.size(), from + RUN); ++k) {
+            a += static_cast<unsigned char>(bytes[k]);
+            b += a;
+        }
+        a %= 65521;
+        b %= 65521;
     }
     return b << 16 | a;
 }

@@ -22,31 +22,10 @@ namespace {
 
 constexpr uint32_t NO_TRIANGLE = 0xffffffffu;
 
-// Common divisor of the weights, from fractions with small denominators.
-double common_step(const std::vector<double>& weights, bool& exact) {
-    exact = true;
-    const double smallest = *std::min_element(weights.begin(), weights.end());
-    long long denominator = 1;
-    for (double weight : weights) {
-        const double ratio = weight / smallest;
-        long long q = 1;
-        while (q <= 24 && std::fabs(ratio * double(q) - std::round(ratio * double(q))) > 1e-9 * ratio * double(q)) ++q;
-        if (q > 24) {
-            exact = false;
-            return smallest;
-        }
-        denominator = std::lcm(denominator, q);
-        if (denominator > 120) {
-            exact = false;
-            return smallest;
-        }
-    }
-    return smallest / double(denominator);
-}
-
 class Transport {
 public:
-    Transport(const Foliation& foliation, Potential& potential) : f_(foliation), p_(potential) {
+    Transport(const Foliation& foliation, Potential& potential) :
+        f_(foliation), p_(potential), u_(foliation.stripe_values.empty() ? foliation.values : foliation.stripe_values) {
         const size_t count = f_.triangle_count();
         p_.u.assign(count, {0, 0, 0});
         p_.piece.assign(count, Piece::zero);
@@ -81,7 +60,9 @@ public:
     }
 
 private:
+    // The foliation decides what lies where, the values that the stripes follow how far.
     double side(uint32_t t, unsigned s) const { return f_.values[f_.triangle_edges[3 * t + s % 3]]; }
+    double step(uint32_t t, unsigned s) const { return u_[f_.triangle_edges[3 * t + s % 3]]; }
 
     void classify(uint32_t t) {
         const double ab = side(t, 0), bc = side(t, 1), ca = side(t, 2);
@@ -91,19 +72,19 @@ private:
         p_.piece[t] = Piece::linear;
         if (excess > 1e-12 * longest) {
             p_.piece[t] = Piece::tripod;
-            p_.u[t] = {(ab + ca - bc) / 2, (ab + bc - ca) / 2, (bc + ca - ab) / 2};
+            const double x = step(t, 0), y = step(t, 1), z = step(t, 2);
+            p_.u[t] = {std::max(0.0, x + z - y) / 2, std::max(0.0, x + y - z) / 2, std::max(0.0, y + z - x) / 2};
         }
     }
 
     // Fills the linear triangle t from its value at corner c.  sign: of the
     // step from c to the far corners, or to corner c + 1 if c is the middle.
     void fill(uint32_t t, unsigned c, double value, double sign) {
-        const double to_next = side(t, c), to_last = side(t, c + 2), opposite = side(t, c + 1);
         auto& u = p_.u[t];
         u[c] = value;
-        u[(c + 1) % 3] = value + sign * to_next;
-        const bool between = opposite > to_next && opposite > to_last;
-        u[(c + 2) % 3] = value + (between ? -sign : sign) * to_last;
+        u[(c + 1) % 3] = value + sign * step(t, c);
+        const bool between = side(t, c + 1) > side(t, c) && side(t, c + 1) > side(t, c + 2);
+        u[(c + 2) % 3] = value + (between ? -sign : sign) * step(t, c + 2);
     }
 
     void visit(uint32_t t) {
@@ -156,21 +137,22 @@ private:
             } else {
                 const unsigned k = (r + 2) % 3;
                 p_.u[n][r] = p_.u[n][(r + 1) % 3] = start;
-                p_.u[n][k] = start - inside * side(n, k);
+                p_.u[n][k] = start - inside * step(n, k);
             }
         } else {
             fill(n, r, start, end > start ? 1 : -1);
             p_.u[n][(r + 1) % 3] = end;
         }
-        // Keeps the numbers small; exact, as is everything else for equal weights.
-        const double shift = p_.step * std::round(p_.u[n][0] / p_.step);
-        if (p_.exact && std::fabs(shift) > 8 * p_.step)
+        // Keeps the numbers small.
+        const double shift = p_.period * std::floor(p_.u[n][0] / p_.period);
+        if (std::fabs(shift) > 64 * p_.period)
             for (double& value : p_.u[n]) value -= shift;
         visit(n);
     }
 
     const Foliation& f_;
     Potential& p_;
+    const std::vector<double>& u_;
     std::vector<std::array<uint32_t, 2>> edge_triangles_;
     std::vector<double> direction_; // of zero triangles: where the transport came from
     std::vector<uint8_t> seen_;
@@ -196,50 +178,56 @@ Flat lay_out(const Foliation& f, uint32_t t) {
     return {x1, x2, std::sqrt(std::max(0.0, d22 - x2 * x2))};
 }
 
-std::array<double, 2> gradient(const Flat& flat, const std::array<double, 3>& u) {
-    if (!(flat.x1 > 0) || !(flat.y2 > 0)) return {0, 0};
-    const double gx = (u[1] - u[0]) / flat.x1;
-    return {gx, (u[2] - u[0] - gx * flat.x2) / flat.y2};
-}
-
 } // namespace
 
-Potential local_potential(const Foliation& foliation) {
+Potential local_potential(const Foliation& foliation, double period) {
     Potential potential;
-    potential.step = common_step(foliation.loop_weights, potential.exact);
+    potential.period = period;
     Transport(foliation, potential).run();
     return potential;
 }
 
-double root_mean_square_gradient(const Foliation& foliation, const Potential& potential) {
+double wanted_period(const Foliation& f) {
+    constexpr double STRIPES_ACROSS = 44; // pairs of light and dark, where the gradient is average
+    double low[3] = {}, high[3] = {};
+    for (size_t i = 0; i < f.positions.size(); ++i) {
+        const double x = f.positions[i];
+        low[i % 3] = i < 3 ? x : std::min(low[i % 3], x);
+        high[i % 3] = i < 3 ? x : std::max(high[i % 3], x);
+    }
+    double size = 0;
+    for (int a = 0; a < 3; ++a) size += (high[a] - low[a]) * (high[a] - low[a]);
     double sum = 0, area_sum = 0;
-    for (uint32_t t = 0; t < foliation.triangle_count(); ++t) {
-        const Flat flat = lay_out(foliation, t);
+    for (uint32_t t = 0; t < f.triangle_count(); ++t) {
+        const Flat flat = lay_out(f, t);
         const double area = flat.x1 * flat.y2 / 2;
         area_sum += area;
-        if (potential.piece[t] != Piece::linear) continue;
-        const auto g = gradient(flat, potential.u[t]);
-        sum += area * (g[0] * g[0] + g[1] * g[1]);
+        const double ab = f.values[f.triangle_edges[3 * t]], bc = f.values[f.triangle_edges[3 * t + 1]],
+                     ca = f.values[f.triangle_edges[3 * t + 2]];
+        if (!(flat.x1 > 0) || !(flat.y2 > 0)) continue;
+        // u at the corners 1 and 2, if it is 0 at corner 0.
+        const double u1 = ab, u2 = bc >= ab && bc >= ca ? -ca : ca;
+        const double x = u1 / flat.x1, y = (u2 - x * flat.x2) / flat.y2;
+        sum += area * (x * x + y * y);
     }
-    return area_sum > 0 ? std::sqrt(sum / area_sum) : 0;
+    const double period = area_sum > 0 ? std::sqrt(size * sum / area_sum) / STRIPES_ACROSS : 0;
+    return period > 0 ? period : 1;
 }
 
-double choose_period(const Foliation& foliation, const Potential& potential, double wanted) {
-    if (!(wanted > 0)) return potential.step;
-    const double exact = potential.step / std::max(1.0, std::round(potential.step / wanted));
-    if (potential.exact && exact > 0.6 * wanted) return exact;
-    double best = wanted, least = 1;
-    for (int i = 0; i <= 2000; ++i) {
-        const double period = wanted * (0.7 + 0.7 * i / 2000);
-        double worst = 0;
-        for (double weight : foliation.loop_weights)
-            worst = std::max(worst, std::fabs(weight / period - std::round(weight / period)));
-        if (worst < least) {
-            least = worst;
-            best = period;
-        }
+double common_period(const std::vector<double>& weights, double wanted) {
+    const double smallest = *std::min_element(weights.begin(), weights.end());
+    // Common divisor of the weights, from fractions with small denominators.
+    long long denominator = 1;
+    for (double weight : weights) {
+        const double ratio = weight / smallest;
+        long long q = 1;
+        while (q <= 24 && std::fabs(ratio * double(q) - std::round(ratio * double(q))) > 1e-9 * ratio * double(q)) ++q;
+        if (q > 24) return 0;
+        denominator = std::lcm(denominator, q);
+        if (denominator > 120) return 0;
     }
-    return best;
+    const double step = smallest / double(denominator), period = step / std::max(1.0, std::round(step / wanted));
+    return period > 0.6 * wanted && period < 1.6 * wanted ? period : 0;
 }
 
 } // namespace cli

@@ -18,6 +18,7 @@ struct Foliation {
     std::vector<double> values;            // F, 1 per edge
     std::vector<hmf_singularity> singular; // zeros and poles
     std::vector<double> loop_weights;      // all > 0
+    std::vector<double> stripe_values;     // values with the same leaves that the stripes follow; empty: F
     std::vector<uint32_t> component;       // of each triangle; empty: all are one
     std::vector<uint8_t> is_bare;          // of each component, where there are several: without a foliation
     bool is_bare_at(size_t t) const { return !component.empty() && is_bare[component[t]]; }
@@ -33,19 +34,19 @@ enum class Piece : uint8_t {
 struct Potential {
     std::vector<std::array<double, 3>> u;
     std::vector<Piece> piece;
-    double step = 1;   // an even function of u whose period divides step is continuous on the surface
-    bool exact = true; // false: the weights have no common divisor to speak of, seams are possible
+    double period = 1; // that u has been reduced by
 };
 
-// u is 0 at the zeros.
-Potential local_potential(const Foliation& foliation);
+// u is 0 at the zeros.  An even function of u with this period is continuous on the surface if it divides the weights
+// of the values that the stripes follow.
+Potential local_potential(const Foliation& foliation, double period);
 
-// Root mean square of the gradient of u over the surface: unlike the mean it
-// does not fall much where limbs without leaves make up most of the area.
-double root_mean_square_gradient(const Foliation& foliation, const Potential& potential);
+// About 22 pairs of stripes along the size of the object.  The root mean square of the gradient: unlike the mean it does
+// not fall much where limbs without leaves make up most of the area.
+double wanted_period(const Foliation& foliation);
 
-// A period of u near the wanted one that divides all weights, so that an even
-// pattern has no seams; if there is none, the one that comes closest.
-double choose_period(const Foliation& foliation, const Potential& potential, double wanted);
+// The period nearest to the wanted one that divides all weights, so that an even pattern has no seams; 0 if there is
+// none near it.
+double common_period(const std::vector<double>& weights, double wanted);
 
 } // namespace cli

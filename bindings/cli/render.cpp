@@ -1,6 +1,4 @@
-// A z-buffer rasteriser: 3 x 3 samples per pixel, stripes filtered by their
-// derivative on the screen, smooth shading up to a crease angle, and ambient
-// occlusion from the depth buffer.
+// The surface with its pattern, loops as rods, and zeros as balls on top.
 //
 // The stripe pattern is evaluated per sample, not per piece, so that a tripod
 // needs no new vertices and no cracks can open beside it:
@@ -15,141 +13,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "drawing.hpp"
 
 namespace cli {
 
 namespace {
 
-constexpr unsigned WIDTH = 1400, HEIGHT = 1050, SAMPLES = 3;
 constexpr double CREASE_COSINE = 0.62; // about 52 degrees
-constexpr double STRIPES_ACROSS = 44;  // pairs of stripes along the size of the object, where the gradient is average
-
-struct Vec {
-    double x = 0, y = 0, z = 0;
-};
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-Vec unit(Vec a) {
-    const double length = std::sqrt(dot(a, a));
-    return length > 0 ? (1 / length) * a : Vec{0, 0, 1};
-}
-
-using Colour = Vec; // linear light
-constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, BLUE{0.03, 0.13, 0.75}, YELLOW{0.98, 0.68, 0.02},
-    VIOLET{0.45, 0.05, 0.55}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42};
-
-// Principal axes of the points, the smallest first, by Jacobi rotations.
-std::array<Vec, 3> principal_axes(const std::vector<Vec>& points) {
-    Vec mean;
-    for (Vec p : points) mean = mean + (1.0 / double(points.size())) * p;
-    double m[3][3] = {}, v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (Vec p : points) {
-        const double d[3] = {p.x - mean.x, p.y - mean.y, p.z - mean.z};
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) m[i][j] += d[i] * d[j];
-    }
-    for (int sweep = 0; sweep < 30; ++sweep)
-        for (int p = 0; p < 2; ++p)
-            for (int q = p + 1; q < 3; ++q) {
-                if (std::fabs(m[p][q]) < 1e-300) continue;
-                const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-                const double t = (theta < 0 ? -1 : 1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
-                const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-                for (int k = 0; k < 3; ++k) {
-                    const double a = m[k][p], b = m[k][q];
-                    m[k][p] = c * a - s * b;
-                    m[k][q] = s * a + c * b;
-                }
-                for (int k = 0; k < 3; ++k) {
-                    const double a = m[p][k], b = m[q][k];
-                    m[p][k] = c * a - s * b;
-                    m[q][k] = s * a + c * b;
-                }
-                for (int k = 0; k < 3; ++k) {
-                    const double a = v[k][p], b = v[k][q];
-                    v[k][p] = c * a - s * b;
-                    v[k][q] = s * a + c * b;
-                }
-            }
-    std::array<int, 3> order{0, 1, 2};
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return m[a][a] < m[b][b]; });
-    std::array<Vec, 3> axes;
-    for (size_t i = 0; i < 3; ++i) axes[i] = unit({v[0][order[i]], v[1][order[i]], v[2][order[i]]});
-    return axes;
-}
-
-// Camera at distance `back` from the centre, looking along -forward.
-struct Camera {
-    Vec right, up, forward, centre;
-    double back = 1, focal = 1; // focal: half height of the picture is 1
-    Vec to_camera(Vec p) const {
-        const Vec d = p - centre;
-        return {dot(d, right), dot(d, up), dot(d, forward) - back};
-    }
-};
-
-Camera place_camera(const std::vector<Vec>& points) {
-    Camera camera;
-    const std::array<Vec, 3> axes = principal_axes(points);
-    Vec axis = axes[0];
-    // Models stand upright along y or z; take the one that lies in the picture.
-    // One that stands askew to its own axes is laid along its longest.
-    Vec upright = std::fabs(axis.y) < 0.75 ? Vec{0, 1, 0} : Vec{0, 0, 1};
-    if (axis.x + axis.y + axis.z < 0) axis = -1.0 * axis;
-    const Vec projected = unit(upright - dot(upright, axis) * axis);
-    if (std::max(std::fabs(dot(projected, axes[1])), std::fabs(dot(projected, axes[2]))) < 0.9)
-        upright = dot(axes[1], upright) < 0 ? -1.0 * axes[1] : axes[1];
-    const Vec up = unit(upright - dot(upright, axis) * axis), side = cross(up, axis);
-    camera.forward = unit(axis + 0.42 * up + 0.36 * side);
-    camera.right = unit(cross(up, camera.forward));
-    camera.up = cross(camera.forward, camera.right);
-    camera.focal = 3.2;
-    const double aspect = double(WIDTH) / HEIGHT;
-
-    double low[3] = {}, high[3] = {};
-    for (size_t i = 0; i < points.size(); ++i) {
-        const double c[3] = {dot(points[i], camera.right), dot(points[i], camera.up), dot(points[i], camera.forward)};
-        for (int a = 0; a < 3; ++a) {
-            low[a] = i ? std::min(low[a], c[a]) : c[a];
-            high[a] = i ? std::max(high[a], c[a]) : c[a];
-        }
-    }
-    camera.centre = 0.5 * (low[0] + high[0]) * camera.right + 0.5 * (low[1] + high[1]) * camera.up
-                  + 0.5 * (low[2] + high[2]) * camera.forward;
-    // Perspective moves near parts outward: centre what is seen, and again.
-    for (int round = 0; round < 4; ++round) {
-        camera.back = 0;
-        double back = 0;
-        for (Vec p : points) {
-            const Vec c = camera.to_camera(p);
-            back = std::max({back, c.z + camera.focal * std::fabs(c.x) / aspect, c.z + camera.focal * std::fabs(c.y)});
-        }
-        camera.back = 1.08 * back;
-        double left = 1e300, right = -1e300, bottom = 1e300, top = -1e300;
-        for (Vec p : points) {
-            const Vec c = camera.to_camera(p);
-            left = std::min(left, -c.x / c.z);
-            right = std::max(right, -c.x / c.z);
-            bottom = std::min(bottom, -c.y / c.z);
-            top = std::max(top, -c.y / c.z);
-        }
-        if (round < 3)
-            camera.centre =
-                camera.centre + 0.5 * camera.back * ((left + right) * camera.right + (bottom + top) * camera.up);
-    }
-    return camera;
-}
-
-struct Corner {
-    Vec position, normal; // in camera space
-};
+constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42},
+    DARK{0.09, 0.11, 0.16};
+constexpr Ink BLUE_INK{48, 90, 222}, YELLOW_INK{250, 200, 40}, VIOLET_INK{170, 60, 180}, GREEN_INK{30, 150, 60},
+    RED_INK{205, 44, 52}, WHITE_INK{250, 248, 243}, BLACK_INK{25, 28, 36};
 
 // Box-filtered share of red of the even stripe pattern.
 double share_of_red(double u, double width, double period) {
-    const double folded = std::fabs(u - period * std::round(u / period));
+    const double turns = u / period + 0.5, folded = period * std::fabs(turns - std::floor(turns) - 0.5);
     const double sharp = std::clamp((period / 4 - folded) / std::max(width, 1e-12 * period) + 0.5, 0.0, 1.0);
     const double blur = std::clamp((width / period - 0.3) / 0.4, 0.0, 1.0);
     return sharp + blur * (0.5 - sharp);
@@ -185,364 +66,390 @@ double potential_at(Piece piece, const std::array<double, 3>& u, const double* b
     return slope[0] * b[0] + slope[1] * b[1] + slope[2] * b[2];
 }
 
-class Canvas {
-public:
-    explicit Canvas(const Camera& camera) :
-        focal_(camera.focal), depth_(size_t(W) * H, 0.0f), normal_(size_t(W) * H, {0, 0, 0}),
-        colour_(size_t(W) * H, {0, 0, 0}) {}
+// Light where a triangle keeps its shape, over orange to dark where it is stretched twofold.
+Colour colour_of_dilatation(double dilatation) {
+    const double t = std::clamp(std::log2(std::max(1.0, dilatation)), 0.0, 1.0);
+    static const Colour ramp[4] = {{0.95, 0.94, 0.90}, {0.92, 0.62, 0.16}, {0.72, 0.09, 0.06}, {0.10, 0.01, 0.06}};
+    const int k = std::min(2, int(3 * t));
+    return (1 - (3 * t - k)) * ramp[k] + (3 * t - k) * ramp[k + 1];
+}
 
-    // Calls paint(barycentric, change of it per sample to the right and down)
-    // for each visible sample.
-    template <typename Paint>
-    void triangle(const Corner& a, const Corner& b, const Corner& c, Paint paint) {
-        const Corner* corner[3] = {&a, &b, &c};
-        double sx[3], sy[3], w[3];
-        for (int m = 0; m < 3; ++m) {
-            const Vec p = corner[m]->position;
-            if (!(p.z < 0)) return;
-            w[m] = -1 / p.z;
-            sx[m] = W * 0.5 + p.x * w[m] * focal_ * H * 0.5;
-            sy[m] = H * 0.5 - p.y * w[m] * focal_ * H * 0.5;
+// Normals of the corners of the triangles that are seen: the mean over the triangles around a vertex that do not lie
+// beyond a crease, weighted as on a sphere (Max 1999).  Outward, in the frame of the camera.
+class Normals {
+public:
+    Normals(const std::vector<Vec>& points, const std::vector<uint32_t>& triangles, const Foliation& foliation) :
+        p_(points), t_(triangles), face_(triangles.size() / 3), start_(points.size() + 1, 0), around_(triangles.size()),
+        slot_(triangles.size() / 3, NONE), foliation_(foliation),
+        is_whole_(triangles.size() != foliation.triangles.size() || foliation.component.empty()) {
+        volume_.assign(std::max<size_t>(1, foliation.is_bare.size()), 0.0);
+        for (size_t t = 0; t < face_.size(); ++t) {
+            const Vec a = p_[t_[3 * t]], n = cross(p_[t_[3 * t + 1]] - a, p_[t_[3 * t + 2]] - a);
+            volume_[component(t)] += dot(a - p_[0], n);
+            face_[t] = unit(n);
+            for (size_t c = 0; c < 3; ++c) ++start_[t_[3 * t + c] + 1];
         }
-        const double area = (sx[1] - sx[0]) * (sy[2] - sy[0]) - (sx[2] - sx[0]) * (sy[1] - sy[0]);
-        if (area == 0) return;
-        const int x0 = std::max(0, int(std::ceil(std::min({sx[0], sx[1], sx[2]}) - 0.5)));
-        const int x1 = std::min(int(W) - 1, int(std::floor(std::max({sx[0], sx[1], sx[2]}) - 0.5)));
-        const int y0 = std::max(0, int(std::ceil(std::min({sy[0], sy[1], sy[2]}) - 0.5)));
-        const int y1 = std::min(int(H) - 1, int(std::floor(std::max({sy[0], sy[1], sy[2]}) - 0.5)));
-        // Edge functions: screen barycentrics are e + x ex + y ey.
-        double ex[3], ey[3], e[3];
-        for (int m = 0; m < 3; ++m) {
-            const int p = (m + 1) % 3, q = (m + 2) % 3;
-            ex[m] = (sy[p] - sy[q]) / area;
-            ey[m] = (sx[q] - sx[p]) / area;
-            e[m] = (sx[p] * sy[q] - sx[q] * sy[p]) / area;
-        }
-        for (int y = y0; y <= y1; ++y)
-            for (int x = x0; x <= x1; ++x) {
-                const double px = x + 0.5, py = y + 0.5;
-                double screen[3];
-                bool inside = true;
-                for (int m = 0; m < 3; ++m) {
-                    screen[m] = e[m] + px * ex[m] + py * ey[m];
-                    inside = inside && screen[m] >= -1e-9;
-                }
-                if (!inside) continue;
-                const double inverse = screen[0] * w[0] + screen[1] * w[1] + screen[2] * w[2];
-                const size_t at = size_t(y) * W + size_t(x);
-                if (!(inverse > depth_[at])) continue;
-                // Perspective-correct barycentrics and their derivatives.
-                double bary[3], right[3], down[3];
-                const double inverse_x = ex[0] * w[0] + ex[1] * w[1] + ex[2] * w[2];
-                const double inverse_y = ey[0] * w[0] + ey[1] * w[1] + ey[2] * w[2];
-                for (int m = 0; m < 3; ++m) {
-                    bary[m] = screen[m] * w[m] / inverse;
-                    right[m] = (ex[m] * w[m] - bary[m] * inverse_x) / inverse;
-                    down[m] = (ey[m] * w[m] - bary[m] * inverse_y) / inverse;
-                }
-                const Vec position = bary[0] * a.position + bary[1] * b.position + bary[2] * c.position;
-                Vec normal = unit(bary[0] * a.normal + bary[1] * b.normal + bary[2] * c.normal);
-                const Vec view = unit(-1.0 * position);
-                if (dot(normal, view) < 0) normal = unit(normal - 1.02 * dot(normal, view) * view);
-                depth_[at] = float(inverse);
-                normal_[at] = {float(normal.x), float(normal.y), float(normal.z)};
-                colour_[at] = quantise(shade(paint(bary, right, down), normal, view));
-            }
+        for (size_t v = 0; v < p_.size(); ++v) start_[v + 1] += start_[v];
+        std::vector<uint32_t> filled(start_.begin(), start_.end() - 1);
+        for (uint32_t k = 0; k < t_.size(); ++k) around_[filled[t_[k]]++] = k;
     }
 
-    // occlusion_radius: in camera space.
-    Image resolve(double occlusion_radius) const {
-        const std::vector<float> light = ambient_light(occlusion_radius);
-        Image image;
-        image.width = WIDTH;
-        image.height = HEIGHT;
-        image.rgb.resize(size_t(WIDTH) * HEIGHT * 3);
-        for (unsigned y = 0; y < HEIGHT; ++y)
-            for (unsigned x = 0; x < WIDTH; ++x) {
-                const Colour back = background(x, y);
-                Colour sum;
-                for (unsigned j = 0; j < SAMPLES; ++j)
-                    for (unsigned i = 0; i < SAMPLES; ++i) {
-                        const size_t at = size_t(y * SAMPLES + j) * W + x * SAMPLES + i;
-                        Colour c = back;
-                        if (depth_[at] > 0) {
-                            const auto& q = colour_[at];
-                            const double open = light[size_t(y) * WIDTH + x];
-                            c = {open * q[0] * q[0] / 65025.0, open * q[1] * q[1] / 65025.0,
-                                 open * q[2] * q[2] / 65025.0};
-                        }
-                        sum = sum + c;
-                    }
-                const Colour mean = (1.0 / (SAMPLES * SAMPLES)) * sum;
-                const double channel[3] = {mean.x, mean.y, mean.z};
-                for (unsigned k = 0; k < 3; ++k)
-                    image.rgb[(size_t(y) * WIDTH + x) * 3 + k] =
-                        uint8_t(std::lround(255 * std::pow(std::clamp(channel[k], 0.0, 1.0), 1 / 2.2)));
-            }
-        return image;
+    const std::array<Vec, 3>& of(size_t t) {
+        if (slot_[t] == NONE) {
+            slot_[t] = uint32_t(made_.size());
+            made_.push_back({corner(3 * t), corner(3 * t + 1), corner(3 * t + 2)});
+        }
+        return made_[slot_[t]];
     }
 
 private:
-    static constexpr unsigned W = WIDTH * SAMPLES, H = HEIGHT * SAMPLES;
+    static constexpr uint32_t NONE = 0xffffffffu;
+    size_t component(size_t t) const { return is_whole_ ? 0 : foliation_.component[t]; }
 
-    static std::array<uint8_t, 3> quantise(Colour c) {
-        const auto channel = [](double v) { return uint8_t(std::lround(255 * std::sqrt(std::clamp(v, 0.0, 1.0)))); };
-        return {channel(c.x), channel(c.y), channel(c.z)};
+    Vec corner(size_t k) const {
+        Vec sum;
+        for (size_t r = start_[t_[k]]; r < start_[t_[k] + 1]; ++r) {
+            const size_t j = around_[r], t = j / 3;
+            if (!(dot(face_[t], face_[k / 3]) > CREASE_COSINE)) continue;
+            const Vec p = p_[t_[j]], a = p_[t_[3 * t + (j + 1) % 3]] - p, b = p_[t_[3 * t + (j + 2) % 3]] - p;
+            const double squares = dot(a, a) * dot(b, b);
+            if (squares > 0) sum = sum + (1 / squares) * cross(a, b);
+        }
+        const Vec n = dot(sum, sum) > 0 ? unit(sum) : face_[k / 3];
+        return volume_[component(k / 3)] < 0 ? -1.0 * n : n;
     }
 
-    static Colour shade(Colour albedo, Vec n, Vec view) {
-        static const Vec key = unit({-0.45, 0.75, 0.65}), fill = unit({0.85, 0.1, 0.45});
-        const double sky = 0.5 + 0.5 * n.y;
-        const double diffuse =
-            0.22 + 0.18 * sky + 0.68 * std::max(0.0, dot(n, key)) + 0.17 * std::max(0.0, dot(n, fill));
-        const Vec half = unit(key + view);
-        const double shine = 0.10 * std::pow(std::max(0.0, dot(n, half)), 45.0);
-        const double rim = 0.05 * std::pow(1 - std::clamp(dot(n, view), 0.0, 1.0), 3.0);
-        return diffuse * albedo + Vec{shine + rim, shine + rim, shine + rim};
-    }
-
-    static Colour background(unsigned x, unsigned y) {
-        const double dx = (double(x) / WIDTH - 0.5) * 1.1, dy = double(y) / HEIGHT - 0.42;
-        const double fall = std::min(1.0, 1.5 * (dx * dx + dy * dy));
-        return {0.94 - 0.28 * fall, 0.95 - 0.26 * fall, 0.97 - 0.23 * fall};
-    }
-
-    Vec position_at(size_t x, size_t y) const {
-        const double z = -1.0 / depth_[y * W + x], scale = -z / (focal_ * H * 0.5);
-        return {(double(x) + 0.5 - W * 0.5) * scale, (H * 0.5 - double(y) - 0.5) * scale, z};
-    }
-
-    // Share of light that reaches the middle of each pixel: neighbours above
-    // the tangent plane take some away.  Blurred, as the directions alternate.
-    std::vector<float> ambient_light(double radius) const {
-        std::vector<float> raw(size_t(WIDTH) * HEIGHT, 1.0f), light(raw);
-        constexpr unsigned mid = SAMPLES / 2, DIRECTIONS = 8, STEPS = 4;
-        for (unsigned y = 0; y < HEIGHT; ++y)
-            for (unsigned x = 0; x < WIDTH; ++x) {
-                const size_t cx = size_t(x) * SAMPLES + mid, cy = size_t(y) * SAMPLES + mid;
-                const size_t at = cy * W + cx;
-                if (!(depth_[at] > 0)) continue;
-                const Vec here = position_at(cx, cy), n{normal_[at][0], normal_[at][1], normal_[at][2]};
-                const double reach = radius * focal_ * H * 0.5 * depth_[at];
-                const unsigned pattern = (x & 3u) + 4 * (y & 3u);
-                double taken = 0;
-                for (unsigned d = 0; d < DIRECTIONS; ++d) {
-                    const double angle = 6.283185307179586 * (d + pattern / 16.0) / DIRECTIONS;
-                    const double ux = std::cos(angle), uy = std::sin(angle);
-                    for (unsigned s = 1; s <= STEPS; ++s) {
-                        const double r = reach * (s - 0.5 * ((pattern * 7 % 16) / 16.0)) / STEPS;
-                        const double qx = double(cx) + r * ux, qy = double(cy) + r * uy;
-                        if (qx < 0 || qy < 0 || qx >= W || qy >= H) continue;
-                        const size_t ix = size_t(qx), iy = size_t(qy);
-                        if (!(depth_[iy * W + ix] > 0)) continue;
-                        const Vec to = position_at(ix, iy) - here;
-                        const double length = std::sqrt(dot(to, to));
-                        if (!(length > 0)) continue;
-                        const double above = dot(n, to) / length - 0.12;
-                        if (above > 0) taken += above / (1 + 2 * length * length / (radius * radius));
-                    }
-                }
-                raw[size_t(y) * WIDTH + x] = float(std::max(0.25, 1 - 1.5 * taken / (DIRECTIONS * STEPS)));
-            }
-        for (unsigned y = 0; y < HEIGHT; ++y)
-            for (unsigned x = 0; x < WIDTH; ++x) {
-                const size_t at = (size_t(y) * SAMPLES + mid) * W + size_t(x) * SAMPLES + mid;
-                const double z = depth_[at] > 0 ? 1.0 / depth_[at] : 0;
-                double sum = 0, count = 0;
-                for (int j = -2; j < 2; ++j)
-                    for (int i = -2; i < 2; ++i) {
-                        const int qx = int(x) + i, qy = int(y) + j;
-                        if (qx < 0 || qy < 0 || qx >= int(WIDTH) || qy >= int(HEIGHT)) continue;
-                        const float other = depth_[(size_t(qy) * SAMPLES + mid) * W + size_t(qx) * SAMPLES + mid];
-                        if (!(other > 0) || (z > 0 && std::fabs(1.0 / other - z) > 0.5 * radius)) continue;
-                        sum += raw[size_t(qy) * WIDTH + size_t(qx)];
-                        count += 1;
-                    }
-                if (count > 0) light[size_t(y) * WIDTH + x] = float(sum / count);
-            }
-        return light;
-    }
-
-    double focal_;
-    std::vector<float> depth_; // 1 / distance, 0 = background
-    std::vector<std::array<float, 3>> normal_;
-    std::vector<std::array<uint8_t, 3>> colour_; // square root of linear light
+    const std::vector<Vec>& p_;
+    const std::vector<uint32_t>& t_;
+    std::vector<Vec> face_;
+    std::vector<uint32_t> start_, around_, slot_;
+    std::vector<std::array<Vec, 3>> made_;
+    std::vector<double> volume_; // of each component
+    const Foliation& foliation_;
+    bool is_whole_;
 };
 
-// Normal of each corner: mean over the triangles around its vertex that do not
-// lie beyond a crease, weighted by their angles.  Outward.
-std::vector<Vec> corner_normals(const std::vector<Vec>& points, const Foliation& foliation) {
-    const std::vector<uint32_t>& triangles = foliation.triangles;
-    const size_t count = triangles.size() / 3;
-    std::vector<Vec> face(count), normal(3 * count);
-    std::vector<double> angle(3 * count);
-    std::vector<size_t> start(points.size() + 1, 0);
-    std::vector<double> volume(std::max<size_t>(1, foliation.is_bare.size()), 0.0); // of each component
-    const auto component = [&](size_t t) { return foliation.component.empty() ? 0 : foliation.component[t]; };
-    for (size_t t = 0; t < count; ++t) {
-        Vec p[3];
-        for (size_t c = 0; c < 3; ++c) p[c] = points[triangles[3 * t + c]] - points[0];
-        const Vec n = cross(p[1] - p[0], p[2] - p[0]);
-        volume[component(t)] += dot(p[0], n);
-        face[t] = unit(n);
-        for (size_t c = 0; c < 3; ++c) {
-            const Vec a = unit(p[(c + 1) % 3] - p[c]), b = unit(p[(c + 2) % 3] - p[c]);
-            angle[3 * t + c] = std::acos(std::clamp(dot(a, b), -1.0, 1.0));
-            ++start[triangles[3 * t + c] + 1];
+// Round rods along closed lines, in the frame of the camera.
+struct Rods {
+    std::vector<Vec> points, normals;
+    std::vector<uint32_t> triangles;
+
+    void add(const std::vector<Vec>& line, double radius) {
+        constexpr uint32_t SECTORS = 10;
+        const size_t n = line.size();
+        if (n < 3) return;
+        const uint32_t first = uint32_t(points.size());
+        Vec across{1, 0, 0};
+        for (size_t i = 0; i < n; ++i) {
+            const Vec axis = unit(line[(i + 1) % n] - line[(i + n - 1) % n]);
+            // Carried along the line, so that the rings do not twist.
+            if (i == 0 && std::fabs(axis.x) > 0.7) across = {0, 1, 0};
+            across = unit(across - dot(across, axis) * axis);
+            const Vec along = cross(axis, across);
+            for (uint32_t s = 0; s < SECTORS; ++s) {
+                const double turn = 6.283185307179586 * s / SECTORS;
+                normals.push_back(std::cos(turn) * across + std::sin(turn) * along);
+                points.push_back(line[i] + radius * normals.back());
+            }
+        }
+        for (uint32_t i = 0; i < n; ++i) {
+            const uint32_t here = first + i * SECTORS, next = first + (i + 1 < n ? i + 1 : 0) * SECTORS;
+            // The last ring meets the first with another turn.
+            uint32_t shift = 0;
+            if (i + 1 == n)
+                for (uint32_t s = 1; s < SECTORS; ++s)
+                    if (dot(normals[next + s], normals[here]) > dot(normals[next + shift], normals[here])) shift = s;
+            for (uint32_t s = 0; s < SECTORS; ++s) {
+                const uint32_t r = (s + 1) % SECTORS, a = here + s, b = here + r, c = next + (r + shift) % SECTORS,
+                               d = next + (s + shift) % SECTORS;
+                triangles.insert(triangles.end(), {a, b, c, a, c, d});
+            }
         }
     }
-    for (size_t v = 0; v < points.size(); ++v) start[v + 1] += start[v];
-    std::vector<size_t> around(3 * count), filled(start.begin(), start.end() - 1);
-    for (size_t k = 0; k < 3 * count; ++k) around[filled[triangles[k]]++] = k;
-    for (size_t k = 0; k < 3 * count; ++k) {
-        const size_t v = triangles[k];
-        Vec sum;
-        for (size_t r = start[v]; r < start[v + 1]; ++r)
-            if (dot(face[around[r] / 3], face[k / 3]) > CREASE_COSINE)
-                sum = sum + angle[around[r]] * face[around[r] / 3];
-        normal[k] = (volume[component(k / 3)] < 0 ? -1.0 : 1.0) * unit(sum);
+};
+
+// Points of a closed line, at most so far apart or so close that a rod along them is round.
+std::vector<Vec> resampled(const Line& line, double step) {
+    double all = 0;
+    const size_t n = line.size();
+    const auto at = [&](size_t i) { return Vec{line[i % n][0], line[i % n][1], line[i % n][2]}; };
+    for (size_t i = 0; i < n; ++i) all += length(at(i + 1) - at(i));
+    std::vector<Vec> points;
+    if (!(all > 0)) return points;
+    const double even = all / std::max(12.0, std::ceil(all / step));
+    double left = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const Vec from = at(i), way = at(i + 1) - from;
+        const double l = length(way);
+        for (; left < l; left += even) points.push_back(from + (left / l) * way);
+        left -= l;
     }
-    return normal;
+    return points;
 }
 
-// Only the part above the tangent plane: the rest of it would come out on the
-// other side of a thin sheet.
-void draw_button(Canvas& canvas, Vec centre, Vec outward, double radius, Colour colour) {
-    const Vec across = unit(cross(outward, std::fabs(outward.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})),
-              along = cross(outward, across);
-    constexpr int RINGS = 16, SECTORS = 48;
-    constexpr double POLAR = 1.75; // a little more than a half
-    const auto corner = [&](int ring, int sector) {
-        const double polar = POLAR * ring / RINGS, turn = 6.283185307179586 * sector / SECTORS;
-        const Vec n = std::sin(polar) * std::cos(turn) * across + std::sin(polar) * std::sin(turn) * along
-                    + std::cos(polar) * outward;
-        return Corner{centre + radius * n, n};
-    };
-    const auto paint = [&](const double*, const double*, const double*) { return colour; };
-    for (int ring = 0; ring < RINGS; ++ring)
-        for (int sector = 0; sector < SECTORS; ++sector) {
-            const Corner a = corner(ring, sector), b = corner(ring, sector + 1), c = corner(ring + 1, sector + 1),
-                         d = corner(ring + 1, sector);
-            canvas.triangle(a, b, c, paint);
-            canvas.triangle(a, c, d, paint);
-        }
+struct Ball {
+    double home_x, home_y, x, y, radius;
+    int order; // of a zero
+    Ink ink;
+};
+
+// Balls that lie together move apart, and stay near their homes.
+void spread(std::vector<Ball>& balls) {
+    for (int round = 0; round < 80; ++round) {
+        bool moved = false;
+        for (size_t i = 0; i < balls.size(); ++i)
+            for (size_t j = i + 1; j < balls.size(); ++j) {
+                Ball &a = balls[i], &b = balls[j];
+                double dx = b.x - a.x, dy = b.y - a.y;
+                const double wanted = 1.05 * (a.radius + b.radius), square = dx * dx + dy * dy;
+                if (square >= wanted * wanted) continue;
+                const double distance = std::sqrt(square);
+                if (distance < 1e-3 * wanted) {
+                    // At one point: along directions that differ.
+                    dx = std::cos(2.4 * double(j));
+                    dy = std::sin(2.4 * double(j));
+                } else {
+                    dx /= distance;
+                    dy /= distance;
+                }
+                const double push = 0.5 * (wanted - distance) + 0.02;
+                a.x -= push * dx;
+                a.y -= push * dy;
+                b.x += push * dx;
+                b.y += push * dy;
+                moved = true;
+            }
+        if (!moved) break;
+    }
 }
 
-// A straight piece of a line, with a round end.
-void draw_rod(Canvas& canvas, Vec from, Vec to, double radius, Colour colour) {
-    const Vec axis = unit(to - from), across = unit(cross(axis, std::fabs(axis.x) < 0.7 ? Vec{1, 0, 0} : Vec{0, 1, 0})),
-              along = cross(axis, across);
-    constexpr int SECTORS = 12, RINGS = 3;
-    const auto paint = [&](const double*, const double*, const double*) { return colour; };
-    const auto direction = [&](int sector) {
-        const double turn = 6.283185307179586 * sector / SECTORS;
-        return std::cos(turn) * across + std::sin(turn) * along;
-    };
-    const auto ball = [&](int ring, int sector) {
-        const double polar = 1.5707963267948966 * ring / RINGS;
-        const Vec n = std::sin(polar) * direction(sector) + std::cos(polar) * axis;
-        return Corner{to + radius * n, n};
-    };
-    for (int sector = 0; sector < SECTORS; ++sector) {
-        const Vec n = direction(sector), m = direction(sector + 1);
-        canvas.triangle({from + radius * n, n}, {to + radius * n, n}, {to + radius * m, m}, paint);
-        canvas.triangle({from + radius * n, n}, {to + radius * m, m}, {from + radius * m, m}, paint);
-        for (int ring = 0; ring < RINGS; ++ring) {
-            canvas.triangle(ball(ring, sector), ball(ring, sector + 1), ball(ring + 1, sector + 1), paint);
-            canvas.triangle(ball(ring, sector), ball(ring + 1, sector + 1), ball(ring + 1, sector), paint);
+struct LegendRow {
+    enum { ball, bar, stripes, ramp, none } kind;
+    Ink ink;
+    std::string text;
+};
+
+// In the corner where it hides least.
+void draw_legend(Image& image, const std::vector<LegendRow>& rows, const Canvas& canvas) {
+    const double unit = std::max(8.0, image.height / 75.0), margin = 1.2 * unit, line = 1.75 * unit;
+    double widest = 0;
+    for (const LegendRow& row : rows) widest = std::max(widest, width_of(row.text, 0.8 * unit));
+    const double wide = widest + 5.4 * unit, high = line * double(rows.size()) + 0.8 * unit;
+    double left = margin, top = image.height - margin - high;
+    int least = -1;
+    for (const bool up : {false, true})
+        for (const bool to_right : {false, true}) {
+            const double x = to_right ? image.width - margin - wide : margin,
+                         y = up ? margin : image.height - margin - high;
+            int hidden = 0;
+            for (int k = 0; k < 400; ++k)
+                hidden += canvas.depth_at(x + wide * (k % 20) / 20, y + high * (k / 20) / 20) > 0;
+            if (least >= 0 && hidden >= least) continue;
+            least = hidden;
+            left = x;
+            top = y;
         }
+    draw_box(image, left, top, left + wide, top + high, {255, 255, 255}, 0.82);
+    for (size_t i = 0; i < rows.size(); ++i) {
+        const LegendRow& row = rows[i];
+        const double y = top + 0.4 * unit + line * (double(i) + 0.5), x = left + 2 * unit;
+        if (row.kind == LegendRow::ball) draw_ball(image, x, y, 0.6 * unit, row.ink);
+        if (row.kind == LegendRow::bar) draw_line(image, x - unit, y, x + unit, y, 0.5 * unit, row.ink);
+        if (row.kind == LegendRow::stripes) {
+            draw_box(image, x - unit, y - 0.5 * unit, x, y + 0.5 * unit, RED_INK);
+            draw_box(image, x, y - 0.5 * unit, x + unit, y + 0.5 * unit, WHITE_INK);
+            draw_line(image, x, y - 0.5 * unit, x + unit, y - 0.5 * unit, 1, BLACK_INK);
+            draw_line(image, x, y + 0.5 * unit, x + unit, y + 0.5 * unit, 1, BLACK_INK);
+            draw_line(image, x + unit, y - 0.5 * unit, x + unit, y + 0.5 * unit, 1, BLACK_INK);
+        }
+        if (row.kind == LegendRow::ramp)
+            for (int k = 0; k < 24; ++k) {
+                const Colour c = colour_of_dilatation(std::exp2((k + 0.5) / 24));
+                const auto ink = [](double v) { return 255 * std::pow(v, 1 / 2.2); };
+                draw_box(image, x + unit * (k / 12.0 - 1), y - 0.5 * unit, x + unit * ((k + 1) / 12.0 - 1),
+                         y + 0.5 * unit, {ink(c.x), ink(c.y), ink(c.z)});
+            }
+        draw_text(image, row.text, x + 1.9 * unit, y + 0.4 * unit, 0.8 * unit, BLACK_INK);
     }
+}
+
+std::string plural(size_t count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 } // namespace
 
-double pattern_period(const Foliation& foliation, const Potential& potential) {
-    double low[3] = {}, high[3] = {};
-    for (size_t i = 0; i < foliation.positions.size(); ++i) {
-        const double x = foliation.positions[i];
-        low[i % 3] = i < 3 ? x : std::min(low[i % 3], x);
-        high[i % 3] = i < 3 ? x : std::max(high[i % 3], x);
-    }
-    const double size = std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1])
-                                  + (high[2] - low[2]) * (high[2] - low[2]));
-    return choose_period(foliation, potential, size * root_mean_square_gradient(foliation, potential) / STRIPES_ACROSS);
-}
-
-Image render(const Foliation& foliation, const Potential& potential, const double* corner_uv,
-             const std::vector<Line>& loops) {
-    std::vector<Vec> points(foliation.positions.size() / 3);
-    for (size_t v = 0; v < points.size(); ++v)
-        points[v] = {foliation.positions[3 * v], foliation.positions[3 * v + 1], foliation.positions[3 * v + 2]};
-    Vec low = points[0], high = points[0];
-    for (Vec p : points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    const double size = std::sqrt(dot(high - low, high - low));
-    const Camera camera = place_camera(points);
-    const std::vector<Vec> normals = corner_normals(points, foliation);
-    std::vector<Vec> seen(points.size());
-    for (size_t v = 0; v < points.size(); ++v) seen[v] = camera.to_camera(points[v]);
-
-    const double period = pattern_period(foliation, potential);
-    // Share of red of the stripes of one linear function with these values at the corners.
-    const auto stripes = [&](double value, const double* slope, const double* right, const double* down) {
-        const double by_x = slope[0] * right[0] + slope[1] * right[1] + slope[2] * right[2];
-        const double by_y = slope[0] * down[0] + slope[1] * down[1] + slope[2] * down[2];
-        // A filter one and a half samples wide; the samples do the rest.
-        return share_of_red(value, 1.5 * std::sqrt(by_x * by_x + by_y * by_y), period);
+Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
+             const std::vector<Line>& loops, const PictureStyle& style) {
+    const bool shows_quads = style.pattern == Pattern::quads;
+    // The surface, or the quads in halves: a, b, c and a, c, d.
+    std::vector<Vec> points;
+    std::vector<uint32_t> halves;
+    const auto add_points = [&](const double* p, size_t count) {
+        for (size_t v = 0; v < count; ++v) points.push_back({p[3 * v], p[3 * v + 1], p[3 * v + 2]});
     };
+    size_t quad_count = 0;
+    if (shows_quads)
+        for (const hmf_quad_mesh* mesh : data.quads) {
+            const uint32_t first = uint32_t(points.size());
+            add_points(mesh->positions, mesh->vertex_count);
+            for (uint64_t q = 0; q < 4 * mesh->quad_count; q += 4)
+                for (const uint64_t c : {q, q + 1, q + 2, q, q + 2, q + 3}) halves.push_back(first + mesh->quads[c]);
+            quad_count += mesh->quad_count;
+        }
+    else add_points(foliation.positions.data(), foliation.positions.size() / 3);
+    const std::vector<uint32_t>& triangles = shows_quads ? halves : foliation.triangles;
+    const Samples samples = sample_surface(points, triangles);
+    const double size = samples.size;
 
-    Canvas canvas(camera);
-    for (size_t t = 0; t < foliation.triangle_count(); ++t) {
-        Corner corner[3];
-        for (size_t c = 0; c < 3; ++c) {
-            const Vec n = normals[3 * t + c];
-            corner[c].position = seen[foliation.triangles[3 * t + c]];
-            corner[c].normal = {dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)};
-        }
-        canvas.triangle(corner[0], corner[1], corner[2], [&](const double* b, const double* right, const double* down) {
-            if (foliation.is_bare_at(t)) return GREY;
-            double red;
-            if (corner_uv) {
-                const double* uv = &corner_uv[6 * t];
-                const double u[3] = {uv[0], uv[2], uv[4]}, v[3] = {uv[1], uv[3], uv[5]};
-                const double over = stripes(b[0] * u[0] + b[1] * u[1] + b[2] * u[2], u, right, down);
-                const double along = stripes(b[0] * v[0] + b[1] * v[1] + b[2] * v[2], v, right, down);
-                red = over * (1 - along) + along * (1 - over);
-            } else {
-                double slope[3] = {};
-                const double u = potential_at(potential.piece[t], potential.u[t], b, slope);
-                red = stripes(u, slope, right, down);
-            }
-            return red * RED + (1 - red) * WHITE;
-        });
+    std::vector<Target> targets;
+    double orders = 0;
+    for (const hmf_singularity& s : foliation.singular) orders += std::max(1, std::abs(s.index));
+    for (const hmf_singularity& s : foliation.singular)
+        targets.push_back({{{s.position[0], s.position[1], s.position[2]}}, std::max(1, std::abs(s.index)) / orders});
+    std::vector<std::vector<Vec>> rods;
+    for (const Line& loop : loops) {
+        rods.push_back(resampled(loop, 0.004 * size));
+        if (!rods.back().empty()) targets.push_back({rods.back(), 0.8 / double(loops.size())});
     }
-    for (const Line& loop : loops)
-        for (size_t i = 0; i < loop.size(); ++i) {
-            const auto& p = loop[i];
-            const auto& q = loop[i + 1 < loop.size() ? i + 1 : 0];
-            draw_rod(canvas, camera.to_camera({p[0], p[1], p[2]}), camera.to_camera({q[0], q[1], q[2]}), 0.0035 * size,
-                     GREEN);
+    const View view = style.has_view ? style.view : best_view(samples, targets);
+    const Camera camera = place_camera(points, samples, view, double(style.width) / style.height);
+
+    Canvas canvas(camera, style.width, style.height);
+    std::vector<ScreenPoint> screen(points.size()), rod_screen;
+    for (size_t v = 0; v < points.size(); ++v) screen[v] = canvas.project(camera.to_camera(points[v]));
+    Rods rod;
+    for (std::vector<Vec>& line : rods) {
+        for (Vec& p : line) p = camera.to_camera(p);
+        rod.add(line, 0.0035 * size);
+    }
+    for (const Vec p : rod.points) rod_screen.push_back(canvas.project(p));
+    canvas.add(screen, triangles);
+    canvas.add(rod_screen, rod.triangles);
+
+    Normals normals(points, triangles, foliation);
+    std::vector<double> vertex_dilatation;
+    if (style.pattern == Pattern::dilatation) {
+        // Smooth: the mean of the logarithms around each vertex.
+        std::vector<double> sum(points.size(), 0), count(points.size(), 0);
+        for (size_t k = 0; k < triangles.size(); ++k) {
+            const double d = std::fabs(data.dilatation[k / 3]);
+            sum[triangles[k]] += std::log2(d >= 1 && d < 16 ? d : 16);
+            count[triangles[k]] += 1;
         }
-    // One corner of each vertex, for its normal.
-    std::vector<size_t> corner_of(points.size(), 0);
-    for (size_t k = foliation.triangles.size(); k-- > 0;) corner_of[foliation.triangles[k]] = k;
-    const auto to_view = [&](Vec n) { return Vec{dot(n, camera.right), dot(n, camera.up), dot(n, camera.forward)}; };
-    for (const hmf_singularity& s : foliation.singular) {
-        Vec place, outward;
-        if (s.kind == HMF_SINGULAR_TRIANGLE) {
-            for (size_t k = 3 * size_t(s.element); k < 3 * size_t(s.element) + 3; ++k) {
-                place = place + (1.0 / 3) * seen[foliation.triangles[k]];
-                outward = outward + to_view(normals[k]);
+        for (size_t v = 0; v < sum.size(); ++v) vertex_dilatation.push_back(sum[v] / std::max(1.0, count[v]));
+    }
+    const double period = potential.period;
+    // Share of red of the stripes of one linear function with these values at the corners.
+    const auto stripes = [&](double value, const double* slope, const Spot& spot) {
+        const double by_x = slope[0] * spot.right[0] + slope[1] * spot.right[1] + slope[2] * spot.right[2];
+        const double by_y = slope[0] * spot.down[0] + slope[1] * spot.down[1] + slope[2] * spot.down[2];
+        return share_of_red(value, 0.8 * std::sqrt(by_x * by_x + by_y * by_y), period);
+    };
+    const auto albedo = [&](size_t t, const Spot& spot) -> Colour {
+        const double* const b = spot.b;
+        if (shows_quads) {
+            // Along the grid lines, which are sides of the quad: where one of its coordinates is 0 or 1.
+            // Corners 00, 10, 11 of the first half, 00, 11, 01 of the second.
+            const double slope[2][3] = {{0, 1, t % 2 ? 0.0 : 1.0}, {0, t % 2 ? 1.0 : 0.0, 1}};
+            double nearest = 1e9;
+            for (const double* s : {slope[0], slope[1]}) {
+                const double x = s[0] * b[0] + s[1] * b[1] + s[2] * b[2];
+                const double by_x = s[0] * spot.right[0] + s[1] * spot.right[1] + s[2] * spot.right[2];
+                const double by_y = s[0] * spot.down[0] + s[1] * spot.down[1] + s[2] * spot.down[2];
+                const double pixel = std::sqrt(by_x * by_x + by_y * by_y);
+                if (pixel > 0) nearest = std::min(nearest, std::min(x, 1 - x) / pixel);
             }
+            const double ink = std::clamp(1.2 - nearest, 0.0, 1.0) * 0.85;
+            return ink * DARK + (1 - ink) * WHITE;
+        }
+        if (foliation.is_bare_at(t)) return GREY;
+        if (style.pattern == Pattern::dilatation) {
+            const uint32_t* const v = &triangles[3 * t];
+            return colour_of_dilatation(std::exp2(b[0] * vertex_dilatation[v[0]] + b[1] * vertex_dilatation[v[1]]
+                                                  + b[2] * vertex_dilatation[v[2]]));
+        }
+        double red;
+        if (style.pattern == Pattern::checkerboard) {
+            const double* uv = &data.corner_uv[6 * t];
+            const double u[3] = {uv[0], uv[2], uv[4]}, v[3] = {uv[1], uv[3], uv[5]};
+            const double over = stripes(b[0] * u[0] + b[1] * u[1] + b[2] * u[2], u, spot);
+            const double along = stripes(b[0] * v[0] + b[1] * v[1] + b[2] * v[2], v, spot);
+            red = over * (1 - along) + along * (1 - over);
         } else {
-            place = seen[s.element];
-            outward = to_view(normals[corner_of[s.element]]);
+            double slope[3] = {};
+            const double u = potential_at(potential.piece[t], potential.u[t], b, slope);
+            red = stripes(u, slope, spot);
         }
-        draw_button(canvas, place, unit(outward), 0.0105 * size, s.index < 0 ? BLUE : s.index > 0 ? YELLOW : VIOLET);
+        return red * RED + (1 - red) * WHITE;
+    };
+    const size_t surface = triangles.size() / 3;
+    Image image = canvas.paint(0.05 * size, [&](size_t t, const Spot& spot) -> Shaded {
+        const double* const b = spot.b;
+        if (t >= surface) {
+            const uint32_t* const v = &rod.triangles[3 * (t - surface)];
+            return {GREEN, unit(b[0] * rod.normals[v[0]] + b[1] * rod.normals[v[1]] + b[2] * rod.normals[v[2]])};
+        }
+        const std::array<Vec, 3>& n = normals.of(t);
+        return {albedo(t, spot), unit(camera.turn(b[0] * n[0] + b[1] * n[1] + b[2] * n[2]))};
+    });
+
+    // What lies on the surface and is not behind another part of it.
+    std::vector<Ball> balls;
+    std::map<int, std::array<size_t, 2>> zeros; // of each order: all, seen
+    size_t poles = 0, marks = 0;
+    for (const hmf_singularity& s : foliation.singular) {
+        const Vec place = camera.to_camera({s.position[0], s.position[1], s.position[2]});
+        const ScreenPoint p = canvas.project(place);
+        const double front = canvas.depth_at(p.x, p.y);
+        const bool is_seen = p.w > 0 && (front == 0 || 1 / front > 1 / p.w - 0.012 * size);
+        if (s.index < 0) {
+            ++zeros[-s.index][0];
+            zeros[-s.index][1] += is_seen;
+        } else ++(s.index > 0 ? poles : marks);
+        if (!is_seen) continue;
+        const double radius = std::clamp(0.0095 * size * p.w * camera.focal * style.height * 0.5, 0.005 * style.height,
+                                         0.0125 * style.height);
+        balls.push_back({p.x, p.y, p.x, p.y, radius, -s.index,
+                         s.index < 0   ? BLUE_INK
+                         : s.index > 0 ? YELLOW_INK
+                                       : VIOLET_INK});
     }
-    return canvas.resolve(0.05 * size);
+    spread(balls);
+    for (const Ball& ball : balls)
+        if (std::hypot(ball.x - ball.home_x, ball.y - ball.home_y) > 0.7 * ball.radius) {
+            draw_line(image, ball.home_x, ball.home_y, ball.x, ball.y, 0.3 * ball.radius, ball.ink);
+            draw_ball(image, ball.home_x, ball.home_y, 0.3 * ball.radius, ball.ink);
+        }
+    for (const Ball& ball : balls) {
+        draw_ball(image, ball.x, ball.y, ball.radius, ball.ink);
+        if (ball.order < 2) continue;
+        const std::string text = std::to_string(ball.order);
+        const double high = ball.radius * (text.size() > 1 ? 0.8 : 1.1), unit = high / 6;
+        draw_text(image, text, ball.x - 0.5 * width_of(text, high) + unit, ball.y + 0.5 * high, high, {255, 255, 255});
+    }
+
+    if (!style.legend) return image;
+    std::vector<LegendRow> rows;
+    char number[40];
+    std::snprintf(number, sizeof number, "%.3g", period);
+    if (style.pattern == Pattern::stripes)
+        rows.push_back({LegendRow::stripes, {}, std::string("stripes along the leaves, one pair is ") + number});
+    if (style.pattern == Pattern::checkerboard)
+        rows.push_back({LegendRow::stripes, {}, std::string("squares of (u, v), two are ") + number});
+    if (style.pattern == Pattern::dilatation) rows.push_back({LegendRow::ramp, {}, "dilatation 1 to 2 and more"});
+    if (shows_quads) rows.push_back({LegendRow::none, {}, plural(quad_count, "quad")});
+    for (const auto& [order, count] : zeros)
+        rows.push_back({LegendRow::ball, BLUE_INK,
+                        plural(count[0], "zero") + " of order " + std::to_string(order) + ", "
+                            + std::to_string(count[1]) + " seen"});
+    if (poles > 0) rows.push_back({LegendRow::ball, YELLOW_INK, plural(poles, "pole")});
+    if (marks > 0)
+        rows.push_back({LegendRow::ball, VIOLET_INK,
+                        std::to_string(marks) + (marks == 1 ? " marked vertex" : " marked vertices")});
+    if (!loops.empty()) rows.push_back({LegendRow::bar, GREEN_INK, plural(loops.size(), "loop")});
+    draw_legend(image, rows, canvas);
+    return image;
 }
 
 } // namespace cli

@@ -1,27 +1,43 @@
-// A picture of a foliation: stripes along the leaves or squares of the
-// parameterisation, zeros blue, poles yellow, loops green.
+// A picture of a foliation: a pattern on the surface, zeros blue with their order, poles yellow, marked vertices violet,
+// loops green.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "library.hpp"
+#include <hmf/uses.h>
+
+#include "camera.hpp"
+#include "canvas.hpp"
 #include "loop_lines.hpp"
 #include "potential.hpp"
 
 namespace cli {
 
-struct Image {
-    unsigned width = 0, height = 0;
-    std::vector<uint8_t> rgb; // 3 per pixel, rows from the top
+enum class Pattern : int32_t {
+    stripes,      // along the leaves
+    checkerboard, // squares of (u, v)
+    quads,        // the grid of a quad mesh
+    dilatation,   // how far from conformal the parameterisation is
 };
 
-// Period of the stripes: about 22 pairs along the size of the object.
-double pattern_period(const Foliation& foliation, const Potential& potential);
+struct PictureStyle {
+    Pattern pattern = Pattern::stripes;
+    unsigned width = 1400, height = 1050;
+    bool has_view = false; // else the best one
+    View view;
+    bool legend = false;
+};
 
-// corner_uv: squares of the (u, v) of each corner in place of the stripes; NULL: stripes.  Components without a
-// foliation are grey.
-Image render(const Foliation& foliation, const Potential& potential, const double* corner_uv,
-             const std::vector<Line>& loops);
+// What the patterns other than stripes need.
+struct PictureData {
+    const double* corner_uv = nullptr;  // checkerboard: (u, v) of each corner
+    const double* dilatation = nullptr; // of each triangle
+    std::vector<const hmf_quad_mesh*> quads;
+};
+
+// Components without a foliation are grey.
+Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
+             const std::vector<Line>& loops, const PictureStyle& style);
 
 } // namespace cli

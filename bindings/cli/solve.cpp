@@ -16,6 +16,7 @@
 #include "read_values.hpp"
 #include "render.hpp"
 #include "split_mesh.hpp"
+#include "whole_stripes.hpp"
 #include "write_results.hpp"
 
 namespace cli {
@@ -72,6 +73,7 @@ public:
     Run(SolveRequest& request, const Options& options) : r_(request), options_(options) {}
 
     Outcome go() {
+        choose_style();
         read();
         r_.threads = progress_.use_threads(r_.threads);
         build();
@@ -84,6 +86,23 @@ public:
     }
 
 private:
+    void choose_style() {
+        style_.pattern = static_cast<Pattern>(r_.pattern);
+        style_.legend = r_.legend;
+        style_.has_view = read_view(r_.camera, style_.view);
+        char rest = 0;
+        if (std::sscanf(r_.image_size.c_str(), "%5ux%5u%c", &style_.width, &style_.height, &rest) != 2
+            || std::min(style_.width, style_.height) < 16 || std::max(style_.width, style_.height) > 16384)
+            throw Failure(EXIT_USAGE,
+                          "--image-size: \"" + r_.image_size
+                              + "\" is no size; give width and height such as 1400x1050, each from 16 to 16384");
+        if (r_.size > 0 && r_.quads.empty() && style_.pattern != Pattern::quads)
+            throw Failure(EXIT_USAGE, "--size: has no effect without --quads or --pattern quads; give one of them");
+        if (r_.period > 0 && r_.obj.empty()
+            && (style_.pattern == Pattern::quads || style_.pattern == Pattern::dilatation))
+            throw Failure(EXIT_USAGE, "--period: has no effect with this --pattern; leave it out");
+    }
+
     void read() {
         mesh_ = read_mesh(r_.mesh);
         if (r_.repairs) repairs_ = repair_mesh(mesh_, r_.joins, name_);
@@ -322,10 +341,14 @@ private:
             singular_.emplace_back();
             if (c.is_refused()) continue;
             const Foliation own = c.describe();
+            whole_edges_.resize(components_.size());
+            whole_edges_[k].resize(own.values.size());
             for (uint32_t t = 0; t < count; ++t)
-                for (size_t s = 0; s < 3; ++s)
-                    f_.values[edges.triangles[size_t{3} * c.whole_triangle(t) + s]] =
-                        own.values[own.triangle_edges[size_t{3} * t + s]];
+                for (size_t s = 0; s < 3; ++s) {
+                    const uint32_t whole = edges.triangles[size_t{3} * c.whole_triangle(t) + s];
+                    whole_edges_[k][own.triangle_edges[size_t{3} * t + s]] = whole;
+                    f_.values[whole] = own.values[own.triangle_edges[size_t{3} * t + s]];
+                }
             f_.singular.insert(f_.singular.end(), own.singular.begin(), own.singular.end());
             singular_.back() = own.singular;
         }
@@ -374,17 +397,54 @@ private:
 
     // (u, v) of each corner of the whole mesh; NULL: of none.
     const double* corner_uv() {
+        return of_triangles(uv_, 6, [](const hmf_parameterization& p) { return p.corner_uv; });
+    }
+    const double* dilatation() {
+        return of_triangles(dilatation_, 1, [](const hmf_parameterization& p) { return p.dilatation; });
+    }
+    template <class Of>
+    const double* of_triangles(std::vector<double>& all, size_t width, const Of& of) {
         if (is_alone()) {
             const hmf_parameterization* const p = components_[0].parameterization();
-            return p ? p->corner_uv : nullptr;
+            return p ? of(*p) : nullptr;
         }
         for (const Component& c : components_) {
             if (!c.parameterization()) continue;
-            uv_.resize(2 * f_.triangles.size());
+            all.resize(width * f_.triangle_count());
             for (uint32_t t = 0; t < c.parameterization()->triangle_count; ++t)
-                std::copy_n(c.parameterization()->corner_uv + size_t{6} * t, 6, &uv_[size_t{6} * c.whole_triangle(t)]);
+                std::copy_n(of(*c.parameterization()) + width * t, width, &all[width * c.whole_triangle(t)]);
         }
-        return uv_.empty() ? nullptr : uv_.data();
+        return all.empty() ? nullptr : all.data();
+    }
+
+    // As corner_uv, for a checkerboard.
+    std::vector<double> checkerboard_uv(double period) const {
+        if (is_alone()) return components_[0].checkerboard_uv(period);
+        std::vector<double> all(2 * f_.triangles.size());
+        for (const Component& c : components_) {
+            if (!c.parameterization()) continue;
+            const std::vector<double> own = c.checkerboard_uv(period);
+            for (uint32_t t = 0; t < own.size() / 6; ++t)
+                std::copy_n(&own[size_t{6} * t], 6, &all[size_t{6} * c.whole_triangle(t)]);
+        }
+        return all;
+    }
+
+    // A period for stripes and squares, and where the weights have none in common, values that have.
+    double choose_period() {
+        const double wanted = r_.period > 0 ? r_.period : wanted_period(f_);
+        if (const double common = common_period(r_.weights, wanted); common > 0) return common;
+        if (style_.pattern != Pattern::stripes || r_.image.empty()) return wanted;
+        std::vector<Crossing> crossings;
+        std::vector<double> heights;
+        for (size_t k = 0; k < components_.size(); ++k) {
+            const Component& c = components_[k];
+            if (c.is_refused()) continue;
+            add_crossings(f_, *c.trace_cylinders(control_), is_alone() ? nullptr : whole_edges_[k].data(), crossings,
+                          heights);
+        }
+        f_.stripe_values = whole_stripes(f_, std::move(crossings), heights, wanted);
+        return wanted;
     }
 
     void write() {
@@ -410,28 +470,42 @@ private:
         if (r_.spacing == 0 && !r_.leaves.empty())
             r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
         std::vector<Owned<hmf_quad_mesh>> quads;
-        attempt_each("--quads", !r_.quads.empty(),
+        const bool shows_quads = style_.pattern == Pattern::quads;
+        attempt_each(r_.quads.empty() ? "--pattern" : "--quads", !r_.quads.empty() || shows_quads,
                      [&](Component& c) { quads.push_back(make_quads(c.foliation(), r_.size, control_, c.subject())); });
-        attempt("--quads", !quads.empty(), [&] { quads_ = write_quads(r_.quads, quads); });
+        attempt("--quads", !quads.empty() && !r_.quads.empty(), [&] { quads_ = write_quads(r_.quads, quads); });
         std::vector<Leaves> leaves;
         attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
             leaves.push_back(trace_leaves(c.foliation(), r_.spacing, r_.conjugate, control_, c.subject()));
         });
         attempt("--leaves", !leaves.empty(), [&] { leaves_ = write_leaves(r_.leaves, leaves); });
-        const Potential potential = pictured ? local_potential(f_) : Potential{};
-        const char* const asking = !r_.obj.empty() ? "--obj" : r_.checkerboard ? "--pattern" : "--conformality";
-        const bool unfolds = r_.checkerboard || !r_.obj.empty() || r_.conformality;
+        const bool unfolded = style_.pattern == Pattern::checkerboard || style_.pattern == Pattern::dilatation;
+        const char* const asking = !r_.obj.empty() ? "--obj" : unfolded ? "--pattern" : "--conformality";
+        const bool unfolds = unfolded || !r_.obj.empty() || r_.conformality;
         attempt_each(asking, unfolds, [&](Component& c) {
             control_ = progress_.part("unfold", 0, 1);
             c.parameterize(control_);
         });
         const double* const uv = unfolds ? corner_uv() : nullptr;
-        attempt("--obj", !r_.obj.empty() && uv,
-                [&] { write_textured_obj(r_.obj, f_, uv, pattern_period(f_, potential)); });
-        attempt("--image", !r_.image.empty(), [&] {
+        double period = 1;
+        if (pictured) {
+            control_ = progress_.part("picture", 0, 1);
+            attempt("--period", true, [&] { r_.period = period = choose_period(); });
+        }
+        attempt("--obj", !r_.obj.empty() && uv, [&] { write_textured_obj(r_.obj, f_, uv, period); });
+        const bool has_data = shows_quads ? !quads.empty() : !unfolded || uv;
+        attempt("--image", !r_.image.empty() && has_data, [&] {
             std::vector<Line> lines;
             if (!has_start_) lines = loop_lines(f_, fine_loops());
-            write_png(r_.image, render(f_, potential, r_.checkerboard ? uv : nullptr, lines));
+            PictureData data;
+            std::vector<double> squares;
+            if (style_.pattern == Pattern::checkerboard) squares = checkerboard_uv(period);
+            data.corner_uv = squares.data();
+            if (unfolded) data.dilatation = dilatation();
+            for (const Owned<hmf_quad_mesh>& mesh : quads) data.quads.push_back(mesh.get());
+            const Potential potential =
+                style_.pattern == Pattern::stripes ? local_potential(f_, period) : Potential{{}, {}, period};
+            write_png(r_.image, render(f_, potential, data, lines, style_));
         });
         progress_.clear();
     }
@@ -553,8 +627,10 @@ private:
     bool weights_given_ = false;
     Foliation f_;
     std::vector<std::vector<hmf_singularity>> singular_; // of each component
-    std::vector<double> uv_;                             // of several components
-    size_t leaves_ = 0, quads_ = 0;                      // written
+    std::vector<std::vector<uint32_t>> whole_edges_;     // of the edges of each of several components
+    std::vector<double> uv_, dilatation_;                // of several components
+    PictureStyle style_;
+    size_t leaves_ = 0, quads_ = 0; // written
 };
 
 } // namespace

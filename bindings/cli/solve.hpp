@@ -28,7 +28,10 @@ struct SolveRequest {
     std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0; // of leaves, of quads
     bool conjugate = false;       // leaves across as well
-    int32_t checkerboard = 0;     // in the picture, instead of stripes
+    int32_t pattern = 0;          // of the picture: a Pattern
+    std::string camera = "auto", image_size = "1400x1050";
+    double period = 0; // of stripes and squares; 0: chosen
+    bool legend = false;
     bool conformality = false;    // in the report
 };
 

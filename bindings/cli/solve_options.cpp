@@ -1,6 +1,8 @@
 // The table of the options of hmf solve.  A new one is a row here, a field of SolveRequest, and its use.
 #include "solve.hpp"
 
+#include "render.hpp"
+
 namespace cli {
 
 Option repair_option(bool& target) {
@@ -71,11 +73,28 @@ Options solve_options(SolveRequest& r) {
             .writes(".obj"),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),
         Option{"--image", &r.image, "FILE.png",
-               "stripes, zeros blue, marked vertices violet, poles yellow, loops green"}
+               "zeros blue with their order, marked vertices violet, poles yellow, loops green"}
             .writes(".png"),
-        Option{"--pattern", Choice{&r.checkerboard, {{"stripes", 0}, {"checkerboard", 1}}}, "stripes|checkerboard",
-               "of the picture; squares are (u, v)"}
+        Option{"--pattern",
+               Choice{&r.pattern,
+                      {{"stripes", static_cast<int32_t>(Pattern::stripes)},
+                       {"checkerboard", static_cast<int32_t>(Pattern::checkerboard)},
+                       {"quads", static_cast<int32_t>(Pattern::quads)},
+                       {"dilatation", static_cast<int32_t>(Pattern::dilatation)}}},
+               "stripes|checkerboard|quads|dilatation",
+               "of the picture: stripes along the leaves, squares of (u, v), the grid of --quads,\n"
+               "or how far from conformal (u, v) is"}
             .requires_one_of("--image"),
+        Option{"--camera", &r.camera, "VIEW",
+               "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"
+               "bottom, corner, or a direction X,Y,Z or with what is above X,Y,Z,UX,UY,UZ"}
+            .requires_one_of("--image"),
+        Option{"--image-size", &r.image_size, "WxH", "pixels of the picture"}.requires_one_of("--image"),
+        Option{"--period", &r.period, "X",
+               "of stripes and squares, in the unit of the weights; each cylinder gets a whole number of them"}
+            .in("(0, inf)")
+            .requires_one_of("--image --obj"),
+        Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image"),
         Option{"--obj", &r.obj, "FILE.obj",
                "mesh with (u, v) per corner as texture coordinates;\n"
                "FILE.mtl and FILE.png (a checkerboard) come with it"}
@@ -92,7 +111,7 @@ Options solve_options(SolveRequest& r) {
             ".obj"),
         Option{"--size", &r.size, "X", "wished length of an edge of a quad, else half as many quads as triangles"}
             .in("(0, inf)")
-            .requires_one_of("--quads"),
+            .requires_one_of("--quads --pattern"),
     };
 }
 

@@ -1,0 +1,173 @@
+// What pictures are drawn from: patterns without seams, loops that are shortest in their strip.
+#include "../bindings/cli/closed_pattern.cpp"
+#include "../bindings/cli/loop_lines.cpp"
+#include "../bindings/cli/potential.cpp"
+#include "../bindings/cli/whole_stripes.cpp"
+
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace test;
+
+namespace {
+
+struct Solved {
+    Hierarchy hierarchy;
+    Loops loops;
+    Solution solution;
+    cli::Foliation f;
+
+    Solved(const TriMesh& mesh, const std::vector<double>& weights) : hierarchy(mesh) {
+        loops = library_loops(hierarchy, hierarchy.coarsest());
+        loops.weights = weights;
+        solution = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 1e-8));
+        const LevelMesh level = read_level(hierarchy, 0);
+        f.positions = level.positions;
+        f.triangles = level.triangle_vertices;
+        f.triangle_edges = level.triangle_edges;
+        f.edge_vertices = level.edge_vertices;
+        f.values = solution.values;
+        const Owned<hmf_singularity_set> set = singularities(solution.foliation);
+        f.singular.assign(set->list, set->list + set->count);
+        f.loop_weights = weights;
+    }
+};
+
+// The largest difference of an even pattern with this period across an edge, as a part of the period.
+double worst_seam(const cli::Foliation& f, const cli::Potential& potential, double period) {
+    std::vector<std::vector<std::array<double, 2>>> seen(f.values.size()); // folded u at both ends, for each triangle
+    const auto folded = [&](double u) { return std::fabs(u / period - std::floor(u / period + 0.5)); };
+    for (size_t t = 0; t < f.triangle_count(); ++t)
+        for (size_t s = 0; s < 3; ++s) {
+            const uint32_t e = f.triangle_edges[3 * t + s];
+            double a = folded(potential.u[t][s]), b = folded(potential.u[t][(s + 1) % 3]);
+            if (f.triangles[3 * t + s] != f.edge_vertices[2 * e]) std::swap(a, b);
+            seen[e].push_back({a, b});
+        }
+    double worst = 0;
+    for (const auto& pair : seen)
+        for (size_t i = 0; i < 2; ++i) worst = std::max(worst, std::fabs(pair[0][i] - pair[1][i]));
+    return worst;
+}
+
+std::vector<double> even_values(const Solved& s, double period) {
+    hmf_trace_options options{};
+    options.struct_size = sizeof options;
+    options.critical = 1;
+    options.spacing = 1e300;
+    const auto lines = make<hmf_lines>([&](hmf_lines** out, hmf_error* error) {
+        return hmf_trace(s.solution.foliation.get(), &options, nullptr, out, error);
+    });
+    std::vector<cli::Crossing> crossings;
+    std::vector<double> heights;
+    cli::add_crossings(s.f, *lines, nullptr, crossings, heights);
+    EXPECT_EQ(heights.size(), s.loops.count());
+    return cli::whole_stripes(s.f, crossings, heights, period);
+}
+
+} // namespace
+
+TEST(Pictures, StripesHaveNoSeamsWhateverTheWeights) {
+    const std::vector<std::vector<double>> cases = {{1, 200}, {1, std::sqrt(2.0)}, {0.01, 1}};
+    for (const std::vector<double>& weights : cases) {
+        Solved s(pretzel(2, 2), weights);
+        const double period = 0.3 * weights[1];
+        if (cli::common_period(weights, period) == 0) {
+            // The weights alone have none: seams.
+            EXPECT_GT(worst_seam(s.f, cli::local_potential(s.f, period), period), 0.05);
+        }
+        s.f.stripe_values = even_values(s, period);
+        EXPECT_LT(worst_seam(s.f, cli::local_potential(s.f, period), period), 1e-6) << weights[0] << " " << weights[1];
+    }
+    // Where the weights are multiples of the period nothing changes.
+    Solved s(pretzel(2, 2), {1, 2});
+    const std::vector<double> same = even_values(s, 0.25);
+    for (size_t e = 0; e < same.size(); ++e) EXPECT_NEAR(same[e], s.f.values[e], 1e-9);
+    EXPECT_LT(worst_seam(s.f, cli::local_potential(s.f, 0.25), 0.25), 1e-6);
+}
+
+TEST(Pictures, CommonPeriod) {
+    EXPECT_NEAR(cli::common_period({1, 1}, 0.3), 1.0 / 3, 1e-12);
+    EXPECT_NEAR(cli::common_period({1, 1.5}, 0.2), 0.25, 0.09);
+    EXPECT_EQ(cli::common_period({1, std::sqrt(2.0)}, 0.3), 0);
+    EXPECT_EQ(cli::common_period({1, 200}, 9), 0);
+}
+
+// Across every edge the two triangles agree up to a sign and multiples of the period, and nothing is far from (u, v).
+TEST(Pictures, CheckerboardsHaveNoSeams) {
+    const std::vector<std::pair<TriMesh, std::vector<double>>> cases = {{torus(24, 16, 2, 0.8), {1}},
+                                                                        {trefoil(60, 8, 0.3), {1}},
+                                                                        {pretzel(2, 2), {1, 1.7}},
+                                                                        {pretzel(3, 2), {1, 1, 3}},
+                                                                        {torus_with_finger(20, 12, 6, 2), {1}}};
+    for (const auto& [mesh, weights] : cases) {
+        Solved s(mesh, weights);
+        const auto p = make<hmf_parameterization>([&](hmf_parameterization** out, hmf_error* error) {
+            return hmf_parameterize(s.solution.foliation.get(), nullptr, nullptr, out, error);
+        });
+        const double period = cli::wanted_period(s.f);
+        const std::vector<double> uv = cli::closed_pattern(s.f.triangles, s.f.triangle_edges, *p, period);
+        ASSERT_EQ(uv.size(), 2 * s.f.triangles.size()) << mesh.genus;
+        std::vector<std::vector<size_t>> sides(s.f.values.size());
+        for (size_t k = 0; k < s.f.triangle_edges.size(); ++k) sides[s.f.triangle_edges[k]].push_back(k);
+        const auto whole = [&](double x) { return std::fabs(x / period - std::floor(x / period + 0.5)) < 1e-6; };
+        size_t cut = 0;
+        for (size_t e = 0; e < sides.size(); ++e) {
+            const size_t k = sides[e][0], m = sides[e][1];
+            const size_t k2 = k % 3 == 2 ? k - 2 : k + 1, m2 = m % 3 == 2 ? m - 2 : m + 1;
+            const double sign = p->transition[3 * e];
+            for (size_t i = 0; i < 2; ++i) {
+                EXPECT_TRUE(whole(uv[2 * m2 + i] - sign * uv[2 * k + i])) << e;
+                EXPECT_TRUE(whole(uv[2 * m + i] - sign * uv[2 * k2 + i])) << e;
+            }
+            cut += p->seam[e];
+        }
+        EXPECT_GT(cut, 0u);
+        double worst = 0;
+        for (size_t k = 0; k < uv.size(); ++k) worst = std::max(worst, std::fabs(uv[k] - p->corner_uv[k]));
+        EXPECT_LT(worst, 4 * period) << mesh.genus;
+    }
+}
+
+// Round a torus the shortest closed curves of the class are circles: the line is no longer than the circle of the mesh.
+TEST(Pictures, LoopsAreShortestInTheirStrip) {
+    Solved s(torus(30, 20, 2, 0.5), {1});
+    const Loops on_input = library_loops(s.hierarchy, 0);
+    const hmf_loop_set view = on_input.view(), *const fine = &view;
+    const std::vector<cli::Line> lines = cli::loop_lines(s.f, *fine);
+    ASSERT_EQ(lines.size(), 1u);
+    double length = 0;
+    const auto point = [&](size_t i) { return lines[0][i % lines[0].size()]; };
+    for (size_t i = 0; i < lines[0].size(); ++i) length += cli::distance(point(i), point(i + 1));
+    // A polygon of 20 sides, round the tube.
+    const double polygon = 20 * 2 * 0.5 * std::sin(3.14159265358979 / 20);
+    EXPECT_GT(length, 0.98 * polygon);
+    EXPECT_LT(length, 1.03 * polygon);
+    // No local change shortens it: each point is the best between its neighbours on its edge, or at its end.
+    const size_t count = lines[0].size();
+    ASSERT_EQ(count, static_cast<size_t>(fine->offsets[1] - fine->offsets[0]));
+    size_t edges_found = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t here = fine->elements[i], next = fine->elements[(i + 1) % count];
+        for (size_t a = 0; a < 3; ++a)
+            for (size_t b = 0; b < 3; ++b) {
+                if (s.f.triangle_edges[3 * here + a] != s.f.triangle_edges[3 * next + b]) continue;
+                ++edges_found;
+                const uint32_t e = s.f.triangle_edges[3 * here + a];
+                const cli::Point p = cli::place(s.f, s.f.edge_vertices[2 * e]),
+                                 q = cli::place(s.f, s.f.edge_vertices[2 * e + 1]);
+                const cli::Point before = point(i + count - 1), after = point(i + 1);
+                const double t = cli::distance(p, point(i)) / cli::distance(p, q);
+                const double now = cli::distance(before, point(i)) + cli::distance(point(i), after);
+                for (const double step : {-0.05, 0.05}) {
+                    if (t + step < 0 || t + step > 1) continue;
+                    const cli::Point moved = cli::between(p, q, t + step);
+                    EXPECT_GT(cli::distance(before, moved) + cli::distance(moved, after), now - 1e-4) << i;
+                }
+            }
+    }
+    EXPECT_EQ(edges_found, count);
+}
