@@ -396,9 +396,10 @@ typedef struct hmf_loop_set {
  * essential, pairwise not freely homotopic, and short.  Candidates are found on
  * the coarsest level; of these the classes with the shortest closed geodesics
  * are chosen one after another, measured on finer levels where they are close,
- * up to the mesh of the caller.  Among equal lengths the loop that lies lower in
- * the direction (1, 0.618, 0.382) comes first: lengths count up to 1 % more,
- * from one end of the surface to the other.  Loop c is in the same class on
+ * up to the mesh of the caller.  So they belong to the surface, not to its
+ * hierarchy, where the coarsest level has about 100 vertices for each handle.
+ * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
+ * along z, from one end of the surface to the other.  Loop c is in the same class on
  * every level.
  *
  *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking

@@ -13,12 +13,11 @@ namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
 constexpr size_t MOST_STARTS = 4; // of a class
-constexpr double TILT = 0.01;
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 100;
-constexpr double DIRECTION[3] = {1, 0.6180339887498949, 0.3819660112501051};
+constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
 } // namespace
 
@@ -78,16 +77,16 @@ Done ClassLengths::start() {
     return true;
 }
 
-// Of the surface, in the fixed direction.
+// The box of the surface.
 void ClassLengths::measure_extent() {
-    double highest = 0;
-    for (size_t v = 0; v < mesh_.vertex_count; ++v) {
-        double place = 0;
-        for (size_t a = 0; a < 3; ++a) place += DIRECTION[a] * (position_[3 * v + a] / geodesic_.scale());
-        if (v == 0 || place < lowest_) lowest_ = place;
-        if (v == 0 || place > highest) highest = place;
-    }
-    extent_ = highest > lowest_ ? highest - lowest_ : 1;
+    double highest[3] = {0, 0, 0};
+    for (size_t v = 0; v < mesh_.vertex_count; ++v)
+        for (size_t a = 0; a < 3; ++a) {
+            const double x = position_[3 * v + a] / geodesic_.scale();
+            if (v == 0 || x < lowest_[a]) lowest_[a] = x;
+            if (v == 0 || x > highest[a]) highest[a] = x;
+        }
+    for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
 }
 
 Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
@@ -132,7 +131,7 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
         double square = 0, place = 0;
         for (size_t a = 0; a < 3; ++a) {
             square += (here[a] - before[a]) * (here[a] - before[a]);
-            place += DIRECTION[a] * (here[a] + before[a]) / 2;
+            place += tilt_[a] * ((here[a] + before[a]) / 2 - lowest_[a]);
             before[a] = here[a];
         }
         sum += std::sqrt(square) * place;
@@ -140,7 +139,7 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     }
     const double n_left = static_cast<double>(loop_.size());
     c.doubt = DOUBT_ROUND / (n_left * n_left) + DOUBT[stage];
-    if (total > 0) c.length *= 1 + TILT * ((sum / total - lowest_) / extent_);
+    if (total > 0) c.length *= 1 + sum / total;
     return true;
 }
 

@@ -10,9 +10,10 @@
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the mesh of the caller.
 //
-// Ties: lengths are measured in a metric that grows by 1 % from one end of the
-// surface to the other, in the direction (1, 0.618, 0.382).  So of two loops
-// that are equally long, by symmetry say, the lower one counts as shorter.
+// Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
+// from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
+// loops that are equally long, by symmetry say, the one that lies lower counts as
+// shorter.
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
@@ -64,7 +65,7 @@ private:
     Call& call_;
     size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
     bool started_ = false;
-    double lowest_ = 0, extent_ = 1; // of the surface, in the direction of the tilt
+    double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     EdgeWords words_;
     Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
     ClosedGeodesic geodesic_;

@@ -18,12 +18,12 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = loop_mesh(h, coarsest);
     const double* position = h.levels[coarsest].position;
-    if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, call, out);
+    ClassLengths lengths(h, call);
+    if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, lengths, call, out);
     if (h.genus == 0 && (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL))
         return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
                          "A surface of genus 0 has no handles. Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS, which go round "
                          "marked vertices, or give loops.");
-    ClassLengths lengths(h, call);
     switch (kind) {
     case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, lengths, call, out);
     case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);

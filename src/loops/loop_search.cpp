@@ -4,8 +4,9 @@
 
 namespace hmf {
 
-bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
+Done LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
     Memory& memory = call_.memory;
+    signatures_ = &signatures;
     const size_t n = cut_.region_count, states = edge_label_ ? states_per_region * n : n;
     heap_.start(memory);
     order_.start(memory);
@@ -93,7 +94,8 @@ Done LoopSearch::search(uint32_t root, double limit) {
                 state.before = s;
                 state.through = arc.half_segment;
                 heap_.add({d, to});
-            } else if (signature != state.signature && d + state.distance < reach) {
+            } else if (signature != state.signature && d + state.distance < reach
+                       && !signatures_->is_trivial(signature ^ state.signature)) {
                 const double length = d + state.distance;
                 if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
                 if (length < shortest) shortest = length;

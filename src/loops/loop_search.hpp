@@ -30,7 +30,7 @@ public:
     static constexpr size_t MOST_STATES = 256; // per region
 
     // For a new cut; all bounds become 0.  False: out of memory.
-    bool prepare(const Signatures& signatures, size_t states_per_region);
+    Done prepare(const Signatures& signatures, size_t states_per_region);
 
     static constexpr double SLACK = 1.7;
     static constexpr size_t MOST_LOOPS = 16; // of one search
@@ -87,6 +87,7 @@ private:
     bool settled(uint32_t s) const { return state_[s].stamp > 2 * epoch_; }
 
     const CutSurface& cut_;
+    const Signatures* signatures_ = nullptr;
     const Array<double>& edge_length_;
     const uint64_t* edge_label_;
     Call& call_;

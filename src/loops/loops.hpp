@@ -45,7 +45,7 @@ hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLe
 
 // On a sphere: loops each round two marked vertices that are close, and no
 // vertex in two of them; as many as there are, but one for four vertices.
-hmf_status mark_loops(const Mesh& mesh, const double* position, Call& call, Loops& out);
+hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out);
 
 // Shortens simple disjoint loops within their classes, but those before
 // `first`; they stay disjoint, in their order and with their directions.
