@@ -8,12 +8,13 @@
 #
 # Environment: HMF_MESHES  folder of OBJ meshes (default ../shared/meshes)
 #              HMF_SURFACES  folder of other OBJ meshes: holes, shells, spheres (default ../shared/surfaces)
+#              HMF_CAMPAIGN_SEED  first seed of campaign (default 1)
 #              JOBS        parallel jobs (default: number of cores)
 set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols plain install bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large mutations machines"
+variants="$default_variants corpus-large campaign mutations machines static"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -33,7 +34,9 @@ fuzz          replays the corpora and a short random run, with sanitizers
 valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
+campaign      2 000 random problems with three hierarchies each (long; not in the default run; a sample is in release)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
+static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
 mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
 END
 }
@@ -244,16 +247,29 @@ run_corpus() { # name, largest mesh in vertices, seconds
     fi
     HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
 }
+# HMF_CAMPAIGN_SEED: of the first problem; HMF_CAMPAIGN_PROBLEMS: how many.  The table is in results/campaign.log.
+variant_campaign() {
+    build release || return
+    HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_campaign
+    grep -A14 ' problems, seeds ' "$results/campaign.log"
+}
+# For long variants: what cannot be installed is skipped there.
+install_if_possible() { # package ...
+    local package sudo=
+    command -v apt-get > /dev/null || return 0
+    [ "$(id -u)" -eq 0 ] || sudo=sudo
+    for package in "$@"; do
+        dpkg -s "$package" > /dev/null 2>&1 ||
+            DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "$package" > /dev/null 2>&1
+    done
+}
+variant_static() {
+    install_if_possible clang-tidy cppcheck
+    run_check static tests/check_static.sh build/static
+}
 variant_machines() {
-    if command -v apt-get > /dev/null; then
-        local package sudo=
-        [ "$(id -u)" -eq 0 ] || sudo=sudo
-        for package in qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
-            g++-mingw-w64-x86-64-posix wine wine64; do
-            dpkg -s "$package" > /dev/null 2>&1 ||
-                DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "$package" > /dev/null 2>&1
-        done
-    fi
+    install_if_possible qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
+        g++-mingw-w64-x86-64-posix wine wine64
     run_check machines tests/check_machines.sh build/machines
 }
 variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }

@@ -7,7 +7,9 @@ import csv
 import json
 import math
 import os
+import re
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -140,6 +142,42 @@ class Usage(Case):
         self.assertIn("solve", self.run_tool("--help").stdout)
         self.assertIn("--loops", self.run_tool("solve", "--help").stdout)
         self.assertRegex(self.run_tool("--version").stdout, r"hmf \d+\.\d+\.\d+")
+
+    def test_manual_and_completion(self):
+        """Every option of every command is in the manual page and in the completion of each shell."""
+        page = self.run_tool("manual").stdout
+        self.assertTrue(page.startswith(".TH HMF 1"))
+        shells = {shell: self.run_tool("completion", shell).stdout for shell in ("bash", "zsh", "fish")}
+        for command in ("solve", "info", "batch", "demo"):
+            for option in re.findall(r"^  (--[a-z-]+)", self.run_tool(command, "--help").stdout, re.M):
+                self.assertIn(option.replace("-", "\\-"), page)
+                for shell, text in shells.items():
+                    self.assertIn(option[2:] if shell == "fish" else option, text, shell)
+        build = os.path.dirname(os.path.abspath(TOOL))
+        if shutil.which("cmake") and os.path.exists(os.path.join(build, "CMakeCache.txt")):
+            subprocess.run(["cmake", "--install", build, "--prefix", self.path("prefix")], check=True, stdout=subprocess.PIPE)
+            for path, text in (("man/man1/hmf.1", page), ("bash-completion/completions/hmf", shells["bash"]), ("zsh/site-functions/_hmf", shells["zsh"]),
+                               ("fish/vendor_completions.d/hmf.fish", shells["fish"])):
+                self.assertEqual(self.read("prefix/share/" + path).decode(), text)
+        if shutil.which("man"):
+            done = subprocess.run(["man", "-l", "--warnings", self.write("hmf.1", page)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
+                                  env=dict(os.environ, MANWIDTH="100", LC_ALL="C.UTF-8"))
+            self.assertEqual(done.stderr, "")
+            self.assertIn("--camera", done.stdout)
+        def replies(*words):
+            script = "source '%s'; COMP_WORDS=(hmf %s); COMP_CWORD=%d; _hmf; printf '%%s\\n' \"${COMPREPLY[@]}\"" % (
+                self.write("hmf.bash", shells["bash"]), " ".join("'%s'" % w for w in words), len(words))
+            return subprocess.run(["bash", "-uc", script], stdout=subprocess.PIPE, check=True, universal_newlines=True, cwd=self.folder.name).stdout.split()
+        if shutil.which("bash"):
+            self.assertEqual(replies("so"), ["solve"])
+            self.assertEqual(replies("solve", "x.obj", "--patt"), ["--pattern"])
+            self.assertEqual(replies("solve", "x.obj", "--pattern", ""), ["stripes", "checkerboard", "quads", "dilatation"])
+            self.assertEqual(replies("solve", "tor"), ["torus.obj"])
+            self.assertIn("handle", replies("solve", "x.obj", "--loops", ""))
+        for shell in ("zsh", "fish"):
+            if shutil.which(shell):
+                subprocess.run([shell, "-n", self.write("completion", shells[shell])], check=True)
+        self.refused(2, "completion", "sh", says=["bash, zsh or fish"])
 
     def test_usage_errors(self):
         self.refused(2)
@@ -640,6 +678,48 @@ class Solve(Case):
         self.refused(3, "solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj"), "--values", self.path("u.csv"),
                      says=["--method newton"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
+
+    def test_textured(self):
+        """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
+        obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")
+        self.run_tool("solve", self.mesh, "--obj", obj)
+        lines = [line.split() for line in self.read("t.obj").decode().splitlines()]
+        vt = [tuple(map(float, line[1:])) for line in lines if line[0] == "vt"]
+        wanted = [vt[int(corner.split("/")[1]) - 1] for line in lines if line[0] == "f" for corner in line[1:]]
+        for path in (glb, ply):
+            self.run_tool("solve", self.mesh, "--textured", path)
+        head, body = self.read("t.ply").split(b"end_header\n")
+        count = int(head.split(b"element vertex ")[1].split()[0])
+        self.assertGreater(count, len(self.points))
+        vertices = list(struct.iter_unpack("<5d", body[:40 * count]))
+        faces = list(struct.iter_unpack("<BIII", body[40 * count:]))
+        self.assertEqual(len(faces), len(self.triangles))
+        for (three, *corners), triangle in zip(faces, self.triangles):
+            self.assertEqual(three, 3)
+            for corner, v in zip(corners, triangle):
+                self.assertEqual(vertices[corner][:3], self.points[v])
+        found = [vertices[c][3:] for _, *corners in faces for c in corners]
+        for a, b in zip(found, wanted):
+            self.assertAlmostEqual(a[0], b[0], 6)
+            self.assertAlmostEqual(a[1], b[1], 6)
+        glb_bytes = self.read("t.glb")
+        magic, version, length, size, kind = struct.unpack("<4sIII4s", glb_bytes[:20])
+        self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(glb_bytes), b"JSON"))
+        gltf, binary = json.loads(glb_bytes[20:20 + size]), glb_bytes[28 + size:]
+        def values(number, form):
+            view = gltf["bufferViews"][gltf["accessors"][number]["bufferView"]]
+            part = binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+            self.assertEqual(len(part), gltf["accessors"][number]["count"] * struct.calcsize("<" + form))
+            return list(struct.iter_unpack("<" + form, part))
+        uv, order = values(1, "2f"), values(2, "I")
+        for (k,), (u, v) in zip(order, wanted):
+            self.assertAlmostEqual(uv[k][0], u, 4)
+            self.assertAlmostEqual(1 - uv[k][1], v, 4)
+        image = gltf["bufferViews"][gltf["images"][0]["bufferView"]]
+        self.assertEqual(len(pixels_of(binary[image["byteOffset"]:image["byteOffset"] + image["byteLength"]])), 256)
+        self.assertEqual(json.loads(self.run_tool("info", glb, "--json").stdout)["genus"], 1)
+        self.assertEqual(json.loads(self.run_tool("info", ply, "--json", "--repair", "--join-points").stdout)["genus"], 1)
+        self.refused(2, "solve", self.mesh, "--textured", self.path("t.stl"), says=[".glb"])
 
     def test_pictures(self):
         """Size, camera, legend and every pattern; what has no effect is refused."""

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "../src/api/foliation_object.hpp"
+#include "../src/foliation/coarser_unit.hpp"
 
 using namespace test;
 
@@ -173,4 +174,88 @@ TEST(Extremes, ValuesThatADoubleCannotHold) {
     EXPECT_EQ(hmf::make_foliation(state, making, call, &made), HMF_ERROR_UNSUPPORTED);
     EXPECT_EQ(error.element, HMF_ELEMENT_EDGE);
     EXPECT_EQ(made, nullptr);
+}
+
+// A finer unit, moves of a unit, and back: the same class, no pole, and every vertex has gone less than a unit.
+TEST(CoarserUnit, RoundsPlacesAndNotValues) {
+    constexpr uint32_t bits = 9;
+    for (const TriMesh& mesh : {pretzel(3, 2), torus(20, 12, 3, 1), torus_with_finger(20, 14, 10, 4)}) {
+        const Hierarchy hierarchy(mesh, 0.5, 200);
+        ASSERT_TRUE(hierarchy);
+        const hmf_hierarchy& h = *hierarchy.get();
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_WHITEHEAD, 1e-2));
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf_error error{};
+        hmf::Call call(memory, &error, nullptr, nullptr);
+        hmf::State state;
+        double unit = 1;
+        ASSERT_EQ(hmf::load_solved(*solution.foliation, state, unit, call), HMF_OK);
+        hmf::Foliation& f = state.foliation;
+        const uint32_t n = f.mesh.edge_count;
+        ASSERT_EQ(hmf::to_coarser_unit(f, 0, memory), hmf::Coarsened::done); // nothing to do
+        for (uint32_t e = 0; e < n; ++e) f.value[e] <<= bits;
+        hmf::Rings rings;
+        hmf::Star star;
+        ASSERT_TRUE(rings.build(f.mesh, h.levels[0].weight, memory) && star.allocate(memory, rings.max_degree));
+        hmf::SweepResult result;
+        for (int i = 0; i < 3; ++i) sweep(f, rings, h.levels[0].weight, i % 2 != 0, star, result, call, 0);
+        ASSERT_GT(result.moves, 0u);
+        const std::vector<int64_t> fine(f.value, f.value + n);
+        EXPECT_EQ(hmf::to_coarser_unit(f, 58, memory), hmf::Coarsened::no_multiples); // not even the heights are
+        EXPECT_EQ(std::vector<int64_t>(f.value, f.value + n), fine);
+        ASSERT_EQ(hmf::to_coarser_unit(f, bits, memory), hmf::Coarsened::done);
+        int64_t odd = 0;
+        for (uint32_t e = 0; e < n; ++e) {
+            odd |= fine[e] & ((1 << bits) - 1);
+            EXPECT_LE(std::abs((f.value[e] << bits) - fine[e]), 1 << bits);
+        }
+        EXPECT_NE(odd, 0); // else nothing was rounded
+        const hmf::SingularityCount count = hmf::count_singularities(f);
+        EXPECT_EQ(count.broken_triangles, 0u);
+        EXPECT_EQ(count.poles, 0u);
+        EXPECT_EQ(count.index_sum, 4 - 4 * static_cast<int64_t>(mesh.genus));
+    }
+}
+
+// Where doubles are too short for a residual of 1e-8 the solver has more bits: the values that leave are exact
+// doubles in the same class, and what is measured is the minimum that the solver had.
+TEST(CoarserUnit, ResidualBelowTheBitsOfADouble) {
+    const TriMesh mesh = transformed(pretzel(3, 2), {30000, 0, 0, 0, 1, 0, 0, 0, 1});
+    const Hierarchy hierarchy(mesh, 0.5, 200);
+    ASSERT_TRUE(hierarchy);
+    for (const size_t level : {size_t{0}, size_t{1}}) {
+        SCOPED_TRACE(level);
+        hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-12);
+        options.stop_level = level;
+        const Solution solution = solve(hierarchy, nullptr, options);
+        ASSERT_LT(solution.status, HMF_ERROR_NULL) << solution.error.message;
+        EXPECT_EQ(solution.report.class_state, HMF_CLASS_PROVEN);
+        EXPECT_LE(solution.report.residual_max, 1e-9);
+        EXPECT_GT(solution.foliation->solved_bits, 0u) << "the mesh tests nothing";
+        expect_foliation(read_level(hierarchy, level), solution.foliation);
+        EXPECT_EQ(energy(solution.foliation), solution.report.energy);
+        double most = 0;
+        for (const double r : residuals(solution.foliation, read_level(hierarchy, level).vertex_count))
+            most = std::max(most, r);
+        EXPECT_NEAR(most, solution.report.residual_max, 1e-12);
+        const Foliation values = create(hierarchy, level, values_of(solution.foliation));
+        // The values that leave are in the same class: relaxed again they reach the same energy.
+        for (const Foliation* from : {&values, &solution.foliation}) {
+            const Solution again = relax(*from, solve_options(HMF_METHOD_NEWTON, 1e-9));
+            EXPECT_EQ(again.status, HMF_OK) << again.error.message;
+            EXPECT_NEAR(again.report.energy, solution.report.energy, 1e-12 * solution.report.energy);
+        }
+        if (level > 0) continue;
+        hmf_error error{};
+        hmf_cylinder_set* cylinders = nullptr;
+        ASSERT_EQ(hmf_cylinders(solution.foliation.get(), nullptr, nullptr, &cylinders, &error), HMF_OK)
+            << error.message;
+        const Owned<hmf_cylinder_set> owner(cylinders);
+        double area = 0;
+        for (uint64_t c = 0; c < cylinders->count; ++c) {
+            EXPECT_EQ(cylinders->list[c].height, 1);
+            area += cylinders->list[c].area;
+        }
+        EXPECT_NEAR(area, solution.report.energy, 1e-7 * solution.report.energy);
+    }
 }

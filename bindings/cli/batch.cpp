@@ -138,7 +138,7 @@ Json result_of(Child& child) {
 
 } // namespace
 
-ExitStatus batch(const std::vector<std::string>& words, bool help) {
+ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     std::string folder, out;
     uint64_t jobs = 1;
     SolveRequest unused;
@@ -155,7 +155,7 @@ ExitStatus batch(const std::vector<std::string>& words, bool help) {
             && (!o.needs[0] || std::strcmp(o.needs, "--report") == 0 || std::strcmp(o.needs, "--repair") == 0))
             options.push_back(o);
     if (help) {
-        print_help(options, "batch", "Solves every mesh of a folder; exit status 0 if all were tried.");
+        (*help)(options, "batch", "Solves every mesh of a folder; exit status 0 if all were tried.");
         return EXIT_SOLVED;
     }
     parse(options, words, "batch");

@@ -1,5 +1,5 @@
-// The best view is found by trial: samples of the surface fall into a coarse depth grid for each direction, and a target
-// is seen where no sample lies clearly before it.
+// The best view is found by trial: samples of the surface fall into a coarse depth grid for each direction, and a
+// target is seen where no sample lies clearly before it.
 #include "camera.hpp"
 
 #include <algorithm>

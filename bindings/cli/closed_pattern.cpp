@@ -1,7 +1,7 @@
 // Seams form a graph.  Along a chain of it between two nodes the transition (u, v) -> s (u, v) + d is the same; d is
 // rounded.  Around a node that is no zero of odd order the transitions must compose to the identity:
 //
-//            2                   off = d3 + s3 (d2 + s2 d1) = 0:  each chain has coefficient +1 or -1 there, so the chain
+//            2                   off = d3 + s3 (d2 + s2 d1) = 0: each chain has coefficient +1 or -1, so the chain
 //        ____|____               on the way to the root of a spanning tree can mend what rounding did, leaves first.
 //       1    o    3              A zero of odd order needs nothing: with s = -1 its own place moves.
 //

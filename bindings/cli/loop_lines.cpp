@@ -1,10 +1,10 @@
 // The shortest curve in a strip of triangles, laid out in the plane, by the funnel algorithm (Lee and Preparata 1984;
 // Chazelle 1982):
 //
-//        l0____l1______l2        The shortest path from an apex to the next edge l-r runs inside a funnel of two chains;
+//        l0____l1______l2        The shortest path from an apex to the next edge runs inside a funnel of two chains;
 //       /  \    \     /  \       an edge narrows it, and where a chain is crossed the path has a corner.
-//   ---o----\----\---/----o---   A closed curve is cut open at a point of its first edge.  Where the path leaves the strip
-//       \____\____\_/____/       again tells where a better point is: a few rounds settle.
+//   ---o----\----\---/----o---   A closed curve is cut open at a point of an edge; a few rounds, each opened at
+//       \____\____\_/____/       another edge, settle.
 //           r0    r1    r2
 #include "loop_lines.hpp"
 

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "batch.hpp"
+#include "describe.hpp"
 #include "failure.hpp"
 #include "info.hpp"
 #include "options.hpp"
@@ -18,10 +19,10 @@ namespace {
 using namespace cli;
 using Words = std::vector<std::string>;
 
-int solve_command(const Words& words, bool help) {
+int solve_command(const Words& words, const Describe* help) {
     if (help) {
         SolveRequest request;
-        print_help(solve_options(request), "solve", "The harmonic foliation in the class of some loops.");
+        (*help)(solve_options(request), "solve", "The harmonic foliation in the class of some loops.");
         return EXIT_SOLVED;
     }
     const Outcome outcome = solve(words);
@@ -38,7 +39,7 @@ int solve_command(const Words& words, bool help) {
     return outcome.exit_status;
 }
 
-int info_command(const Words& words, bool help) {
+int info_command(const Words& words, const Describe* help) {
     InfoRequest request;
     Options options = {
         Option{"MESH", &request.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
@@ -46,7 +47,7 @@ int info_command(const Words& words, bool help) {
         repair_option(request.repairs),
         join_option(request.joins),
     };
-    if (help) print_help(options, "info", "Is a mesh usable?  Counts, genus, quality.");
+    if (help) (*help)(options, "info", "Is a mesh usable?  Counts, genus, quality.");
     else {
         parse(options, words, "info");
         info(request);
@@ -54,11 +55,11 @@ int info_command(const Words& words, bool help) {
     return EXIT_SOLVED;
 }
 
-int demo_command(const Words& words, bool help) {
+int demo_command(const Words& words, const Describe* help) {
     std::string folder = "./hmf-demo";
     Options options = {Option{"DIR", &folder, "", "folder of the results"}.or_default()};
     if (help) {
-        print_help(options, "demo", "Makes the built-in sample, solves it, writes every output.");
+        (*help)(options, "demo", "Makes the built-in sample, solves it, writes every output.");
         return EXIT_SOLVED;
     }
     parse(options, words, "demo");
@@ -89,27 +90,59 @@ int demo_command(const Words& words, bool help) {
                                       in_folder("quads.obj"),
                                       "--obj",
                                       in_folder("textured.obj")},
-                                     false);
+                                     nullptr);
     std::printf("The picture is in %s\n", in_folder("image.png").c_str());
     return status;
 }
 
+int manual_command(const Words& words, const Describe* help);
+int completion_command(const Words& words, const Describe* help);
+
 struct Command {
     const char* name;
     const char* help;
-    int (*run)(const Words& words, bool help);
+    int (*run)(const Words& words, const Describe* help);
 };
 const Command commands[] = {
     {"demo", "make the built-in sample, solve it, write every output", demo_command},
     {"info", "validate a mesh; counts, genus, quality", info_command},
     {"solve", "the harmonic foliation in the class of some loops", solve_command},
     {"batch", "solve every mesh of a folder",
-     [](const Words& words, bool help) { return static_cast<int>(batch(words, help)); }},
+     [](const Words& words, const Describe* help) { return static_cast<int>(batch(words, help)); }},
+    {"completion", "print the completion of bash, zsh or fish", completion_command},
+    {"manual", "print the manual page", manual_command},
 };
+
+// The tables of all commands, each of which calls this.
+void describe_all(const Describe& describe) {
+    for (const Command& command : commands) command.run({}, &describe);
+}
+
+int manual_command(const Words& words, const Describe* help) {
+    Options options;
+    if (help) (*help)(options, "manual", "Prints the manual page, for man.");
+    else {
+        parse(options, words, "manual");
+        std::fputs(manual_page(version_text(), describe_all).c_str(), stdout);
+    }
+    return EXIT_SOLVED;
+}
+
+int completion_command(const Words& words, const Describe* help) {
+    int32_t shell = 0;
+    Options options = {
+        Option{"SHELL", Choice{&shell, {{"bash", 0}, {"zsh", 1}, {"fish", 2}}}, "", "bash, zsh or fish"}};
+    if (help) (*help)(options, "completion", "Prints the completion of a shell: source <(hmf completion bash)");
+    else {
+        parse(options, words, "completion");
+        std::fputs(completion(static_cast<Shell>(shell), describe_all).c_str(), stdout);
+    }
+    return EXIT_SOLVED;
+}
 
 void print_commands() {
     std::printf("Harmonic measured foliations on closed triangle meshes\n\nusage: hmf COMMAND ...\n\n");
-    for (const Command& command : commands) std::printf("  %-8s%s\n", command.name, command.help);
+    for (const Command& command : commands) std::printf("  %-12s%s\n", command.name, command.help);
     std::printf("\nhmf COMMAND --help lists the options of a command, hmf --version tells the version.\n\n"
                 "exit status: 0 solved; 2 usage; 3 bad input, or not supported for it; 4 limit reached before\n"
                 "convergence (the best result is still written); 5 out of memory or file error\n");
@@ -127,7 +160,8 @@ int run(const Words& words) {
             const Words rest(words.begin() + 1, words.end());
             const bool help =
                 std::count(rest.begin(), rest.end(), "--help") + std::count(rest.begin(), rest.end(), "-h") > 0;
-            return command.run(rest, help);
+            const Describe describe = print_help;
+            return command.run(rest, help ? &describe : nullptr);
         }
         throw Failure(EXIT_USAGE, "there is no command \"" + words[0] + "\"; the commands are " + names);
     }

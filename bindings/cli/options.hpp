@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -59,6 +60,9 @@ using Options = std::vector<Option>;
 // Sets the targets, and checks everything that can be checked without reading a file.  Throws Failure(EXIT_USAGE).
 void parse(Options& options, const std::vector<std::string>& words, const std::string& command);
 void print_help(const Options& options, const std::string& command, const std::string& about);
+
+// What is done with the table of a command; print_help is one.
+using Describe = std::function<void(const Options& options, const std::string& command, const std::string& about)>;
 
 // Every option with its value as it is now; null: none.  Outputs only where they were given.
 readers::Json values_of(const Options& options);

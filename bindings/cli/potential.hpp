@@ -41,8 +41,8 @@ struct Potential {
 // of the values that the stripes follow.
 Potential local_potential(const Foliation& foliation, double period);
 
-// About 22 pairs of stripes along the size of the object.  The root mean square of the gradient: unlike the mean it does
-// not fall much where limbs without leaves make up most of the area.
+// About 22 pairs of stripes along the size of the object.  The root mean square of the gradient: unlike the mean it
+// does not fall much where limbs without leaves make up most of the area.
 double wanted_period(const Foliation& foliation);
 
 // The period nearest to the wanted one that divides all weights, so that an even pattern has no seams; 0 if there is

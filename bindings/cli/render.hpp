@@ -1,5 +1,5 @@
-// A picture of a foliation: a pattern on the surface, zeros blue with their order, poles yellow, marked vertices violet,
-// loops green.
+// A picture of a foliation: a pattern on the surface, zeros blue with their order, poles yellow, marked vertices
+// violet, loops green.
 #pragma once
 
 #include <cstdint>

@@ -18,6 +18,7 @@
 #include "split_mesh.hpp"
 #include "whole_stripes.hpp"
 #include "write_results.hpp"
+#include "write_textured.hpp"
 
 namespace cli {
 
@@ -98,7 +99,7 @@ private:
                               + "\" is no size; give width and height such as 1400x1050, each from 16 to 16384");
         if (r_.size > 0 && r_.quads.empty() && style_.pattern != Pattern::quads)
             throw Failure(EXIT_USAGE, "--size: has no effect without --quads or --pattern quads; give one of them");
-        if (r_.period > 0 && r_.obj.empty()
+        if (r_.period > 0 && r_.obj.empty() && r_.textured.empty()
             && (style_.pattern == Pattern::quads || style_.pattern == Pattern::dilatation))
             throw Failure(EXIT_USAGE, "--period: has no effect with this --pattern; leave it out");
     }
@@ -461,7 +462,8 @@ private:
         attempt("--save-marks", !r_.save_marks.empty(), [&] { write_marks(r_.save_marks, marks_); });
         attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
         control_ = progress_.part("leaves", 0, 1);
-        const bool pictured = !r_.image.empty() || !r_.obj.empty();
+        const bool wants_uv = !r_.obj.empty() || !r_.textured.empty();
+        const bool pictured = !r_.image.empty() || wants_uv;
         attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
             if (c.status() == HMF_OK) c.find_cylinders(control_);
         });
@@ -480,8 +482,11 @@ private:
         });
         attempt("--leaves", !leaves.empty(), [&] { leaves_ = write_leaves(r_.leaves, leaves); });
         const bool unfolded = style_.pattern == Pattern::checkerboard || style_.pattern == Pattern::dilatation;
-        const char* const asking = !r_.obj.empty() ? "--obj" : unfolded ? "--pattern" : "--conformality";
-        const bool unfolds = unfolded || !r_.obj.empty() || r_.conformality;
+        const char* const asking = !r_.obj.empty()      ? "--obj"
+                                 : !r_.textured.empty() ? "--textured"
+                                 : unfolded             ? "--pattern"
+                                                        : "--conformality";
+        const bool unfolds = unfolded || wants_uv || r_.conformality;
         attempt_each(asking, unfolds, [&](Component& c) {
             control_ = progress_.part("unfold", 0, 1);
             c.parameterize(control_);
@@ -493,6 +498,10 @@ private:
             attempt("--period", true, [&] { r_.period = period = choose_period(); });
         }
         attempt("--obj", !r_.obj.empty() && uv, [&] { write_textured_obj(r_.obj, f_, uv, period); });
+        attempt("--textured", !r_.textured.empty() && uv, [&] {
+            if (extension_of(r_.textured) == ".glb") write_textured_glb(r_.textured, f_, uv, period);
+            else write_textured_ply(r_.textured, f_, uv, period);
+        });
         const bool has_data = shows_quads ? !quads.empty() : !unfolded || uv;
         attempt("--image", !r_.image.empty() && has_data, [&] {
             std::vector<Line> lines;
@@ -647,7 +656,7 @@ Outcome solve(const std::vector<std::string>& words) {
     parse(options, words, "solve");
     if (!request.start.empty()) request.loops.clear();
     if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
-        && request.leaves.empty())
+        && request.textured.empty() && request.leaves.empty())
         throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
     return Run(request, options).go();
 }

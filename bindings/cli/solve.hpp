@@ -25,14 +25,14 @@ struct SolveRequest {
     uint64_t threads = 0; // 0: one for each processor
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, quads, obj, save_loops, save_mesh, save_marks;
+    std::string report, history, image, leaves, quads, obj, textured, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0; // of leaves, of quads
     bool conjugate = false;       // leaves across as well
     int32_t pattern = 0;          // of the picture: a Pattern
     std::string camera = "auto", image_size = "1400x1050";
     double period = 0; // of stripes and squares; 0: chosen
     bool legend = false;
-    bool conformality = false;    // in the report
+    bool conformality = false; // in the report
 };
 
 Options solve_options(SolveRequest& request);

@@ -93,12 +93,15 @@ Options solve_options(SolveRequest& r) {
         Option{"--period", &r.period, "X",
                "of stripes and squares, in the unit of the weights; each cylinder gets a whole number of them"}
             .in("(0, inf)")
-            .requires_one_of("--image --obj"),
+            .requires_one_of("--image --obj --textured"),
         Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image"),
         Option{"--obj", &r.obj, "FILE.obj",
                "mesh with (u, v) per corner as texture coordinates;\n"
                "FILE.mtl and FILE.png (a checkerboard) come with it"}
             .writes(".obj", ".mtl .png"),
+        Option{"--textured", &r.textured, "FILE",
+               "the same in one file: .glb with the texture in it, .ply with s, t of each vertex, which seams double"}
+            .writes(".glb .ply"),
         Option{"--leaves", &r.leaves, "FILE.obj", "leaves as polylines: level sets and the leaves between zeros"}
             .writes(".obj"),
         Option{"--spacing", &r.spacing, "X",

@@ -1,9 +1,9 @@
 // Critical leaves cut each edge into pieces, each in one cylinder; every piece is scaled as its cylinder is.
 //
-//        |  cylinder 3   |                   A piece between two critical leaves has the middle leaf of its cylinder in it.
-//    a---|-------:-------|----b              The ends of edges (germs) at a vertex lie in one cylinder if the vertex is on
-//        |       :       |                   no critical leaf, or if they leave it to the same side; so do both germs of an
-//     critical  middle  critical             edge without critical leaf.
+//        |  cylinder 3   |           A piece between two critical leaves has the middle leaf of its cylinder in it.
+//    a---|-------:-------|----b      The ends of edges (germs) at a vertex lie in one cylinder if the vertex is on no
+//        |       :       |           critical leaf, or if they leave it to the same side; so do both germs of an edge
+//     critical  middle  critical     without critical leaf.
 #include "whole_stripes.hpp"
 
 #include <algorithm>

@@ -19,8 +19,9 @@ struct Crossing {
     uint32_t cylinder; // whose middle leaf it is; or CRITICAL
 };
 
-// Where critical leaves and one leaf in the middle of each cylinder cross the edges.  heights: of the cylinders, those of
-// `lines` are added at the end.  whole_edges: in the foliation, of the edges that `lines` names; NULL: the same.
+// Where critical leaves and one leaf in the middle of each cylinder cross the edges.
+// heights       of the cylinders; those of `lines` are added at the end
+// whole_edges   in the foliation, of the edges that `lines` names; NULL: the same
 void add_crossings(const Foliation& foliation, const hmf_lines& lines, const uint32_t* whole_edges,
                    std::vector<Crossing>& crossings, std::vector<double>& heights);
 

@@ -1,10 +1,8 @@
 #include "write_results.hpp"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 
 #include "failure.hpp"
 #include "options.hpp"
@@ -83,60 +81,6 @@ void write_png(const std::string& path, const Image& image) {
     const std::string bytes = png_of(image);
     Output output(path);
     std::fwrite(bytes.data(), 1, bytes.size(), output.file());
-    output.close();
-}
-
-void write_textured_obj(const std::string& path, const Foliation& foliation, const double* uv, double period) {
-    const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
-    Image tile;
-    tile.width = tile.height = 256;
-    for (unsigned y = 0; y < tile.height; ++y)
-        for (unsigned x = 0; x < tile.width; ++x) {
-            // Squares with thin lines; even in both directions, as the transitions ask.
-            const bool dark = (x < 64 || x >= 192) != (y < 64 || y >= 192);
-            const bool line = x % 64 == 0 || y % 64 == 0 || x % 64 == 63 || y % 64 == 63;
-            for (const unsigned c :
-                 dark ? std::array<unsigned, 3>{190, 40, 48} : std::array<unsigned, 3>{246, 243, 236})
-                tile.rgb.push_back(static_cast<uint8_t>(line ? c * 3 / 4 : c));
-        }
-    write_png(texture, tile);
-    {
-        Output output(material);
-        std::fprintf(output.file(), "newmtl checkerboard\nKd 1 1 1\nmap_Kd %s\n",
-                     std::filesystem::path(texture).filename().string().c_str());
-        output.close();
-    }
-    Output output(path);
-    std::FILE* file = output.file();
-    std::fprintf(file, "# vt = (u, v) / %.17g\nmtllib %s\n", period,
-                 std::filesystem::path(material).filename().string().c_str());
-    for (size_t v = 0; v < foliation.positions.size() / 3; ++v)
-        std::fprintf(file, "v %.9g %.9g %.9g\n", foliation.positions[3 * v], foliation.positions[3 * v + 1],
-                     foliation.positions[3 * v + 2]);
-    // One vt for all corners of a vertex with the same (u, v): a list per vertex.
-    constexpr uint32_t none = 0xffffffffu;
-    std::vector<uint32_t> head(foliation.positions.size() / 3, none), next, corner_of,
-        number(foliation.triangles.size());
-    for (size_t k = 0; k < foliation.triangles.size(); ++k) {
-        uint32_t& first = head[foliation.triangles[k]];
-        uint32_t at = first;
-        while (at != none && (uv[2 * corner_of[at]] != uv[2 * k] || uv[2 * corner_of[at] + 1] != uv[2 * k + 1]))
-            at = next[at];
-        if (at == none) {
-            at = static_cast<uint32_t>(corner_of.size());
-            corner_of.push_back(static_cast<uint32_t>(k));
-            next.push_back(first);
-            first = at;
-            std::fprintf(file, "vt %.9g %.9g\n", uv[2 * k] / period, uv[2 * k + 1] / period);
-        }
-        number[k] = at + 1;
-    }
-    std::fprintf(file, "usemtl checkerboard\n");
-    for (size_t t = 0; t < foliation.triangle_count(); ++t) {
-        std::fputc('f', file);
-        for (size_t k = 3 * t; k < 3 * t + 3; ++k) std::fprintf(file, " %u/%u", foliation.triangles[k] + 1, number[k]);
-        std::fputc('\n', file);
-    }
     output.close();
 }
 

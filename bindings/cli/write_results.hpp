@@ -20,9 +20,6 @@ void write_loops(const std::string& path, const hmf_loop_set& loops, const std::
 // One report for each component; NULL: it has none.  Of several components each line says which.
 void write_history(const std::string& path, const std::vector<const hmf_report*>& reports);
 void write_png(const std::string& path, const Image& image);
-// The mesh with texture coordinates (u, v) / period, FILE.mtl and FILE.png (one
-// tile of a checkerboard) beside it.  corner_uv: (u, v) of each corner.
-void write_textured_obj(const std::string& path, const Foliation& foliation, const double* corner_uv, double period);
 // digits: of a coordinate; 17 give the same bits again.
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh, int digits = 9);
 

@@ -1,5 +1,6 @@
 #include "foliation_object.hpp"
 
+#include "../foliation/coarser_unit.hpp"
 #include "shared_flat.hpp"
 
 #include <algorithm>
@@ -39,19 +40,37 @@ hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& sta
     return HMF_OK;
 }
 
-hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call) {
+hmf_status load_solved(const hmf_foliation& foliation, State& state, double& unit, Call& call) {
+    unit = foliation.unit;
     if (!foliation.solved) {
         if (load_values(foliation, foliation.level, state, call)) return call.status();
         if (foliation.level > 0 || state.to_intrinsic(call)) return HMF_OK;
         return call.stopped();
     }
+    unit = std::ldexp(unit, -static_cast<int>(foliation.solved_bits));
     if (!state.allocate(*foliation.hierarchy, foliation.level, call.memory)) return call.out_of_memory();
     state.load(foliation.level, Side::intrinsic);
     std::memcpy(state.foliation.value, foliation.solved, foliation.count * sizeof(int64_t));
     double largest = 0;
     for (size_t e = 0; e < foliation.count; ++e) largest = std::max(largest, foliation.values[e]);
-    state.largest_input_value = static_cast<int64_t>(largest / foliation.unit);
+    state.largest_input_value = static_cast<int64_t>(largest / unit);
     return HMF_OK;
+}
+
+hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call) {
+    double unit = 1;
+    if (load_solved(foliation, state, unit, call)) return call.status();
+    return foliation.solved_bits > 0 ? coarsen_unit(state, static_cast<uint32_t>(foliation.solved_bits), call) : HMF_OK;
+}
+
+hmf_status coarsen_unit(State& state, uint32_t bits, Call& call) {
+    switch (to_coarser_unit(state.foliation, bits, call.memory)) {
+    case Coarsened::done: state.largest_input_value >>= bits; return HMF_OK;
+    case Coarsened::out_of_memory: return call.out_of_memory();
+    default:
+        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "Heights are no multiples of the unit. Please report it.");
+    }
 }
 
 hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out) {
@@ -65,7 +84,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.poles, 0, {}, {}};
+    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.solved_bits, making.poles, 0, {}, {}};
     ResultBlock block;
     block.room(made, made.values, n);
     if (making.solved) block.array(made, made.solved, n, making.solved);

@@ -6,6 +6,9 @@
 //                          v
 //                      state on the caller's side ----------> values = integers * unit
 //
+// Where doubles are too short for the residual (triangles of extreme aspect),
+// the solved integers have more bits than the values: solved_bits.
+//
 // One block (result.hpp), immutable.  It holds on to its hierarchy.
 #pragma once
 
@@ -23,6 +26,8 @@ struct hmf_foliation {
     uint64_t count;        // edges of the level
     const double* values;  // count, in the caller's order
     const int64_t* solved; // count, internal order, intrinsic side of level 0; NULL: the same as the values
+    uint64_t solved_bits;  // the unit of `solved` is that of the values / 2^solved_bits; heights are multiples of
+                           // that of the values
     uint64_t poles;        // of the values; only foliations of the caller have any
     uint64_t has_report;   // 1 or 0
     hmf_report report;
@@ -33,9 +38,10 @@ namespace hmf {
 
 // What make_foliation needs beside the values of a state.
 struct Making {
-    double unit = 1;
+    double unit = 1; // of the state
     uint64_t poles = 0;
-    const int64_t* solved = nullptr;
+    const int64_t* solved = nullptr; // in a unit that is 2^solved_bits times finer
+    uint32_t solved_bits = 0;
     const Recorder* recorder = nullptr; // NULL: no report
 };
 
@@ -56,8 +62,14 @@ inline bool is_minimum(const hmf_foliation& foliation) {
 // Its values into a state on its level, the caller's side on level 0; the
 // state has room down to level `finest`.
 [[nodiscard]] hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& state, Call& call);
-// The same on the side where it is solved: what to measure and improve.
-[[nodiscard]] hmf_status load_solved(const hmf_foliation& foliation, State& state, Call& call);
+// The same on the side where it is solved: what to measure and improve, in a unit of its own, given back.
+[[nodiscard]] hmf_status load_solved(const hmf_foliation& foliation, State& state, double& unit, Call& call);
+// The same again in the unit of the values: what leaves are followed on.
+[[nodiscard]] hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& state, Call& call);
+
+// The values of a state in a unit that is 2^bits times as large (coarser_unit.hpp);
+// all heights must be multiples of it.
+[[nodiscard]] hmf_status coarsen_unit(State& state, uint32_t bits, Call& call);
 
 // Values of the caller into a state on its level.  Finds the unit.  Validates:
 // finite, exact, triangle inequalities, parity; counts the poles.

@@ -101,9 +101,10 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     Call& call = entry.call;
     if (entry.check(hierarchy_of(foliation), static_cast<const void*>(out))) return call.status();
     State state;
-    if (load_solved(*foliation, state, call)) return call.status();
+    double unit = 1;
+    if (load_solved(*foliation, state, unit, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight, call.parallel) * foliation->unit * foliation->unit;
+    *out = energy(state.foliation, weight, call.parallel) * unit * unit;
     return entry.end();
 }
 
@@ -121,9 +122,10 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     Rings rings;
     Star star;
     Array<double> residual;
-    if (load_solved(*foliation, state, call)) return call.status();
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree)
-        || !residual.allocate(call.memory, n))
+    double unit = 1;
+    if (load_solved(*foliation, state, unit, call)) return call.status();
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (call.cancelled()) return call.was_cancelled();

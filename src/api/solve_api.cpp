@@ -3,6 +3,7 @@
 #include "read_loop_set.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace hmf;
 
@@ -33,6 +34,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
                          static_cast<unsigned long long>(all.stop_level),
                          static_cast<unsigned long long>(h.level_count));
     options.stop_level = static_cast<size_t>(all.stop_level);
+    options.largest_value = largest_inner_value;
     if (options.method == HMF_METHOD_SINGLE_LEVEL && options.stop_level != 0)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "The single-level method works on level 0 only. Set stop_level to 0.");
@@ -95,9 +97,22 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
     return HMF_OK;
 }
 
+// Bits that the unit has to lose so that doubles hold the values: none or, beyond
+// 2^53, with room for sums of two, but not more than `most`.
+uint32_t bits_too_many(const Foliation& f, uint32_t most) {
+    int64_t largest = 0;
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
+        if (f.value[e] > largest) largest = f.value[e];
+    uint32_t bits = 0;
+    if (largest > int64_t{1} << 53)
+        while (bits < most && largest >> bits > int64_t{1} << 51) ++bits;
+    return bits;
+}
+
 // From a state that a cascade has left to the foliation of the caller.
-hmf_status finish(State& state, hmf_status status, const SolveOptions& options, Recorder& recorder, Call& call,
-                  const ClassWatch& watch, hmf_foliation** out) {
+// unit_of_heights: a unit that all heights are multiples of.
+hmf_status finish(State& state, hmf_status status, const SolveOptions& options, double unit_of_heights,
+                  Recorder& recorder, Call& call, const ClassWatch& watch, hmf_foliation** out) {
     hmf_report& report = recorder.report;
     report.struct_size = sizeof report;
     report.method = options.method;
@@ -111,15 +126,18 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.class_seconds = watch.seconds;
     Making making;
     Array<int64_t> solved;
-    if (state.level == 0) {
-        if (state.hierarchy->intrinsic_flip_count > 0) {
-            const uint32_t n = state.foliation.mesh.edge_count;
-            if (!solved.allocate(call.memory, n)) return call.out_of_memory();
-            std::memcpy(solved.data(), state.foliation.value, n * sizeof(int64_t));
-            making.solved = solved.data();
-        }
-        if (!state.to_input(call)) return call.stopped();
+    const uint32_t n = state.foliation.mesh.edge_count;
+    const bool two_sides = state.level == 0 && state.hierarchy->intrinsic_flip_count > 0;
+    int spare = 0; // bits that the unit has become finer by, and one
+    std::frexp(unit_of_heights / recorder.unit(), &spare);
+    if (two_sides || spare > 1) {
+        if (!solved.allocate(call.memory, n)) return call.out_of_memory();
+        std::memcpy(solved.data(), state.foliation.value, n * sizeof(int64_t));
     }
+    if (state.level == 0 && !state.to_input(call)) return call.stopped();
+    making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
+    if (two_sides || making.solved_bits > 0) making.solved = solved.data();
+    if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
@@ -128,7 +146,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.bad_flips_left = state.statistics.bad_flips_left;
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
-    making.unit = recorder.unit();
+    making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
     making.recorder = &recorder;
     if (make_foliation(state, making, call, out)) return call.status();
     return describe(status, state.level, watch, call);
@@ -154,7 +172,7 @@ hmf_status solve_from(State& state, size_t start, const WeightedLoops* loops, do
         return call.fail(HMF_CANCELLED, HMF_ELEMENT_LEVEL, state.level,
                          "Cancelled by the progress callback on level %llu, before the asked one was reached.",
                          static_cast<unsigned long long>(state.level));
-    return finish(state, status, options, recorder, call, watch, out);
+    return finish(state, status, options, unit, recorder, call, watch, out);
 }
 
 // Optimises the state of a foliation on its level, within its class.  Where that
@@ -165,7 +183,7 @@ hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOp
     hmf_status status = HMF_OK;
     if (options.method == HMF_METHOD_NEWTON) {
         const Array<int64_t> unknown;
-        if (watch.start(state, from.unit, nullptr, unknown, call)) return call.status();
+        if (watch.start(state, recorder.unit(), nullptr, unknown, call)) return call.status();
         status = solve_in_class(state, options, call, recorder, watch);
         if (!from.has_report || !watch.holds()) return status;
         if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) watch.result.state = ClassState::unknown;
@@ -278,13 +296,14 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
         || read_solve_options(options, *hierarchy, all, solve, call))
         return call.status();
     State state;
-    if (load_solved(*foliation, state, call)) return call.status();
-    Recorder recorder(true, call, foliation->unit);
+    double unit = 1;
+    if (load_solved(*foliation, state, unit, call)) return call.status();
+    Recorder recorder(true, call, unit);
     solve.stop_level = foliation->level;
     ClassWatch watch;
     const hmf_status status = relax_in_class(state, *foliation, solve, recorder, watch, call);
     if (status >= HMF_ERROR_NULL) return status;
-    return finish(state, status, solve, recorder, call, watch, out);
+    return finish(state, status, solve, foliation->unit, recorder, call, watch, out);
 }
 
 } // extern "C"

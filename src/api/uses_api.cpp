@@ -88,7 +88,8 @@ struct FlatOf {
         if (flat) return HMF_OK;
         flat = &own_;
         State state;
-        if (load_solved(foliation, state, call) || improve(state, unit) || flat_surface(state, own_, call))
+        if (load_solved_in_unit_of_values(foliation, state, call) || improve(state, unit)
+            || flat_surface(state, own_, call))
             return call.status();
         return flat_surface_to_input(state, own_, call) ? HMF_OK : call.stopped();
     }
@@ -151,6 +152,7 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
                            Array<uint32_t>& internal, Call& call) {
     if (!internal.allocate(call.memory, static_cast<size_t>(all.seam_edge_count))) return call.out_of_memory();
     for (size_t i = 0; i < internal.size(); ++i) {
+        assert(all.seam_edges); // there is a count only with an array
         const uint32_t e = all.seam_edges[i];
         if (e >= foliation.count)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e,
@@ -325,7 +327,8 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         list[c] = {HMF_NONE, 0, heights[c], 0, 0, 0};
     }
     double unit = foliation->unit;
-    if (load_solved(*foliation, solved, call) || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
+    if (load_solved_in_unit_of_values(*foliation, solved, call)
+        || (!is_minimum(*foliation) && to_minimum(solved, unit, call))
         || measure_cylinders(leaves.state.foliation, leaves.cylinders, solved, unit, list, call))
         return call.status();
     if (loops

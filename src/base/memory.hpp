@@ -59,8 +59,8 @@ public:
     ~Array() { release(); }
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;
-    Array(Array&& other) { swap(other); }
-    Array& operator=(Array&& other) {
+    Array(Array&& other) noexcept { swap(other); }
+    Array& operator=(Array&& other) noexcept {
         swap(other);
         return *this;
     }
@@ -89,6 +89,7 @@ public:
         release();
         memory_ = &memory;
     }
+    Memory& memory() const { return *memory_; } // of an array that was started or allocated
     Done push(T value) {
         if (!reserve_one()) return false;
         data_[size_++] = value;

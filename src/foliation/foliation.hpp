@@ -85,6 +85,13 @@ struct ClusterSearch {
 // Collects the cluster of a vertex into foliation.members.
 Cluster explore_cluster(Foliation& foliation, uint32_t vertex, const ClusterSearch& search = ClusterSearch());
 
+// Signs of the half-edges out of the cluster in f.members, which is regular: a
+// disk with two closed corners, or an annulus with none, whose two boundaries
+// are the two directions.  +1 leaves in the one, -1 in the other; zero edges
+// inside get +1 at one end and -1 at the other.  Returns how far the pulls agree
+// with the signs that were there.
+double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* sign);
+
 struct SingularityCount {
     uint64_t poles = 0, zeros = 0; // counted with multiplicity: sum of index, sum of -index
     int64_t index_sum = 0;

@@ -1,6 +1,8 @@
 // Reduction of walks to canonical ones; see quad_system.hpp.
 #include "quad_system.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -48,7 +50,20 @@ uint32_t QuadSystem::turn(bool at_b, uint32_t in, uint32_t out) const {
     return to >= from ? to - from : to + n - from;
 }
 
+// The rows that brackets leave wait their turn, the last row first: brackets can follow from one another as often as
+// the walk is long, which is too deep for the stack of the processor.
 bool QuadSystem::push(Walk& walk, bool from_b, uint32_t spoke) const {
+    Walk waiting;
+    waiting.start(walk.memory());
+    for (;;) {
+        if (!place(walk, from_b, spoke, waiting)) return false;
+        if (waiting.empty()) return true;
+        spoke = waiting.back();
+        waiting.pop();
+    }
+}
+
+bool QuadSystem::place(Walk& walk, bool from_b, uint32_t spoke, Walk& waiting) const {
     if (!walk.empty() && walk.back() == spoke) {
         walk.pop();
         return true;
@@ -67,11 +82,13 @@ bool QuadSystem::push(Walk& walk, bool from_b, uint32_t spoke) const {
     uint32_t along = turned(starts_at_b(from_b, first), walk[first], size() - side);
     bool at_b = !starts_at_b(from_b, first);
     shrink(walk, first);
+    const size_t before = waiting.size();
     for (size_t i = first; i + 2 < n; ++i) {
-        if (!push(walk, from_b, along)) return false;
+        if (!waiting.push(along)) return false;
         along = turned(at_b, along, size() - twice);
         at_b = !at_b;
     }
+    std::reverse(waiting.begin() + before, waiting.end());
     return true;
 }
 

@@ -55,6 +55,7 @@ private:
     uint32_t turned(bool at_b, uint32_t spoke, uint32_t quads) const; // counter-clockwise
     uint32_t turn(bool at_b, uint32_t in, uint32_t out) const;        // quads on the right
     bool push(Walk& walk, bool from_b, uint32_t spoke) const;
+    bool place(Walk& walk, bool from_b, uint32_t spoke, Walk& waiting) const; // one spoke; a bracket's row: to waiting
     bool canonical_directed(Walk& walk, Memory& memory) const;
     bool shorten_round(Walk& walk, bool& from_b, Memory& memory) const;
     bool homology(Walk& walk) const;

@@ -44,6 +44,32 @@ bool same(const uint32_t* a, size_t n, const Walk& b) {
 
 } // namespace
 
+hmf_status match_by_cores(const Mesh& mesh, const Cylinders& here, const Cylinders& there, Array<uint32_t>& found,
+                          Call& call) {
+    EdgeWords words;
+    Walk walk;
+    Array<uint32_t> spokes;
+    Array<size_t> offset;
+    spokes.start(call.memory);
+    offset.start(call.memory);
+    if (!words.start(mesh, mesh.edge_count, call.memory) || !offset.push(0)) return call.out_of_memory();
+    for (const Cylinder& cylinder : there.list) {
+        if (!call.tick(0, true)) return call.was_cancelled();
+        if (!boundary_walk(mesh, words, there.graph, cylinder.lower, walk, call.memory)) return call.out_of_memory();
+        for (const uint32_t spoke : walk)
+            if (!spokes.push(spoke)) return call.out_of_memory();
+        if (!offset.push(spokes.size())) return call.out_of_memory();
+    }
+    for (size_t c = 0; c < here.list.size(); ++c) {
+        found[c] = NONE;
+        if (!call.tick(0, true)) return call.was_cancelled();
+        if (!boundary_walk(mesh, words, here.graph, here.list[c].lower, walk, call.memory)) return call.out_of_memory();
+        for (uint32_t d = 0; d < there.list.size(); ++d)
+            if (same(spokes.data() + offset[d], offset[d + 1] - offset[d], walk)) found[c] = d;
+    }
+    return HMF_OK;
+}
+
 hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call) {
     Call quiet(call.memory, nullptr, nullptr, nullptr);
     Cylinders cylinders;

@@ -51,6 +51,11 @@ struct ClassResult {
     uint64_t crossings = 0; // of all the boundary leaves
 };
 
+// found[c]: the cylinder of `there` whose core is freely homotopic to that of
+// cylinder c of `here`, on the same mesh without marked vertices; NONE: none is.
+[[nodiscard]] hmf_status match_by_cores(const Mesh& mesh, const Cylinders& here, const Cylinders& there,
+                                        Array<uint32_t>& found, Call& call);
+
 class ClassReference {
 public:
     // From a foliation that is known to belong to the loops, as the initial one

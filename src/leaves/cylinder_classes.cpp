@@ -2,6 +2,7 @@
 #include "cylinder_classes.hpp"
 
 #include "../solve/solve.hpp"
+#include "class_certificate.hpp"
 
 #include <algorithm>
 
@@ -55,16 +56,17 @@ hmf_status Labels::find(const Cylinders& others, Array<uint32_t>& found, Call& c
     return HMF_OK;
 }
 
-hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value,
-                          const Cylinders& there, Array<uint32_t>& found, Call& call) {
+namespace {
+
+// By the number of edges; NONE where another one has it already, or where the height is another one.
+hmf_status match_by_votes(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value,
+                          const Cylinders& there, const Array<double>* wanted, Array<uint32_t>& found, Call& call) {
     const size_t n = here.list.size();
     Array<uint64_t> votes;
     Array<uint32_t> along, other;
     along.start(call.memory);
     other.start(call.memory);
-    if (there.list.size() != n) return wrong_class(call);
-    if (!votes.allocate_filled(call.memory, n * n, uint64_t{0}) || !found.allocate_filled(call.memory, n, NONE))
-        return call.out_of_memory();
+    if (!votes.allocate_filled(call.memory, n * n, uint64_t{0})) return call.out_of_memory();
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         if (e % 65536 == 0 && !call.tick(0)) return call.was_cancelled();
         bool room = true;
@@ -85,10 +87,26 @@ hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinder
             }
         for (size_t b = 0; b < c; ++b)
             if (found[b] == found[c]) found[c] = NONE;
-        if (found[c] == NONE)
-            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, c,
-                             "A cylinder is lost between two foliations. Please report it.");
+        if (wanted && found[c] != NONE && static_cast<double>(there.list[found[c]].height) != (*wanted)[c])
+            found[c] = NONE;
     }
+    return HMF_OK;
+}
+
+} // namespace
+
+hmf_status match_cylinders(const Mesh& mesh, const int64_t* value, const Cylinders& here, const int64_t* other_value,
+                           const Cylinders& there, const Array<double>* wanted, Array<uint32_t>& found, Call& call) {
+    const size_t n = here.list.size();
+    if (there.list.size() != n) return wrong_class(call);
+    if (!found.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
+    if (match_by_votes(mesh, value, here, other_value, there, wanted, found, call)) return call.status();
+    bool all = true;
+    for (size_t c = 0; c < n; ++c) all = all && found[c] != NONE;
+    if (all) return HMF_OK;
+    if (mesh.marked_count == 0 && match_by_cores(mesh, here, there, found, call)) return call.status();
+    for (size_t c = 0; c < n; ++c)
+        if (found[c] == NONE) return wrong_class(call);
     return HMF_OK;
 }
 
@@ -179,7 +197,7 @@ hmf_status match_classes(State& state, const Curves& a, const Array<int64_t>& ke
     }
     // Another class is not even close.
     if (!(apart < 1e-6 * size)) return wrong_class(call);
-    if (match_on_edges(f.mesh, value.data(), in_a, f.value, in_b, on_edges, call)) return call.status();
+    if (match_cylinders(f.mesh, value.data(), in_a, f.value, in_b, nullptr, on_edges, call)) return call.status();
     for (size_t c = 0; c < n; ++c)
         for (uint32_t l = 0; l < n; ++l)
             if (of_b[l] == on_edges[of_a[c]] && key_a[c] == key_b[l]) found[c] = l;

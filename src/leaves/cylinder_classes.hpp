@@ -21,10 +21,13 @@ struct Labels {
 
 // Matches the decompositions of two values on one mesh that are nearly the
 // same, by the sequences of cylinders along the edges: found[c] is the one of
-// `there` that meets most of the edges of c.
-[[nodiscard]] hmf_status match_on_edges(const Mesh& mesh, const int64_t* value, const Cylinders& here,
-                                        const int64_t* other_value, const Cylinders& there, Array<uint32_t>& found,
-                                        Call& call);
+// `there` that meets most of the edges of c.  If that does not give each its
+// own, with the height that it has to have, they are matched by the classes of
+// their cores, which is exact and dearer (not with marked vertices).
+//   wanted   the height of found[c] in `there`, or NULL
+[[nodiscard]] hmf_status match_cylinders(const Mesh& mesh, const int64_t* value, const Cylinders& here,
+                                         const int64_t* other_value, const Cylinders& there,
+                                         const Array<double>* wanted, Array<uint32_t>& found, Call& call);
 
 // Closed curves of a level, one after the other.
 struct Curves {

@@ -18,20 +18,23 @@ hmf_status stretch(const hmf_hierarchy& h, size_t level, const Foliation& f, con
 }
 
 // found[c]: the cylinder of `measured`, at the minimum, that is cylinder c of the caller's side.
-hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels, Cylinders& measured,
-                           Array<uint32_t>& found, Call& call) {
+// heights: of these, in units of solved.
+hmf_status find_at_minimum(State& solved, State& stretched, const Labels& labels, const Array<double>& heights,
+                           Cylinders& measured, Array<uint32_t>& found, Call& call) {
     Cylinders labelled;
     Array<uint32_t> of_label, on_edges;
+    Array<double> wanted;
     if (stretched.level == 0 && !stretched.to_intrinsic(call)) return call.stopped();
     if (measured.build(solved.foliation, nullptr, nullptr, call)
         || labelled.build(stretched.foliation, nullptr, nullptr, call) || labels.find(labelled, of_label, call))
         return call.status();
     if (!measured.find_vertices(solved.foliation, call.memory) || !call.tick(0)
         || !labelled.find_vertices(stretched.foliation, call.memory) || !call.tick(0)
-        || !found.allocate(call.memory, of_label.size()))
+        || !found.allocate(call.memory, of_label.size()) || !wanted.allocate(call.memory, of_label.size()))
         return call.stopped();
-    if (match_on_edges(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
-                       on_edges, call))
+    for (size_t c = 0; c < wanted.size(); ++c) wanted[of_label[c]] = heights[c];
+    if (match_cylinders(solved.foliation.mesh, stretched.foliation.value, labelled, solved.foliation.value, measured,
+                        &wanted, on_edges, call))
         return call.status();
     for (size_t c = 0; c < found.size(); ++c) found[c] = on_edges[of_label[c]];
     return HMF_OK;
@@ -73,11 +76,12 @@ hmf_status measure_cylinders(const Foliation& f, const Cylinders& cylinders, Sta
     State stretched;
     Cylinders measured;
     Array<uint32_t> found;
-    Array<double> area;
+    Array<double> area, heights;
     Curves middle;
-    if (!labels.choose(cylinders, call.memory)) return call.out_of_memory();
+    if (!labels.choose(cylinders, call.memory) || !heights.allocate(call.memory, n)) return call.out_of_memory();
+    for (size_t c = 0; c < n; ++c) heights[c] = out[c].height / unit; // exact: units are powers of two
     if (stretch(*solved.hierarchy, solved.level, f, cylinders, labels, stretched, call)
-        || find_at_minimum(solved, stretched, labels, measured, found, call))
+        || find_at_minimum(solved, stretched, labels, heights, measured, found, call))
         return call.status();
     const double* weight = solved.hierarchy->levels[solved.level].weight;
     if (!area.allocate(call.memory, n)) return call.out_of_memory();

@@ -10,7 +10,8 @@ namespace hmf {
 
 // cylinders: of `foliation` on its level (level 0: the caller's side), with
 // find_vertices done.  solved: the same foliation where it is solved, at
-// the minimum; unit: of its values.  Fills circumference, modulus and area.
+// the minimum; unit: of its values.  Fills circumference, modulus and area;
+// heights are there.
 [[nodiscard]] hmf_status measure_cylinders(const Foliation& foliation, const Cylinders& cylinders, State& solved,
                                            double unit, Array<hmf_cylinder>& out, Call& call);
 

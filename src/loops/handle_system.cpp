@@ -148,6 +148,7 @@ private:
         both.crossings.start(call_.memory);
         if (!both.offsets.push(0)) return call_.out_of_memory();
         for (size_t k = 0; k < 2 * g; ++k) {
+            assert(g > 0);
             const Loops& loops = k < g ? a : b;
             for (uint64_t i = loops.offsets[k % g]; i < loops.offsets[k % g + 1]; ++i)
                 if (!both.crossings.push(loops.crossings[i])) return call_.out_of_memory();
@@ -227,6 +228,7 @@ private:
         if (!label_.allocate_filled(call_.memory, mesh_.edge_count, uint64_t{0})) return call_.out_of_memory();
         for (size_t k = 0; k < n; ++k) {
             uint64_t seed = 0, factor = 0;
+            assert(g > 0);
             for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random_word(seed);
             const Loops& loops = k < g ? a : b;
             const uint64_t first = loops.offsets[k % g];
@@ -245,6 +247,7 @@ private:
             return call_.out_of_memory();
         for (size_t k = 0; k < n; ++k) {
             if (!call_.tick(0, true)) return cancelled();
+            assert(g > 0);
             const Loops& loops = k < g ? a : b;
             const uint32_t* const path = loops.crossings.data() + loops.offsets[k % g];
             const size_t length = static_cast<size_t>(loops.offsets[k % g + 1] - loops.offsets[k % g]);

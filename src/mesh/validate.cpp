@@ -114,6 +114,7 @@ public:
                     here = moved;
                 }
         }
+        assert(lowest[2]); // the caller has counted three
         return call_.fail(
             HMF_ERROR_MESH_NON_MANIFOLD_EDGE, HMF_ELEMENT_TRIANGLE, number(lowest[2]->place),
             "Triangle %u is the third one at the edge between the vertices %u and %u. Remove one of them, or "

@@ -23,7 +23,8 @@ void Recorder::event(size_t level, uint32_t kind, double energy_units, double re
 }
 
 bool LevelWork::prepare() {
-    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel) || !star.allocate(call.memory, rings.max_degree))
+    if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
+        || !star.allocate(call.memory, rings.max_degree))
         return false;
     // Searches round clusters may look at all of a small level.
     const uint32_t n = state.foliation.mesh.vertex_count;
@@ -91,14 +92,13 @@ uint32_t bits_for_residual(const LevelWork& work, double residual) {
 } // namespace
 
 Fineness LevelWork::refine_unit(double residual) {
-    constexpr int64_t largest_value = int64_t{1} << 51; // a double holds the sum of two
     Foliation& f = state.foliation;
     const uint32_t wanted = bits_for_residual(*this, residual);
     int64_t largest = state.largest_input_value;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
         if (f.value[e] > largest) largest = f.value[e];
     uint32_t bits = wanted;
-    while (bits > 0 && largest > largest_value >> bits) --bits;
+    while (bits > 0 && largest > options.largest_value >> bits) --bits;
     // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;

@@ -54,9 +54,12 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     const TransportStatistics statistics = state.statistics;
     Foliation& f = state.foliation;
     Array<int64_t> values;
+    Array<uint32_t> out; // decides the tree of the walks; another one than that of the level after restriction
     if (watch.started && options.method == HMF_METHOD_NEWTON) {
-        if (!values.allocate(call.memory, f.mesh.edge_count)) return call.out_of_memory();
+        if (!values.allocate(call.memory, f.mesh.edge_count) || !out.allocate(call.memory, f.mesh.vertex_count))
+            return call.out_of_memory();
         std::memcpy(values.data(), f.value, values.size() * sizeof(int64_t));
+        std::memcpy(out.data(), f.mesh.out, out.size() * sizeof(uint32_t));
     }
     hmf_status status = run_cascade(state, options, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
@@ -67,6 +70,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
 
     // Once more, on the safe side.
     state.load(start, side);
+    std::memcpy(f.mesh.out, out.data(), out.size() * sizeof(uint32_t));
     std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
     recorder.set_unit(unit);
     state.largest_input_value = largest;

@@ -302,10 +302,11 @@ private:
         return true;
     }
 
-    // Bounds are integers, so rounding does not leave them.
+    // Bounds are integers, so rounding does not leave them; those that a double does not hold are looked up.
     int64_t rounded(uint32_t k, double factor) const {
         const double x = model_.d[k] * factor;
-        if (!(x > -9e15 && x < 9e15)) return 0;
+        if (!(x > -largest_step && x < largest_step)) return 0;
+        if (factor == 1 && model_.at_bound(k)) return model_.bound_at(k);
         return static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
     }
 
@@ -511,6 +512,8 @@ private:
     Array<uint32_t> patch_, near_, distance_;
     Array<uint32_t> suspect_; // vertices that may be unsound after a step,
     bool check_all_ = false;  // unless all may be
+    // Two steps and a value, and two of these sums, have no more than 63 bits.
+    static constexpr double largest_step = 2 * static_cast<double>(largest_inner_value);
     bool backward_ = false;
     double energy_change_ = 0; // of the last step that was sound
     uint32_t too_far_ = NONE;  // vertex where the last step could not be taken

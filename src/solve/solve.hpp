@@ -7,6 +7,10 @@
 
 namespace hmf {
 
+// A value of an edge while it is solved for.  Sums of two and steps of twice as much
+// leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
+constexpr int64_t largest_inner_value = int64_t{1} << 59;
+
 struct SolveOptions {
     int32_t method = HMF_METHOD_NEWTON;
     double tolerance = 0;          // resolved, > 0
@@ -14,7 +18,8 @@ struct SolveOptions {
     uint64_t iteration_limit = 100000;
     size_t stop_level = 0;
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
-    bool guarded = false; // goes no further where a step would leave the class; needs a ClassWatch
+    int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
+    bool guarded = false;                     // goes no further where a step would leave the class; needs a ClassWatch
 };
 
 // What a method knows of the foliation as it leaves it.

@@ -16,62 +16,7 @@ Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
         && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
 }
 
-namespace {
-
 constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
-
-// Signs round the cluster in f.members, which is regular: a disk with two
-// closed corners, or an annulus with none, whose two boundaries are the two
-// directions.  Returns how far the pulls agree with the signs that were there.
-double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* sign) {
-    constexpr int8_t unvisited = 4; // is added to the sign that was there
-    const Mesh& mesh = f.mesh;
-    uint32_t closed_start = NONE;
-    size_t sides = 0;
-    for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
-            const uint32_t ahead = mesh.rotate_ccw(h);
-            ++sides;
-            sign[h] = f.at(h) != 0 ? static_cast<int8_t>(sign[h] + unvisited) : h & 1 ? -1 : 1;
-            if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) closed_start = ahead;
-            h = ahead;
-        } while (h != first);
-    }
-    double agreement = 0;
-    // One turn round the boundary meets each side at most once per zero edge beside it.
-    const auto sign_boundary = [&](uint32_t start, int8_t s) {
-        uint32_t g = start;
-        for (size_t step = 0; step < 4 * sides; ++step) {
-            if (sign[g] > 1) agreement += (sign[g] - unvisited) * s * weight[edge_of(g)] * static_cast<double>(f.at(g));
-            sign[g] = s;
-            const uint32_t ahead = mesh.rotate_ccw(g);
-            if (f.at(ahead) == 0) {
-                g = twin(mesh.next[g]);
-            } else {
-                if (f.corner2(g) == 0) s = static_cast<int8_t>(-s);
-                g = ahead;
-            }
-            if (g == start) return;
-        }
-    };
-    if (closed_start != NONE) {
-        sign_boundary(closed_start, 1);
-        return agreement;
-    }
-    int8_t s = 1;
-    for (uint32_t v : f.members) {
-        for (const uint32_t h : mesh.around(v))
-            if (sign[h] > 1) {
-                sign_boundary(h, s);
-                s = -1;
-            }
-    }
-    return agreement;
-}
-
-} // namespace
 
 Done TwistedModel::find_tripods(Foliation& f, const Rings& rings, uint32_t v) {
     const Mesh& mesh = f.mesh;
@@ -322,7 +267,7 @@ bool TwistedModel::clip(uint32_t k) {
 
 // Vertex k stops at its bound; its neighbours get theirs: F - s_k d_k - s d >= 0.
 void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
-    const int64_t at = static_cast<int64_t>(d[k]);
+    const int64_t at = at_bound(k) ? bound_at(k) : static_cast<int64_t>(d[k]);
     for (uint32_t t = rings.offset[k]; t < rings.offset[k + 1]; ++t) {
         const uint32_t h = rings.side[t].half_edge, other = f.mesh.target(h);
         if (rests[other] || other == k) continue;

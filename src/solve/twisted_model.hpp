@@ -72,6 +72,11 @@ struct TwistedModel {
                 Array<uint32_t>& distance);
     // New value of d_v from its neighbours, within the bounds.
     double relaxed(uint32_t unknown_index) const;
+    // d_k has come to a bound, and which one, exactly.
+    bool at_bound(uint32_t k) const {
+        return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]);
+    }
+    int64_t bound_at(uint32_t k) const { return d[k] == static_cast<double>(lower[k]) ? lower[k] : upper[k]; }
 
 private:
     // Sum and largest of some residuals.
@@ -84,16 +89,13 @@ private:
     };
     // Which vertices a look is to do: of regular ones without a tripod nothing is listed, so blocks can do them.
     enum class Kind : uint8_t { regular, any };
-    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
-                              double floor, Kind kind, Residuals& residuals);
+    bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor,
+                              Kind kind, Residuals& residuals);
     Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void hold(const Rings& rings, uint32_t v);
     void set_at_rest(const Rings& rings, uint32_t v);
     void fill_row_with_self_edges(const Foliation& f, const Rings& rings, const double* weight, uint32_t v);
-    bool at_bound(uint32_t k) const {
-        return d[k] == static_cast<double>(lower[k]) || d[k] == static_cast<double>(upper[k]);
-    }
     void bound(uint32_t k, int64_t low, int64_t high);
     void bound_along(uint32_t k, uint32_t half_edge, int64_t room);
     bool clip(uint32_t k);

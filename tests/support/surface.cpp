@@ -573,7 +573,7 @@ Solution solution_of(Call&& call) {
     hmf_foliation* out = reinterpret_cast<hmf_foliation*>(&solution); // must be overwritten
     solution.status = call(&out, &solution.error);
     solution.foliation.reset(out);
-    EXPECT_TRUE(solution.status == HMF_CANCELLED || (out != nullptr) == (solution.status < HMF_CANCELLED));
+    EXPECT_TRUE(solution.status == HMF_CANCELLED || (out != nullptr) == (solution.status < HMF_ERROR_NULL));
     EXPECT_EQ(solution.error.status, solution.status);
     const hmf_report* report = hmf_foliation_report(out);
     EXPECT_EQ(report != nullptr, out != nullptr);

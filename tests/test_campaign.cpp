@@ -1,0 +1,324 @@
+// Random problems, each solved with three hierarchies.  The harmonic foliation
+// of a class is unique, so three results have one energy; each is certified; a
+// solve that does not converge says why.
+//
+// Surfaces from formulas and from volumes, of genus 1 to 200, stretched by 1 to
+// 100 000, with needles and caps, with random flips, decimated; all kinds of
+// loops; weights that span a factor of 100 000.
+//
+//     HMF_CAMPAIGN_PROBLEMS   default 14, a sample; ./test.sh campaign runs 2 000
+//     HMF_CAMPAIGN_SEED       of the first problem, default 1; problem k has seed + k
+//     HMF_CAMPAIGN_VERBOSE    a line for each solve
+//
+// A line is printed for each solve that ends at a limit, and a table at the end.
+#include "support/implicit_surface.hpp"
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+using namespace test;
+
+namespace {
+
+size_t number(const char* name, size_t otherwise) {
+    const char* text = std::getenv(name);
+    return text ? static_cast<size_t>(std::strtoull(text, nullptr, 10)) : otherwise;
+}
+
+double log_uniform(Random& random, double decades) { return std::pow(10, decades * random.unit()); }
+
+// Plate of a x b holes, pulled out of symmetry.
+TriMesh holed_plate(size_t a, size_t b, Random& random) {
+    const auto cuts = [&](size_t n) {
+        std::vector<double> x(2 * n + 2);
+        for (size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i) + 0.3 * random.unit();
+        return x;
+    };
+    TriMesh mesh =
+        voxel_surface(cuts(a), cuts(b), {0, 0.8}, [](size_t i, size_t j, size_t) { return i % 2 == 0 || j % 2 == 0; });
+    mesh.genus = a * b;
+    return mesh;
+}
+
+// Level k of a hierarchy as a mesh of its own; the mesh itself if two edges have the same ends there.
+TriMesh decimated(const TriMesh& mesh, size_t k, int32_t collapse) {
+    const Hierarchy hierarchy(mesh, 0.5, 40 * mesh.genus + 100, collapse);
+    if (!hierarchy) return mesh;
+    const LevelMesh level = read_level(hierarchy, std::min(k, hierarchy.coarsest()));
+    TriMesh coarse;
+    coarse.positions = level.positions;
+    coarse.triangles = level.triangle_vertices;
+    coarse.genus = mesh.genus;
+    return mesh_defect(coarse).empty() ? coarse : mesh;
+}
+
+enum Kind : size_t { formula, plates, volume, kinds };
+
+struct Problem {
+    TriMesh mesh;
+    Kind kind = formula;
+    double stretch = 1;
+    bool bad_triangles = false, flipped = false, decimated = false;
+    int32_t loop_kind = HMF_LOOPS_CUT;
+    Loops loops;
+    double decades = 0; // of the weights
+};
+
+// False if the library makes no loops of the kind on this surface: said in an error of its own.
+bool make_problem(uint64_t seed, Problem& p) {
+    Random random(seed);
+    p.kind = static_cast<Kind>(random.below(kinds));
+    do {
+        switch (p.kind) {
+        case formula:
+            switch (random.below(4)) {
+            case 0: p.mesh = pretzel(1 + random.below(8), 2 + random.below(2), random.below(6)); break;
+            case 1: p.mesh = torus(12 + random.below(60), 8 + random.below(30), 3, 1); break;
+            case 2: p.mesh = joined_tori(20 + random.below(20), 12 + random.below(8), 8, 3 + random.below(9)); break;
+            default: p.mesh = torus_with_finger(24, 16, 3 + random.below(30), 1 + 20 * random.unit());
+            }
+            break;
+        case plates: {
+            const size_t a = 1 + random.below(random.below(4) ? 5 : 20), b = 1 + random.below(random.below(4) ? 3 : 10);
+            p.mesh = holed_plate(a, b, random);
+            for (size_t i = 0; i < 3 && p.mesh.vertex_count() < 1200; ++i) p.mesh = subdivide(p.mesh);
+            p.mesh = smooth(p.mesh, random.below(6));
+            break;
+        }
+        default:
+            p.mesh =
+                random_implicit_surface(8 + random.below(random.below(3) ? 10 : 22), 0.6 + 3 * random.unit(), random);
+        }
+    } while (p.mesh.genus == 0 || p.mesh.genus > 200);
+    if (random.below(4) == 0) {
+        p.decimated = true;
+        p.mesh = decimated(p.mesh, 1 + random.below(3), static_cast<int32_t>(1 + random.below(3)));
+    }
+    if (random.below(6) == 0) {
+        p.bad_triangles = true;
+        p.mesh = with_bad_triangles(p.mesh, 1 + random.below(40), log_uniform(random, -5), random.bits());
+    }
+    if (random.below(6) == 0) {
+        p.flipped = true;
+        p.mesh = with_random_flips(p.mesh, p.mesh.triangle_count() / 4, 0.9, random.bits());
+    }
+    p.stretch = random.below(3) == 0 ? 1 : log_uniform(random, 5);
+    p.mesh = transformed(p.mesh, rotation(random.unit(), random.unit(), 1, 6.3 * random.unit()));
+    p.mesh = transformed(p.mesh, {p.stretch, 0, 0, 0, log_uniform(random, 0.5), 0, 0, 0, 1});
+    if (std::string defect = mesh_defect(p.mesh); !defect.empty()) {
+        ADD_FAILURE() << "seed " << seed << ": " << defect;
+        return false;
+    }
+    const Hierarchy hierarchy(p.mesh, 0.5);
+    if (!hierarchy) return false;
+    const int32_t choice[] = {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS, HMF_LOOPS_PANTS};
+    p.loop_kind = choice[random.below(5)];
+    const size_t level = random.below(3) ? 0 : hierarchy.coarsest();
+    hmf_loop_set* made = nullptr;
+    hmf_error error{};
+    hmf_status status = hmf_loops(hierarchy.get(), level, p.loop_kind, nullptr, &made, &error);
+    if (status == HMF_ERROR_MESH_NOT_EMBEDDED) { // bad triangles and flips may make it meet itself
+        p.loop_kind = HMF_LOOPS_PANTS;
+        status = hmf_loops(hierarchy.get(), level, p.loop_kind, nullptr, &made, &error);
+    }
+    const Owned<hmf_loop_set> owner(made);
+    EXPECT_EQ(status, HMF_OK) << "seed " << seed << ": loops of kind " << p.loop_kind << ": " << error.message;
+    if (status != HMF_OK) return false;
+    // Loops are of the input, whatever hierarchy solves.
+    Loops loops;
+    loops.kind = made->element_kind;
+    loops.level = made->level;
+    loops.offsets.assign(made->offsets, made->offsets + made->count + 1);
+    loops.elements.assign(made->elements, made->elements + made->offsets[made->count]);
+    if (level > 0) loops = library_loops(hierarchy, 0, p.loop_kind);
+    p.decades = random.below(2) ? 0 : 5 * random.unit();
+    if (random.below(3))
+        for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(log_uniform(random, p.decades));
+    p.loops = loops;
+    return true;
+}
+
+struct Row {
+    size_t solves = 0, converged = 0, class_limit = 0, stalled = 0, other = 0, repeats = 0;
+    double worst = 0;
+};
+
+struct Tally {
+    size_t problems = 0, wrong = 0, errors = 0;
+    Row all, by_stretch[6], by_kind[kinds], bad, flipped, decimated;
+};
+
+void count(Row& row, const Solution& s) {
+    ++row.solves;
+    row.repeats += s.report.class_repeats;
+    if (s.status == HMF_OK) ++row.converged;
+    else if (s.status == HMF_LIMIT_CLASS) ++row.class_limit;
+    else if (s.status == HMF_LIMIT_STALLED) ++row.stalled;
+    else ++row.other;
+    if (s.status < HMF_ERROR_NULL) row.worst = std::max(row.worst, s.report.residual_max);
+}
+
+void print(const char* name, const Row& row) {
+    if (row.solves == 0) return;
+    std::printf("  %-18s %6zu %9zu %7.2f%% %6zu %6zu %6zu %7zu   %.1e\n", name, row.solves, row.converged,
+                100.0 * static_cast<double>(row.converged) / static_cast<double>(row.solves), row.stalled,
+                row.class_limit, row.other, row.repeats, row.worst);
+}
+
+// What follows from a foliation: heights are weights, areas add up to the energy, no internal errors.
+void check_uses(uint64_t seed, const Problem& p, const Solution& s, Tally& tally) {
+    hmf_error error{};
+    hmf_cylinder_set* cylinders = nullptr;
+    hmf_status status = hmf_cylinders(s.foliation.get(), nullptr, nullptr, &cylinders, &error);
+    const Owned<hmf_cylinder_set> cylinder_owner(cylinders);
+    if (status == HMF_OK) {
+        std::vector<double> heights, weights = p.loops.weights;
+        double area = 0;
+        for (uint64_t i = 0; i < cylinders->count; ++i) {
+            heights.push_back(cylinders->list[i].height);
+            area += cylinders->list[i].area;
+        }
+        weights.resize(p.loops.count(), 1);
+        std::sort(heights.begin(), heights.end());
+        std::sort(weights.begin(), weights.end());
+        EXPECT_EQ(heights.size(), weights.size()) << "seed " << seed;
+        // Weights are rounded to the unit of the largest.
+        for (size_t i = 0; i < heights.size() && i < weights.size(); ++i)
+            if (std::abs(heights[i] - weights[i]) > 1e-13 * weights.back()) {
+                ++tally.wrong;
+                ADD_FAILURE() << "seed " << seed << ": height " << heights[i] << ", weight " << weights[i];
+                break;
+            }
+        EXPECT_NEAR(area, s.report.energy, 1e-6 * s.report.energy) << "seed " << seed;
+    } else {
+        ++tally.errors;
+        ADD_FAILURE() << "seed " << seed << ": cylinders: " << status << " " << error.message;
+    }
+    hmf_parameterization* uv = nullptr;
+    status = hmf_parameterize(s.foliation.get(), nullptr, nullptr, &uv, &error);
+    const Owned<hmf_parameterization> uv_owner(uv);
+    if (status == HMF_ERROR_INTERNAL) {
+        ++tally.errors;
+        ADD_FAILURE() << "seed " << seed << ": parameterisation: " << error.message;
+    }
+    hmf_quad_mesh* quads = nullptr;
+    status = hmf_quads(s.foliation.get(), nullptr, nullptr, &quads, &error);
+    const Owned<hmf_quad_mesh> quad_owner(quads);
+    if (status == HMF_ERROR_INTERNAL) {
+        ++tally.errors;
+        ADD_FAILURE() << "seed " << seed << ": quads: " << error.message;
+    }
+}
+
+void solve_problem(uint64_t seed, Tally& tally) {
+    Problem p;
+    if (!make_problem(seed, p)) {
+        ++tally.errors;
+        return;
+    }
+    ++tally.problems;
+    Random random(seed ^ 0x5eed);
+    std::vector<double> energies;
+    const bool verbose = number("HMF_CAMPAIGN_VERBOSE", 0) != 0;
+    const double ratios[] = {0.25, 0.5, 0.75};
+    const size_t turn = random.below(3);
+    for (size_t way = 0; way < 3; ++way) {
+        const double ratio = ratios[way];
+        const int32_t collapse = static_cast<int32_t>(1 + (way + turn) % 3);
+        const Hierarchy hierarchy(p.mesh, ratio, 40 * p.mesh.genus + 100 + random.below(1500), collapse);
+        ASSERT_TRUE(hierarchy);
+        const Solution s = solve(hierarchy, &p.loops, solve_options(HMF_METHOD_NEWTON, 0));
+        const size_t decade = std::min<size_t>(5, p.stretch > 1 ? 1 + static_cast<size_t>(std::log10(p.stretch)) : 0);
+        for (Row* row :
+             {&tally.all, &tally.by_stretch[decade], &tally.by_kind[p.kind], p.bad_triangles ? &tally.bad : nullptr,
+              p.flipped ? &tally.flipped : nullptr, p.decimated ? &tally.decimated : nullptr})
+            if (row) count(*row, s);
+        if (verbose || s.status != HMF_OK)
+            std::printf(
+                "seed %llu ratio %.2f collapse %d: %zu vertices, genus %zu, kind %d, stretch %.0f%s%s%s, loops %d, "
+                "weights 1e%.1f: status %d class %d residual %.1e poles %llu energy %.12g repeats %u, %.2f s: %s\n",
+                static_cast<unsigned long long>(seed), ratio, collapse, p.mesh.vertex_count(), p.mesh.genus,
+                static_cast<int>(p.kind), p.stretch, p.bad_triangles ? ", bad triangles" : "",
+                p.flipped ? ", flipped" : "", p.decimated ? ", decimated" : "", p.loop_kind, p.decades, s.status,
+                s.report.class_state, s.report.residual_max, static_cast<unsigned long long>(s.report.poles),
+                s.report.energy, s.report.class_repeats, s.report.solve_seconds, s.error.message);
+        if (s.status >= HMF_ERROR_NULL) {
+            ++tally.errors;
+            ADD_FAILURE() << "seed " << seed << " ratio " << ratio << ": " << s.status << " " << s.error.message;
+            continue;
+        }
+        EXPECT_EQ(s.report.poles, 0u) << "seed " << seed;
+        EXPECT_EQ(s.report.converged, s.report.residual_max <= 1e-8) << "seed " << seed;
+        if (s.report.class_state != HMF_CLASS_PROVEN) {
+            ++tally.wrong;
+            ADD_FAILURE() << "seed " << seed << " ratio " << ratio << ": class " << s.report.class_state;
+        }
+        if (s.status == HMF_OK) {
+            EXPECT_LE(s.report.residual_max, 1e-8) << "seed " << seed;
+            energies.push_back(s.report.energy);
+        } else {
+            EXPECT_GT(std::string(s.error.message).size(), 0u);
+        }
+        if (way == turn) check_uses(seed, p, s, tally);
+        // A closed way that crosses a loop once crosses its cylinder.
+        if (way == turn && p.mesh.vertex_count() < 3000) {
+            const LevelMesh level = read_level(hierarchy, 0);
+            const size_t c = random.below(p.loops.count());
+            std::vector<uint32_t> crossed = crossed_edges(level, p.loops, c);
+            std::sort(crossed.begin(), crossed.end());
+            // Through an edge that the loop crosses there and back there is a way that does not count.
+            if (std::adjacent_find(crossed.begin(), crossed.end()) != crossed.end()) continue;
+            const double weight = p.loops.weights.empty() ? 1 : p.loops.weights[c];
+            EXPECT_GE(shortest_crossing(level, p.loops, c, s.values), weight * (1 - 1e-9)) << "seed " << seed;
+        }
+    }
+    for (const double energy : energies)
+        if (std::abs(energy - energies[0]) > 1e-8 * energies[0]) {
+            ++tally.wrong;
+            ADD_FAILURE() << "seed " << seed << ": energies " << testing::PrintToString(energies);
+            break;
+        }
+}
+
+} // namespace
+
+TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) {
+    const size_t problems = number("HMF_CAMPAIGN_PROBLEMS", 14), seed = number("HMF_CAMPAIGN_SEED", 1);
+    Tally tally;
+    for (size_t i = 0; i < problems; ++i) {
+        solve_problem(seed + i, tally);
+        std::fflush(stdout);
+    }
+    std::printf("%zu problems, seeds %zu to %zu: %zu wrong, %zu errors\n", tally.problems, seed, seed + problems - 1,
+                tally.wrong, tally.errors);
+    std::printf("  %-18s %6s %9s %8s %6s %6s %6s %7s   %s\n", "", "solves", "converged", "", "stall", "class", "other",
+                "repeats", "worst residual");
+    print("all", tally.all);
+    const char* const stretch[] = {"stretch 1", "stretch to 10", "to 100", "to 1000", "to 10 000", "to 100 000"};
+    for (size_t i = 0; i < 6; ++i) print(stretch[i], tally.by_stretch[i]);
+    const char* const kind[] = {"formula", "plates", "volumes"};
+    for (size_t i = 0; i < kinds; ++i) print(kind[i], tally.by_kind[i]);
+    print("bad triangles", tally.bad);
+    print("flipped", tally.flipped);
+    print("decimated", tally.decimated);
+    EXPECT_EQ(tally.wrong, 0u);
+    EXPECT_EQ(tally.errors, 0u);
+    // 1e-8 on 99.5 %; in a small sample one may miss it.
+    const size_t missed = tally.all.solves - tally.all.converged;
+    EXPECT_LE(missed, 1 + tally.all.solves / 200);
+}
+
+// Once these ended in an internal error (cylinders of equal height not told apart; all zeros in triangles when the
+// unit got coarser) or had lost the class (the second try with other walks than the first).
+TEST(Campaign, SeedsThatFailed) {
+    Tally tally;
+    for (const uint64_t seed : {1201, 2180, 2328}) solve_problem(seed, tally);
+    EXPECT_EQ(tally.wrong, 0u);
+    EXPECT_EQ(tally.errors, 0u);
+    EXPECT_EQ(tally.all.converged, tally.all.solves);
+}
