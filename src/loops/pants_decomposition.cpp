@@ -10,6 +10,8 @@
 //                                   class of these is taken (class_lengths.hpp).
 //                                   Then the loop is shortened.
 //
+// Other candidates are short cycles with two holes or more on both sides, of
+// the trees of shortest ways from regions (signatures.hpp, loop_search.hpp): necks.
 // Ways are those between the cells of a Voronoi diagram of the holes: one for
 // each piece of the border between two cells.  Classes that come close are
 // measured on a fine level once there are all loops, and from the first choice
