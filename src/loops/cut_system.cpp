@@ -34,7 +34,8 @@ constexpr double ROOTS = 1.15;         // no search where loops are known to be 
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr size_t MOST_BOUNDS = 1000000;
-constexpr int MOST_ROUNDS = 8; // of measuring and choosing again
+constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
+constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
 
 struct Root {
     double known; // length of a loop through it, whatever its labels; 0 beside gates
@@ -76,8 +77,9 @@ public:
         const uint32_t fixed = k;
         const size_t kept = size_t{genus - fixed} * mesh_.face_count;
         if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
+        uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
-            for (; k < genus; ++k) {
+            for (; k < genus; ++k, ++steps) {
                 if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
                 const hmf_status status = add_loop(k, budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
                 if (status) return status;
@@ -89,6 +91,7 @@ public:
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
+                if (steps + genus - k > MOST_STEPS + genus + genus / 2) return HMF_OK;
                 choice.taken = taken;
                 if (!go_back(k, fixed)) return call_.out_of_memory();
                 ++k;

@@ -40,7 +40,8 @@ namespace {
 constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
 constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.15; // as in cut_system.cpp
 constexpr size_t MOST_CANDIDATES = 64;
-constexpr int MOST_ROUNDS = 8; // of measuring and choosing again
+constexpr uint64_t MOST_STEPS = 100; // as in cut_system.cpp
+constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
 
 class Pants {
 public:
@@ -64,8 +65,9 @@ public:
         cycles_.start(memory_);
         hole_.start(memory_);
         cycle_.start(memory_);
+        uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
-            while (loops_.count() < wanted) {
+            for (; loops_.count() < wanted; ++steps) {
                 if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
                     return call_.was_cancelled();
                 if (!cut() || !spread() || !find_candidates()) return call_.stopped();
@@ -83,6 +85,7 @@ public:
                 Choice& choice = choice_[k];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
+                if (steps + choice_.size() - k > MOST_STEPS + choice_.size() + choice_.size() / 2) break;
                 choice.taken = taken;
                 while (choice_.size() > k + 1) choice_.pop();
                 while (ids_.size() > choice_.back().end) {
