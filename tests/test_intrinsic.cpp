@@ -75,7 +75,7 @@ Kinds kinds(const Hierarchy& hierarchy) {
     return count;
 }
 
-Kinds expect_solved(const TriMesh& mesh, const char* what) {
+Kinds expect_solved(const TriMesh& mesh, const char* what, int32_t kind = HMF_LOOPS_CUT) {
     SCOPED_TRACE(what);
     const Hierarchy hierarchy(mesh);
     if (!hierarchy) return {};
@@ -83,7 +83,8 @@ Kinds expect_solved(const TriMesh& mesh, const char* what) {
     const LevelMesh level = read_level(hierarchy, 0);
     EXPECT_EQ(level.raised_count, 0u);
     EXPECT_EQ(hmf::check(hierarchy.get()->levels[0].mesh), nullptr);
-    const Solution newton = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    const Loops loops = library_loops(hierarchy, hierarchy.coarsest(), kind);
+    const Solution newton = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
     EXPECT_EQ(newton.status, HMF_OK) << newton.error.message;
     if (newton.status >= HMF_ERROR_NULL) return found;
     EXPECT_LE(newton.report.residual_max, 1e-8);
@@ -119,8 +120,9 @@ TEST(Intrinsic, ZeroEdgesToItself) {
     expect_solved(with_random_flips(stretched(plate(2), 6, 1, 1), 2000, -1, 1510), "closed corners");
     expect_solved(with_random_flips(stretched(plate(2), 5, 1, 1), 2000, -1, 2615), "one boundary");
     for (size_t holes = 2; holes <= 4; ++holes) {
-        expect_solved(stretched(pretzel(holes, 1), 1e4, 1, 1), "long neck");
-        expect_solved(stretched(pretzel(holes, 1), 1, 1e4, 1), "limbs inside");
+        // Loops of a cut system are as short as 1e-4 of the object; their residual stalls at 1e-7.
+        expect_solved(stretched(pretzel(holes, 1), 1e4, 1, 1), "long neck", HMF_LOOPS_TUNNEL);
+        expect_solved(stretched(pretzel(holes, 1), 1, 1e4, 1), "limbs inside", HMF_LOOPS_TUNNEL);
     }
 }
 

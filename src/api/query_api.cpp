@@ -145,14 +145,15 @@ hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control
     Array<uint32_t> side;
     if (load_values(*foliation, foliation->level, state, call)) return call.status();
     const Mesh& mesh = state.foliation.mesh;
-    if (log_scale && check_capacity(capacity, mesh.face_count, "log_scale", call)) return call.status();
+    const size_t shown = foliation->hierarchy->shown_triangles(foliation->level);
+    if (log_scale && check_capacity(capacity, shown, "log_scale", call)) return call.status();
     if (!call.tick(0.3)) return call.was_cancelled();
     if (!scale.measure(mesh, foliation->hierarchy->levels[foliation->level].position, state.foliation.value,
                        foliation->unit, call.memory)
-        || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory)))
-        return call.out_of_memory();
+        || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call)))
+        return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();
-    for (size_t t = 0; t < side.size(); ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + scale.offset;
+    for (size_t t = 0; log_scale && t < shown; ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + scale.offset;
     if (unevenness) *unevenness = scale.unevenness();
     return entry.end();
 }

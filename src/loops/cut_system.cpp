@@ -12,6 +12,11 @@
 //     best so far (loop_search.hpp).  The roots come in the order of the loops
 //     through them that are known beforehand, closed by the segment in the tree
 //     of the regions.
+//  3. Of all that these searches find, the loop with the shortest class is taken
+//     (class_lengths.hpp).  Classes that come close are measured on a fine level
+//     once the system is complete, and from the first choice that was wrong on it
+//     is made again.
+#include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
 #include "../base/heap_sort.hpp"
@@ -24,7 +29,13 @@ namespace hmf {
 namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
-constexpr double FURTHER = 1.25; // than the best loop: searches reach so far for their bounds
+constexpr double SLACK = LoopSearch::SLACK;
+constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
+constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
+constexpr size_t MOST_CANDIDATES = 48; // for one loop
+constexpr size_t MOST_BOUNDS = 1000000;
+constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
+constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
 
 struct Root {
     double known; // length of a loop through it, whatever its labels; 0 beside gates
@@ -33,8 +44,8 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const Restriction* restriction, Call& call) :
-        mesh_(mesh), restriction_(restriction), call_(call), memory_(call.memory),
+    CutSystem(const Mesh& mesh, const Restriction* restriction, ClassLengths& lengths, Call& call) :
+        mesh_(mesh), restriction_(restriction), lengths_(lengths), call_(call), memory_(call.memory),
         search_(cut_, length_, restriction ? restriction->label : nullptr, call) {}
 
     hmf_status run(const double* position, Loops& out) {
@@ -44,6 +55,11 @@ public:
         out.crossings.start(memory_);
         loop_.start(memory_);
         try_.start(memory_);
+        candidates_.start(memory_);
+        strips_.start(memory_);
+        strip_.start(memory_);
+        ids_.start(memory_);
+        choice_.start(memory_);
         if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
             || (restriction_ && !test_.allocate(mesh_, memory_)))
@@ -58,38 +74,107 @@ public:
             if (!add(restriction_->free->crossings.data() + restriction_->free->offsets[k],
                      restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
                 return call_.out_of_memory();
-        for (; k < genus; ++k) {
-            if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
-            if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_)
-                || !signatures_.build(cut_, call_) || !prepare())
-                return stopped();
-            const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
-            if (status) return status;
-            // Labels of a surface that meets itself may leave no loop without crossings.
-            if (!found_ && restriction_)
-                return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                                  "There are no such loops: the surface meets itself. Repair the mesh, or use "
-                                  "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
-            if (!found_)
-                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
-                                  "No further loop was found. Please report this.");
-            for (uint32_t& half_segment : loop_) half_segment = cut_.half_edge(half_segment);
-            if (!add(loop_.data(), loop_.size())) return call_.out_of_memory();
-            if (curves_.total >= MULTICURVE_LIMIT)
-                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
-                                  "The loops cross more than 2^29 edges. Use a coarser level.");
-            keep_bounds();
+        const uint32_t fixed = k;
+        const size_t kept = size_t{genus - fixed} * mesh_.face_count;
+        if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
+        uint64_t steps = 0;
+        for (int round = 0; round < MOST_ROUNDS; ++round) {
+            for (; k < genus; ++k, ++steps) {
+                if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
+                const hmf_status status = add_loop(k, budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
+                if (status) return status;
+            }
+            bool changed = false;
+            if (!lengths_.measure(changed)) return stopped();
+            if (!changed) break;
+            for (k = fixed; k < genus; ++k) {
+                Choice& choice = choice_[k - fixed];
+                const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
+                if (taken == choice.taken) continue;
+                if (steps + genus - k > MOST_STEPS + genus + genus / 2) return HMF_OK;
+                choice.taken = taken;
+                if (!go_back(k, fixed)) return call_.out_of_memory();
+                ++k;
+                break;
+            }
         }
         return HMF_OK;
     }
 
 private:
+    hmf_status add_loop(uint32_t k, double allowed) {
+        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_)
+            || !signatures_.build(cut_, call_) || !prepare())
+            return stopped();
+        const hmf_status status = find_loop(allowed);
+        if (status) return status;
+        // Labels of a surface that meets itself may leave no loop without crossings.
+        if (!found_ && restriction_)
+            return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
+                              "There are no such loops: the surface meets itself. Repair the mesh, or use "
+                              "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+        if (!found_)
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
+                              "No further loop was found. Please report this.");
+        if (!choose()) return stopped();
+        const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
+        if (!add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
+        if (curves_.total >= MULTICURVE_LIMIT)
+            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
+                              "The loops cross more than 2^29 edges. Use a coarser level.");
+        keep_bounds();
+        if (!kept_bound_.empty())
+            std::memcpy(&kept_bound_[(choice_.size() - 1) * mesh_.face_count], face_bound_.data(),
+                        face_bound_.size() * sizeof(double));
+        return HMF_OK;
+    }
+
+    // Of the candidates the one with the shortest class.
+    Done choose() {
+        heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
+            return a.length < b.length || (a.length == b.length && a.first < b.first);
+        });
+        const size_t first = ids_.size();
+        for (size_t i = 0; i < candidates_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
+            const Candidate& c = candidates_[i];
+            if (!by_count_ && c.length > SLACK * best_) break;
+            uint32_t id = 0;
+            if (!lengths_.add(strips_.data() + c.first, c.size, id)) return false;
+            bool known = false;
+            for (size_t k = first; k < ids_.size(); ++k) known |= ids_[k] == id;
+            if (known) continue;
+            if (!ids_.push(id) || !strip_.push(c)) return false;
+        }
+        const size_t taken = lengths_.shortest(&ids_[first], ids_.size() - first);
+        return choice_.push({first, ids_.size(), taken});
+    }
+
+    // Keeps the first k loops, and takes the next one as it is chosen now.
+    Done go_back(uint32_t k, uint32_t fixed) {
+        while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
+        while (ids_.size() > choice_.back().end) {
+            ids_.pop();
+            strip_.pop();
+        }
+        while (out_->offsets.size() > size_t{k} + 1) out_->offsets.pop();
+        while (out_->crossings.size() > out_->offsets.back()) out_->crossings.pop();
+        if (kept_bound_.empty())
+            for (double& bound : face_bound_) bound = 0;
+        else
+            std::memcpy(face_bound_.data(), &kept_bound_[(choice_.size() - 1) * mesh_.face_count],
+                        face_bound_.size() * sizeof(double));
+        curves_.clear();
+        const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
+        return curves_.add(out_->crossings.data(), out_->crossings.size())
+            && add(strips_.data() + taken.first, taken.size);
+    }
+
     hmf_status cancelled() {
         return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
     }
     hmf_status stopped() { return call_.cancelled() ? cancelled() : call_.out_of_memory(); }
 
-    bool add(const uint32_t* loop, size_t n) {
+    Done add(const uint32_t* loop, size_t n) {
         for (size_t i = 0; i < n; ++i)
             if (!out_->crossings.push(loop[i])) return false;
         return out_->offsets.push(out_->crossings.size()) && curves_.add(loop, n);
@@ -186,6 +271,7 @@ private:
     hmf_status find_loop(double allowed) {
         found_ = false;
         best_ = UNREACHED;
+        candidates_.clear();
         bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
@@ -212,10 +298,12 @@ private:
 
     // complete: as far as the bounds allowed, each root was searched.  False: out
     // of memory or cancelled.
-    bool search_roots(double allowed, bool& complete) {
+    Done search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
-            if (search_.bound(roots_[i].region) >= best_) continue;
+            if (search_.bound(roots_[i].region) >= ROOTS * best_
+                || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
+                continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 return true;
@@ -226,18 +314,45 @@ private:
         return true;
     }
 
-    // The shortest loop through a region, if it is the best so far.  False: out
-    // of memory or cancelled.
-    bool look_from(uint32_t root) {
-        if (!search_.search(root, FURTHER * best_, try_)) return !call_.cancelled() && !memory_.failure();
-        double total = 0;
-        for (const uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
-        if (!(total < best_)) return true;
-        if (restriction_ && !is_simple()) return !memory_.failure();
-        found_ = true;
-        best_ = total;
-        loop_.swap(try_);
+    // The short loops through a region are candidates.  False: out of memory or cancelled.
+    Done look_from(uint32_t root) {
+        if (!search_.search(root, SLACK * best_)) return false;
+        for (size_t i = 0; i < search_.count(); ++i) {
+            if (!search_.strip(i, try_)) return false;
+            double total = 0;
+            for (const uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
+            if (!(total < SLACK * best_)) continue;
+            if (restriction_ && !is_simple()) {
+                if (memory_.failure()) return false;
+                continue;
+            }
+            if (total < best_) {
+                found_ = true;
+                best_ = total;
+                loop_.clear();
+                for (const uint32_t link : try_)
+                    if (!loop_.push(link)) return false;
+            }
+            if (!offer(total)) return false;
+        }
         return true;
+    }
+
+    // The same strip is found from many roots.
+    Done offer(double total) {
+        for (const Candidate& c : candidates_) {
+            if (c.length != total || c.size != try_.size()) continue;
+            size_t k = 0;
+            while (k < c.size && strips_[c.first + k] != cut_.half_edge(try_[0])) ++k;
+            size_t same = 0;
+            while (k < c.size && same < c.size && strips_[c.first + (k + same) % c.size] == cut_.half_edge(try_[same]))
+                ++same;
+            if (k < c.size && same == c.size) return true;
+        }
+        const Candidate c = {total, strips_.size(), try_.size()};
+        for (const uint32_t link : try_)
+            if (!strips_.push(cut_.half_edge(link))) return false;
+        return candidates_.push(c);
     }
 
     // A loop is simple in the covering; is it so here?  It may run through a
@@ -267,6 +382,7 @@ private:
 
     const Mesh& mesh_;
     const Restriction* restriction_; // or NULL
+    ClassLengths& lengths_;
     Call& call_;
     Memory& memory_;
     Loops* out_ = nullptr; // the loops so far
@@ -281,6 +397,18 @@ private:
     Array<Root> roots_, gate_;
     Array<uint32_t> visited_; // per region
     uint32_t visit_ = 0;
+    struct Candidate { // strips_[first], ..; half-edges
+        double length;
+        size_t first, size;
+    };
+    struct Choice { // of ids_[first] .. ids_[end - 1]
+        size_t first, end, taken;
+    };
+    Array<Candidate> candidates_; // for the next loop
+    Array<uint32_t> strips_, ids_;
+    Array<Candidate> strip_; // per id
+    Array<Choice> choice_;
+    Array<double> kept_bound_;   // face_bound_ after each choice, if that is not too much
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
     bool found_ = false;
@@ -288,10 +416,15 @@ private:
 
 } // namespace
 
-hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call,
-                      Loops& out) {
-    CutSystem system(mesh, restriction, call);
+hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, ClassLengths& lengths,
+                      Call& call, Loops& out) {
+    CutSystem system(mesh, restriction, lengths, call);
     return system.run(position, out);
+}
+
+hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out) {
+    ClassLengths lengths(mesh, position, call);
+    return cut_system(mesh, position, nullptr, lengths, call, out);
 }
 
 } // namespace hmf

@@ -17,6 +17,7 @@
 
 #include "../base/random_word.hpp"
 #include "carry_loops.hpp"
+#include "class_lengths.hpp"
 #include "library_loops.hpp"
 #include "linking.hpp"
 
@@ -116,14 +117,15 @@ public:
 
     hmf_status run(Loops& out) {
         Loops a, b;
-        hmf_status status = cut_system(mesh_, position_, nullptr, call_, a);
+        ClassLengths lengths(h_, call_);
+        hmf_status status = cut_system(mesh_, position_, nullptr, lengths, call_, a);
         if (!status) status = partner_loops(mesh_, a, call_, b);
         if (!status) status = measure(a, b);
         if (!status) status = make_conditions();
         if (!status) status = make_labels(a, b);
         if (!status) status = choose_gates(a, b);
         const Restriction restriction = {label_.data(), &a, &gates_};
-        if (!status) status = cut_system(mesh_, position_, &restriction, call_, out);
+        if (!status) status = cut_system(mesh_, position_, &restriction, lengths, call_, out);
         if (!status) status = verify(a, b, out);
         return status;
     }

@@ -4,6 +4,7 @@
 #include "library_loops.hpp"
 
 #include "carry_loops.hpp"
+#include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
 #include "handle_system.hpp"
@@ -17,16 +18,17 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = loop_mesh(h, coarsest);
     const double* position = h.levels[coarsest].position;
-    if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, call, out);
+    ClassLengths lengths(h, call);
+    if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, lengths, call, out);
     if (h.genus == 0 && (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL))
         return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
                          "A surface of genus 0 has no handles. Use HMF_LOOPS_CUT or HMF_LOOPS_PANTS, which go round "
                          "marked vertices, or give loops.");
     switch (kind) {
-    case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, call, out);
+    case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, lengths, call, out);
     case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);
     case HMF_LOOPS_TUNNEL: return handle_system(h, false, call, out);
-    case HMF_LOOPS_PANTS: return pants_decomposition(mesh, position, call, out);
+    case HMF_LOOPS_PANTS: return pants_decomposition(mesh, position, lengths, call, out);
     default:
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.",
                          static_cast<int>(kind));

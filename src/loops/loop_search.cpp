@@ -1,17 +1,22 @@
 #include "loop_search.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
-bool LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
+Done LoopSearch::prepare(const Signatures& signatures, size_t states_per_region) {
     Memory& memory = call_.memory;
+    signatures_ = &signatures;
     const size_t n = cut_.region_count, states = edge_label_ ? states_per_region * n : n;
     heap_.start(memory);
     order_.start(memory);
+    closings_.start(memory);
     epoch_ = 0;
     starved_ = false;
     size_t places = edge_label_ ? 2 : 0;
     for (table_shift_ = 63; edge_label_ && places < 2 * states; places *= 2) --table_shift_;
-    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0) || !state_.allocate(memory, states)
+    if (!arc_.allocate(memory, 3 * n) || !bound_.allocate_filled(memory, n, 0.0)
+        || !nearest_root_.allocate_filled(memory, n, HUGE_VAL) || !state_.allocate(memory, states)
         || !covered_.allocate(memory, edge_label_ ? states : 0) || !table_.allocate_filled(memory, places, NONE)
         || !order_.reserve(states) || !heap_.reserve(3 * states + 1))
         return false;
@@ -49,7 +54,7 @@ uint32_t LoopSearch::find_state(uint32_t region, uint64_t label, bool make) {
     return made;
 }
 
-bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
+Done LoopSearch::search(uint32_t root, double limit) {
     ++epoch_;
     heap_.clear();
     order_.clear();
@@ -59,13 +64,13 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
     heap_.add({0, start}); // at most one for each link
-    double shortest = limit;
-    uint32_t closing = NONE, closing_from = NONE, closing_to = NONE;
+    closings_.clear();
+    double shortest = limit, reach = limit; // of what is found, and of what is looked for
     while (!heap_.empty()) {
         const NearestFirst::Entry entry = heap_.pop();
         const uint32_t s = entry.item;
         if (settled(s)) continue;
-        if (2 * entry.distance >= shortest) break;
+        if (2 * entry.distance >= reach) break;
         state_[s].stamp = 2 * epoch_ + 1;
         order_.add(s);
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
@@ -74,9 +79,9 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
         for (uint32_t i = 0; i < 3; ++i) {
             const Arc& arc = arcs[i];
             if (arc.to == NONE) break;
-            if (bound_[arc.to] >= shortest) continue;
+            if (bound_[arc.to] >= reach) continue;
             const double d = entry.distance + arc.length;
-            const bool far = 2 * d >= shortest; // it would not be settled
+            const bool far = 2 * d >= reach; // it would not be settled
             const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment), !far) : arc.to;
             if (to == NONE) continue;
             State& state = state_[to];
@@ -89,23 +94,46 @@ bool LoopSearch::search(uint32_t root, double limit, Array<uint32_t>& found) {
                 state.before = s;
                 state.through = arc.half_segment;
                 heap_.add({d, to});
-            } else if (signature != state.signature && d + state.distance < shortest) {
-                shortest = d + state.distance;
-                closing = arc.half_segment;
-                closing_from = s;
-                closing_to = to;
+            } else if (signature != state.signature && d + state.distance < reach
+                       && !signatures_->is_trivial(signature ^ state.signature)) {
+                const double length = d + state.distance;
+                if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
+                if (length < shortest) shortest = length;
+                if (SLACK * shortest < reach) reach = SLACK * shortest;
             }
         }
     }
+    for (const uint32_t s : order_) {
+        double& nearest = nearest_root_[state_[s].region];
+        if (starved_here_ || !(state_[s].distance < nearest)) continue;
+        nearest = state_[s].distance;
+    }
     if (!starved_here_)
         for (const uint32_t s : order_) raise_bound(state_[s].region, shortest - 2 * state_[s].distance);
-    return closing != NONE && strip(closing, closing_from, closing_to, found);
+    while (!closings_.empty() && closings_.back().length > reach) closings_.pop();
+    return true;
+}
+
+// The shortest for each signature, sorted by length; MOST_LOOPS of them.
+Done LoopSearch::keep(const Closing& closing) {
+    size_t i = 0;
+    while (i < closings_.size() && closings_[i].signature != closing.signature) ++i;
+    if (i < closings_.size()) {
+        if (!(closing.length < closings_[i].length)) return true;
+    } else if (i < MOST_LOOPS) {
+        if (!closings_.push(closing)) return false;
+    } else if (closing.length < closings_[--i].length) {
+    } else return true;
+    for (; i > 0 && closing.length < closings_[i - 1].length; --i) closings_[i] = closings_[i - 1];
+    closings_[i] = closing;
+    return true;
 }
 
 // The cycle of a link in the search tree:  root ---- o===state
 //                                                     \\  | closing
 //                                                       `=to
-bool LoopSearch::strip(uint32_t closing, uint32_t state, uint32_t to, Array<uint32_t>& found) {
+Done LoopSearch::strip(size_t i, Array<uint32_t>& found) {
+    const uint32_t closing = closings_[i].link, state = closings_[i].from, to = closings_[i].to;
     ++epoch_; // marks the way from the state to the root
     for (uint32_t at = state; at != NONE; at = state_[at].before) state_[at].stamp = 2 * epoch_;
     uint32_t meet = to;
@@ -113,10 +141,10 @@ bool LoopSearch::strip(uint32_t closing, uint32_t state, uint32_t to, Array<uint
     found.clear();
     for (uint32_t at = state; at != meet; at = state_[at].before)
         if (!found.push(state_[at].through)) return false;
-    for (size_t i = 0, j = found.size(); i + 1 < j; ++i) {
+    for (size_t k = 0, j = found.size(); k + 1 < j; ++k) {
         --j;
-        const uint32_t link = found[i];
-        found[i] = found[j];
+        const uint32_t link = found[k];
+        found[k] = found[j];
         found[j] = link;
     }
     if (!found.push(closing)) return false;

@@ -23,10 +23,15 @@ struct Restriction {
     const Loops* gates;    // each loop that keeps the restriction crosses one of these
 };
 
-// genus many disjoint simple loops, jointly non-separating, each the shortest
-// that is found one after another.  position: 3 per vertex of the mesh.
+class ClassLengths; // class_lengths.hpp
+
+// genus many disjoint simple loops, jointly non-separating, each with the shortest
+// class that is found one after another.  position: 3 per vertex of the mesh.
 // restriction: NULL for none.
-hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, Call& call, Loops& out);
+hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, ClassLengths& lengths,
+                      Call& call, Loops& out);
+// Measured on the mesh itself.
+hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 
 // Loops that each cross one of the disjoint loops that they are given, and for
 // the others only earlier ones: disjoint as well, and with them a basis of the
@@ -36,11 +41,11 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
 // 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
 // pairwise not freely homotopic: they cut the surface into pairs of pants, whose
 // boundaries are loops and marked vertices.  The first are a cut system.
-hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out);
+hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out);
 
 // On a sphere: loops each round two marked vertices that are close, and no
 // vertex in two of them; as many as there are, but one for four vertices.
-hmf_status mark_loops(const Mesh& mesh, const double* position, Call& call, Loops& out);
+hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out);
 
 // Shortens simple disjoint loops within their classes, but those before
 // `first`; they stay disjoint, in their order and with their directions.

@@ -6,7 +6,16 @@
 //         /  __      __  \          along B and back, with A, the way and B
 //        |  /  \____/  \  |         on its right.  Its length is estimated
 //        |  \A_/ way\B_/  |         as A + B + 2 way; the pair where that is
-//         \______________/          least is taken.  Then it is shortened.
+//         \______________/          least are candidates, and the shortest
+//                                   class of these is taken (class_lengths.hpp).
+//                                   Then the loop is shortened.
+//
+// Other candidates are short cycles with two holes or more on both sides, of
+// the trees of shortest ways from regions (signatures.hpp, loop_search.hpp): necks.
+// Ways are those between the cells of a Voronoi diagram of the holes: one for
+// each piece of the border between two cells.  Classes that come close are
+// measured on a fine level once there are all loops, and from the first choice
+// that was wrong on it is made again.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.  To run along a marked vertex is to
@@ -14,10 +23,13 @@
 //
 // Joining nothing but marked vertices gives loops round pairs of them.
 #include "../base/disjoint_sets.hpp"
+#include "../base/heap_sort.hpp"
 #include "../base/nearest_first.hpp"
+#include "class_lengths.hpp"
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
+#include "loop_search.hpp"
 
 #include <cmath>
 
@@ -25,10 +37,17 @@ namespace hmf {
 
 namespace {
 
+constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
+constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.15; // as in cut_system.cpp
+constexpr size_t MOST_CANDIDATES = 64;
+constexpr uint64_t MOST_STEPS = 100; // as in cut_system.cpp
+constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
+
 class Pants {
 public:
-    Pants(const Mesh& mesh, const double* position, bool marks_only, Loops& loops, Call& call) :
-        mesh_(mesh), position_(position), marks_only_(marks_only), loops_(loops), call_(call), memory_(call.memory) {}
+    Pants(const Mesh& mesh, const double* position, bool marks_only, ClassLengths& lengths, Loops& loops, Call& call) :
+        mesh_(mesh), position_(position), marks_only_(marks_only), lengths_(lengths), loops_(loops), call_(call),
+        memory_(call.memory), search_(cut_, length_, nullptr, call) {}
 
     hmf_status run() {
         if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count))
@@ -37,17 +56,50 @@ public:
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         const size_t holes = 3 * loops_.count() + mesh_.marked_count; // wanted are 3 less
         const size_t wanted = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
-        while (loops_.count() < wanted) {
-            if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
-                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-            if (!cut() || !spread()) return call_.out_of_memory();
-            if (!choose())
-                return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
-                                  "No further loop was found. Please report this.");
-            if (!join()) return call_.out_of_memory();
-            const hmf_status status = shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
-            if (status) return status;
+        const size_t given = loops_.count();
+        choice_.start(memory_);
+        ids_.start(memory_);
+        strip_.start(memory_);
+        strips_.start(memory_);
+        candidates_.start(memory_);
+        cycles_.start(memory_);
+        hole_.start(memory_);
+        cycle_.start(memory_);
+        uint64_t steps = 0;
+        for (int round = 0; round < MOST_ROUNDS; ++round) {
+            for (; loops_.count() < wanted; ++steps) {
+                if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
+                    return call_.was_cancelled();
+                if (!cut() || !spread() || !find_candidates()) return call_.stopped();
+                if (candidates_.empty())
+                    return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
+                                      "No further loop was found. Please report this.");
+                if (!choose()) return call_.stopped();
+                const hmf_status status = take_last();
+                if (status) return status;
+            }
+            bool changed = false;
+            if (!lengths_.measure(changed)) return call_.stopped();
+            if (!changed) break;
+            for (size_t k = 0; k < choice_.size(); ++k) {
+                Choice& choice = choice_[k];
+                const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
+                if (taken == choice.taken) continue;
+                if (steps + choice_.size() - k > MOST_STEPS + choice_.size() + choice_.size() / 2) break;
+                choice.taken = taken;
+                while (choice_.size() > k + 1) choice_.pop();
+                while (ids_.size() > choice_.back().end) {
+                    ids_.pop();
+                    strip_.pop();
+                }
+                while (loops_.offsets.size() > given + k + 1) loops_.offsets.pop();
+                while (loops_.crossings.size() > loops_.offsets.back()) loops_.crossings.pop();
+                const hmf_status status = take_last();
+                if (status) return status;
+                break;
+            }
         }
+        if (loops_.count() == given) return HMF_OK;
         return shorten_loops(mesh_, position_, 0, 1, 1, call_, loops_);
     }
 
@@ -60,7 +112,18 @@ private:
     struct Pair {
         uint32_t a, b;
     }; // of seeds
-    bool cut() {
+    struct Candidate {
+        double length; // estimated
+        Pair pair;
+        uint32_t middle; // half-segment
+    };
+    struct Strip { // in strips_
+        size_t first, size;
+    };
+    struct Choice { // of ids_[first] .. ids_[end - 1]
+        size_t first, end, taken;
+    };
+    Done cut() {
         if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes
             || !cut_.build(mesh_, curves_, true, memory_))
             return false;
@@ -95,7 +158,7 @@ private:
     }
 
     // The regions round a marked vertex.
-    bool seed_mark(uint32_t v) {
+    Done seed_mark(uint32_t v) {
         bool counted = false;
         uint32_t h = mesh_.out[v];
         do {
@@ -108,7 +171,7 @@ private:
     }
 
     // From all sides of loops at once: the nearest side of each region.
-    bool spread() {
+    Done spread() {
         const size_t n = cut_.region_count;
         seeds_.start(memory_);
         heap_.start(memory_);
@@ -149,7 +212,7 @@ private:
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
-            if (2 * (least + top.distance) > best) break;
+            if (2 * (least + top.distance) > FURTHER * best) break;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{top.item} + i];
                 if (link == NONE) break;
@@ -173,29 +236,142 @@ private:
         return around_[seeds_[a].side] + around_[seeds_[b].side] + 2 * way;
     }
 
-    // The pair of holes, and the link that their way crosses in the middle
-    // (NONE: they meet in one region).
-    bool choose() {
-        double best = HUGE_VAL;
+    // Pairs of holes, and the link that their way crosses in the middle (NONE:
+    // they meet in one region), least estimates first.
+    Done find_candidates() {
+        candidates_.clear();
         for (const Pair& pair : pairs_) {
-            const uint32_t r = seeds_[pair.a].region;
-            if (holes_[find_root(piece_.data(), r)] <= 3 || !(estimate(pair.a, pair.b, 0) < best)) continue;
-            best = estimate(pair.a, pair.b, 0);
-            chosen_ = pair;
-            middle_ = NONE;
+            if (holes_[find_root(piece_.data(), seeds_[pair.a].region)] <= 3) continue;
+            const auto same = [&](const Candidate& c) {
+                const uint32_t a = seeds_[c.pair.a].side, b = seeds_[c.pair.b].side;
+                const uint32_t k = seeds_[pair.a].side, l = seeds_[pair.b].side;
+                return (a == k && b == l) || (a == l && b == k);
+            };
+            size_t i = 0;
+            while (i < candidates_.size() && !same(candidates_[i])) ++i;
+            if (i == candidates_.size() && !candidates_.push({estimate(pair.a, pair.b, 0), pair, NONE})) return false;
         }
-        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+        // The segments between two cells, in one piece as long as they meet at vertices of two cells.
+        const auto is_contact = [&](uint32_t s) {
             const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
-            if (seed_[r] == NONE || seed_[q] == NONE || seeds_[seed_[r]].side == seeds_[seed_[q]].side) continue;
-            if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double length =
-                estimate(seed_[r], seed_[q], distance_[r] + length_[cut_.segment_edge[s]] + distance_[q]);
-            if (!(length < best)) continue;
-            best = length;
-            chosen_ = {seed_[r], seed_[q]};
-            middle_ = 2 * s;
+            return seed_[r] != NONE && seed_[q] != NONE && seeds_[seed_[r]].side != seeds_[seed_[q]].side
+                && holes_[find_root(piece_.data(), r)] > 3;
+        };
+        if (!border_.allocate_filled(memory_, cut_.segment_count, NONE)
+            || !best_.allocate_filled(memory_, cut_.segment_count, NONE)
+            || !degree_.allocate_filled(memory_, mesh_.vertex_count, 0u)
+            || !at_.allocate_filled(memory_, mesh_.vertex_count, NONE))
+            return false;
+        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            if (!is_contact(s)) continue;
+            border_[s] = s;
+            for (uint32_t end = 0; end < 2; ++end) {
+                const uint32_t p = cut_.point[2 * size_t{s} + end];
+                if (p < mesh_.vertex_count) ++degree_[p];
+            }
         }
-        return best < HUGE_VAL;
+        for (uint32_t s = 0; s < cut_.segment_count; ++s)
+            for (uint32_t end = 0; border_[s] != NONE && end < 2; ++end) {
+                const uint32_t p = cut_.point[2 * size_t{s} + end];
+                if (p >= mesh_.vertex_count || degree_[p] != 2 || mesh_.is_marked(p)) continue;
+                if (at_[p] != NONE) unite(border_.data(), s, at_[p]);
+                at_[p] = s;
+            }
+        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            if (border_[s] == NONE) continue;
+            uint32_t& best = best_[find_root(border_.data(), s)];
+            if (best == NONE || contact(s).length < contact(best).length) best = s;
+        }
+        for (uint32_t s = 0; s < cut_.segment_count; ++s)
+            if (best_[s] != NONE && !candidates_.push(contact(best_[s]))) return false;
+        heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
+            if (a.length != b.length) return a.length < b.length;
+            return a.pair.a != b.pair.a ? a.pair.a < b.pair.a : a.pair.b < b.pair.b;
+        });
+        return true;
+    }
+
+    Candidate contact(uint32_t s) const {
+        const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
+        const double way = distance_[r] + length_[cut_.segment_edge[s]] + distance_[q];
+        return {estimate(seed_[r], seed_[q], way), {seed_[r], seed_[q]}, 2 * s};
+    }
+
+    // Short loops that have two holes or more on both sides, found as those of a
+    // cut system (loop_search.hpp).
+    Done find_cycles() {
+        cycles_.clear();
+        if (marks_only_) return true;
+        hole_.clear();
+        for (uint32_t v = 0; v < mesh_.marked_count; ++v)
+            if (!hole_.push(v)) return false;
+        for (uint32_t p = mesh_.vertex_count; p < cut_.point_count; ++p)
+            if (!hole_.push(p)) return false;
+        if (!signatures_.build_holes(cut_, hole_, call_) || !search_.prepare(signatures_, 1)) return false;
+        double best = HUGE_VAL;
+        uint32_t done = NONE;
+        for (uint32_t s = 0; s < cut_.segment_count; ++s) {
+            if (!signatures_.of[s]) continue;
+            const uint32_t r = cut_.region[2 * size_t{s}];
+            if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= ROOTS * best
+                || (best < HUGE_VAL && search_.nearest_root(r) < APART * best))
+                continue;
+            done = r;
+            if (!search_.search(r, SLACK * best)) return false;
+            for (size_t i = 0; i < search_.count(); ++i) {
+                if (!search_.strip(i, cycle_)) return false;
+                double total = 0;
+                for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
+                if (total < best) best = total;
+                if (!(total < SLACK * best)) continue;
+                const size_t begin = strips_.size();
+                for (const uint32_t link : cycle_)
+                    if (!strips_.push(cut_.half_edge(link))) return false;
+                if (!cycles_.push({total, begin, cycle_.size()})) return false;
+            }
+        }
+        heap_sort(cycles_.data(), cycles_.size(), [](const Cycle& a, const Cycle& b) {
+            return a.length < b.length || (a.length == b.length && a.first < b.first);
+        });
+        return true;
+    }
+
+    // The class of a strip for the next loop, if there is no other of the class.
+    Done offer(size_t first, const Strip& strip, bool& added) {
+        uint32_t id = 0;
+        if (!lengths_.add(strips_.data() + strip.first, strip.size, id)) return false;
+        added = true;
+        for (size_t k = first; k < ids_.size(); ++k) added &= ids_[k] != id;
+        return !added || (ids_.push(id) && strip_.push(strip));
+    }
+
+    // Of the candidates the one with the shortest class.
+    Done choose() {
+        const size_t first = ids_.size();
+        bool added = false;
+        if (!find_cycles()) return false;
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
+            if (cycles_[i].length > SLACK * cycles_[0].length) break;
+            if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
+        }
+        for (size_t i = 0; i < candidates_.size() && i < MOST_CANDIDATES; ++i) {
+            if (candidates_[i].length > FURTHER * candidates_[0].length) break;
+            const size_t begin = strips_.size();
+            if (!join(candidates_[i])) return false;
+            if (strips_.size() == begin) continue;
+            if (!offer(first, {begin, strips_.size() - begin}, added)) return false;
+            while (!added && strips_.size() > begin) strips_.pop();
+        }
+        return choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
+    }
+
+    // The loop of the last choice, shortened.
+    hmf_status take_last() {
+        const Strip taken = strip_[choice_.back().first + choice_.back().taken];
+        for (size_t i = 0; i < taken.size; ++i)
+            if (!loops_.crossings.push(strips_[taken.first + i])) return call_.out_of_memory();
+        if (!loops_.offsets.push(loops_.crossings.size())) return call_.out_of_memory();
+        return shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
     }
 
     // Once along the loop or round the marked vertex of a seed, with it on the right.
@@ -219,12 +395,14 @@ private:
         return true;
     }
 
-    Done join() {
+    // The loop of a candidate, at the end of strips_.
+    Done join(const Candidate& candidate) {
+        const uint32_t middle = candidate.middle;
         Array<uint32_t> walk, way;
         walk.start(memory_);
         way.start(memory_);
-        if (middle_ != NONE) {
-            for (uint32_t r = cut_.region[middle_]; from_[r] != NONE; r = cut_.region[from_[r]])
+        if (middle != NONE) {
+            for (uint32_t r = cut_.region[middle]; from_[r] != NONE; r = cut_.region[from_[r]])
                 if (!way.push(from_[r])) return false;
             for (size_t i = 0, j = way.size(); i + 1 < j; ++i) {
                 --j;
@@ -232,26 +410,27 @@ private:
                 way[i] = way[j];
                 way[j] = link;
             }
-            if (!way.push(middle_)) return false;
-            for (uint32_t r = cut_.region[middle_ ^ 1u]; from_[r] != NONE; r = cut_.region[from_[r]])
+            if (!way.push(middle)) return false;
+            for (uint32_t r = cut_.region[middle ^ 1u]; from_[r] != NONE; r = cut_.region[from_[r]])
                 if (!way.push(from_[r] ^ 1u)) return false;
         }
-        if (!go_round(walk, chosen_.a)) return false;
+        if (!go_round(walk, candidate.pair.a)) return false;
         for (const uint32_t link : way)
             if (!walk.push(cut_.half_edge(link))) return false;
-        if (!go_round(walk, chosen_.b)) return false;
+        if (!go_round(walk, candidate.pair.b)) return false;
         for (size_t i = way.size(); i-- > 0;)
             if (!walk.push(twin(cut_.half_edge(way[i])))) return false;
         size_t begin = 0, end = 0;
         remove_backtracking(walk, begin, end);
         for (size_t i = begin; i < end; ++i)
-            if (!loops_.crossings.push(walk[i])) return false;
-        return loops_.offsets.push(loops_.crossings.size());
+            if (!strips_.push(walk[i])) return false;
+        return true;
     }
 
     const Mesh& mesh_;
     const double* position_;
     const bool marks_only_;
+    ClassLengths& lengths_;
     Loops& loops_;
     Call& call_;
     Memory& memory_;
@@ -265,24 +444,37 @@ private:
     Array<double> distance_; // per region
     Array<uint32_t> seed_, from_;
     NearestFirst heap_;
-    Pair chosen_{NONE, NONE};
-    uint32_t middle_ = NONE;
+    Array<Candidate> candidates_; // for the next loop
+    Array<uint32_t> strips_, ids_;
+    Array<Strip> strip_; // per id
+    Array<Choice> choice_;
+    struct Cycle { // in strips_
+        double length;
+        size_t first, size;
+    };
+    Array<Cycle> cycles_;
+    Array<uint32_t> hole_, cycle_;
+    Signatures signatures_;
+    LoopSearch search_;
+    Array<uint32_t> border_, best_; // per segment, of pieces of borders between cells
+    Array<uint32_t> degree_, at_;   // per vertex
 };
 
 } // namespace
 
-hmf_status pants_decomposition(const Mesh& mesh, const double* position, Call& call, Loops& out) {
-    const hmf_status status = cut_system(mesh, position, nullptr, call, out);
+hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
+                               Loops& out) {
+    const hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
     if (status) return status;
-    Pants pants(mesh, position, false, out, call);
+    Pants pants(mesh, position, false, lengths, out, call);
     return pants.run();
 }
 
-hmf_status mark_loops(const Mesh& mesh, const double* position, Call& call, Loops& out) {
+hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out) {
     out.offsets.start(call.memory);
     out.crossings.start(call.memory);
     if (!out.offsets.push(0)) return call.out_of_memory();
-    Pants pants(mesh, position, true, out, call);
+    Pants pants(mesh, position, true, lengths, out, call);
     return pants.run();
 }
 

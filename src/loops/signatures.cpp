@@ -1,11 +1,12 @@
 #include "signatures.hpp"
 
 #include "../base/disjoint_sets.hpp"
+#include "../base/heap_sort.hpp"
 #include "../base/random_word.hpp"
 
 namespace hmf {
 
-bool Signatures::build(const CutSurface& cut, Call& call) {
+Done Signatures::build(const CutSurface& cut, Call& call) {
     Memory& memory = call.memory;
     const uint32_t regions = cut.region_count, segments = cut.segment_count, points = cut.point_count;
     Array<uint32_t> queue, parent, degree, last;
@@ -68,6 +69,59 @@ bool Signatures::build(const CutSurface& cut, Call& call) {
         degree[p] = 0;
         if (--degree[q] == 1) queue[end++] = q;
     }
+    return true;
+}
+
+Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call) {
+    Memory& memory = call.memory;
+    const uint32_t segments = cut.segment_count, points = cut.point_count;
+    Array<uint32_t> first, at, tree, queue;
+    Array<uint64_t> behind;
+    Array<uint8_t> is_hole;
+    trivial.start(memory);
+    if (!of.allocate_filled(memory, segments, uint64_t{0}) || !first.allocate_filled(memory, points + size_t{2}, 0u)
+        || !at.allocate(memory, 2 * size_t{segments}) || !tree.allocate_filled(memory, points, NONE)
+        || !queue.allocate(memory, points) || !behind.allocate_filled(memory, points, uint64_t{0})
+        || !is_hole.allocate_filled(memory, points, uint8_t{0}))
+        return false;
+    for (const uint32_t p : hole) is_hole[p] = 1;
+    for (size_t k = 0; k < 2 * size_t{segments}; ++k) ++first[cut.point[k] + 2];
+    for (size_t p = 0; p < points; ++p) first[p + 2] += first[p + 1];
+    for (uint32_t k = 0; k < 2 * segments; ++k) at[first[cut.point[k] + 1]++] = k;
+    // A tree of points in each piece, breadth first from a hole; the way to each
+    // other hole carries its word.
+    uint64_t seed = 2;
+    for (const uint32_t root : hole) {
+        if (tree[root] != NONE || first[root] == first[root + 1]) continue;
+        size_t begin = 0, end = 0;
+        queue[end++] = root;
+        tree[root] = root; // no segment; never read
+        while (begin < end) {
+            if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+            const uint32_t p = queue[begin++];
+            for (uint32_t i = first[p]; i < first[p + 1]; ++i) {
+                const uint32_t q = cut.point[at[i] ^ 1u];
+                if (tree[q] != NONE) continue;
+                tree[q] = at[i];
+                queue[end++] = q;
+            }
+        }
+        uint64_t all = 0;
+        for (size_t i = 1; i < end; ++i) {
+            if (!is_hole[queue[i]]) continue;
+            const uint64_t word = random_word(seed) | 1u;
+            behind[queue[i]] = word;
+            all ^= word;
+            if (!trivial.push(word)) return false;
+        }
+        if (!trivial.push(all)) return false;
+        while (end-- > 1) {
+            const uint32_t p = queue[end], k = tree[p];
+            of[k >> 1] = behind[p];
+            behind[cut.point[k]] ^= behind[p];
+        }
+    }
+    heap_sort(trivial.data(), trivial.size(), [](uint64_t a, uint64_t b) { return a < b; });
     return true;
 }
 

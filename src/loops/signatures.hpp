@@ -22,8 +22,25 @@ struct Signatures {
     Array<uint32_t> reached; // per region: the half-segment it was reached through, seen from there; NONE: the root
     Array<uint32_t> rank;    // per region: its place in the order of the search
 
+    // Those of `trivial`, sorted, count as 0.
+    Array<uint64_t> trivial;
+
     // False: out of memory or cancelled.
-    bool build(const CutSurface& cut, Call& call);
+    Done build(const CutSurface& cut, Call& call);
+
+    // Instead: along a cycle of regions in a planar piece the signatures add up to
+    // the words of the holes on one side of it.  Trivial: at most one on a side.
+    // hole: points that are holes.  False as above.
+    Done build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call);
+    bool is_trivial(uint64_t signature) const {
+        size_t low = 0, high = trivial.size();
+        while (low < high) {
+            const size_t middle = (low + high) / 2;
+            if (trivial[middle] < signature) low = middle + 1;
+            else high = middle;
+        }
+        return low < trivial.size() && trivial[low] == signature;
+    }
 
     // Length of the cycle that a segment closes in the tree of the regions.
     double cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length) const;

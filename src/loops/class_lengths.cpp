@@ -1,0 +1,273 @@
+#include "class_lengths.hpp"
+
+#include "../base/random_word.hpp"
+#include "carry_loops.hpp"
+#include "disjoint.hpp"
+#include "library_loops.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t MEASURED_VERTICES = 10000;
+constexpr size_t MOST_STARTS = 4; // of a class
+// Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
+// circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
+constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
+constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 100;
+constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
+
+} // namespace
+
+ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call) :
+    hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, hierarchy.level_count - 1)),
+    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call), coarsest_(hierarchy.level_count - 1),
+    geodesic_(mesh_, position_, 0, call) {
+    level_ = coarsest_;
+    while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
+}
+
+ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
+    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call) {}
+
+Done ClassLengths::start() {
+    Memory& memory = call_.memory;
+    started_ = true;
+    classes_.start(memory);
+    crossings_.start(memory);
+    loop_.start(memory);
+    walk_.start(memory);
+    measure_extent();
+    if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
+        return false;
+    const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
+    if (!sphere && !words_.start(mesh_, mesh_.edge_count, call_)) return false;
+    if (mesh_.marked_count == 0) return true;
+    // Each edge of a tree gets the words of the marked vertices behind it, so that a loop adds up to the
+    // words of those on one side of it, if it has two.
+    Array<uint32_t> reached, queue;
+    Array<uint64_t> behind;
+    if (!mark_word_.allocate_filled(memory, mesh_.edge_count, uint64_t{0})
+        || !reached.allocate_filled(memory, mesh_.vertex_count, NONE) || !queue.allocate(memory, mesh_.vertex_count)
+        || !behind.allocate_filled(memory, mesh_.vertex_count, uint64_t{0}))
+        return false;
+    size_t begin = 0, end = 0;
+    queue[end++] = 0;
+    while (begin < end) {
+        const uint32_t v = queue[begin++], first = mesh_.out[v];
+        uint32_t h = first;
+        do {
+            const uint32_t w = mesh_.target(h);
+            if (w != 0 && reached[w] == NONE) {
+                reached[w] = h;
+                queue[end++] = w;
+            }
+            h = mesh_.rotate_ccw(h);
+        } while (h != first);
+    }
+    uint64_t seed = 1;
+    for (uint32_t v = 1; v < mesh_.marked_count; ++v) behind[v] = random_word(seed);
+    while (end-- > 1) {
+        const uint32_t v = queue[end], h = reached[v];
+        mark_word_[edge_of(h)] = behind[v];
+        behind[mesh_.origin[h]] ^= behind[v];
+    }
+    return true;
+}
+
+// The box of the surface.
+void ClassLengths::measure_extent() {
+    double highest[3] = {0, 0, 0};
+    for (size_t v = 0; v < mesh_.vertex_count; ++v)
+        for (size_t a = 0; a < 3; ++a) {
+            const double x = position_[3 * v + a] / geodesic_.scale();
+            if (v == 0 || x < lowest_[a]) lowest_[a] = x;
+            if (v == 0 || x > highest[a]) highest[a] = x;
+        }
+    for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
+}
+
+Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
+    uint64_t marks = 0;
+    if (!mark_word_.empty())
+        for (size_t i = 0; i < n; ++i) marks ^= mark_word_[edge_of(crossings[i])];
+    walk_.clear();
+    if (words_.quads().size() > 0) {
+        // The path of edges on the left of the loop.
+        for (size_t i = 0; i < n; ++i) {
+            const uint32_t in = twin(crossings[i]), go = crossings[i + 1 < n ? i + 1 : 0];
+            if (go == mesh_.next[in] && !words_.append(twin(mesh_.prev(in)), walk_)) return false;
+        }
+        if (!words_.quads().canonical(walk_, call_.memory)) return false;
+    }
+    key = walk_.size() ^ marks;
+    for (const uint32_t spoke : walk_) {
+        key = (key ^ spoke) * 0x9e3779b97f4a7c15u;
+        key ^= key >> 29;
+    }
+    return true;
+}
+
+Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
+                        size_t n, Stage stage, Class& c) {
+    const size_t rounds = stage == Stage::found ? COARSE_ROUNDS : FINE_ROUNDS;
+    loop_.clear();
+    for (size_t i = 0; i < n; ++i)
+        if (!loop_.push(crossings[i])) return false;
+    if (!geodesic.straighten(loop_, rounds, c.length)) return false;
+    // Mean place of the loop, from middle to middle of the edges that it crosses.
+    const auto middle = [&](uint32_t h, double* to) {
+        for (size_t a = 0; a < 3; ++a)
+            to[a] = (position[3 * size_t{mesh.origin[h]} + a] / geodesic.scale()
+                     + position[3 * size_t{mesh.target(h)} + a] / geodesic.scale())
+                  / 2;
+    };
+    double before[3], here[3], sum = 0, total = 0;
+    middle(loop_.back(), before);
+    for (const uint32_t h : loop_) {
+        middle(h, here);
+        double square = 0, place = 0;
+        for (size_t a = 0; a < 3; ++a) {
+            square += (here[a] - before[a]) * (here[a] - before[a]);
+            place += tilt_[a] * ((here[a] + before[a]) / 2 - lowest_[a]);
+            before[a] = here[a];
+        }
+        sum += std::sqrt(square) * place;
+        total += std::sqrt(square);
+    }
+    const double n_left = static_cast<double>(loop_.size());
+    c.doubt = DOUBT_ROUND / (n_left * n_left) + DOUBT[stage];
+    if (total > 0) c.length *= 1 + sum / total;
+    return true;
+}
+
+Done ClassLengths::grow_table() {
+    Array<uint32_t> table;
+    if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        size_t i = static_cast<size_t>(classes_[id].key) & (table.size() - 1);
+        while (table[i] != NONE) i = (i + 1) & (table.size() - 1);
+        table[i] = id;
+    }
+    table_.swap(table);
+    return true;
+}
+
+Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
+    if (!started_ && !start()) return false;
+    Class made{};
+    if (!key_of(crossings, n, made.key)) return false;
+    size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
+    // Another strip of a class may lead to another of its geodesics; not so if they meet.
+    ++visit_;
+    for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
+    size_t starts = 0;
+    for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
+        const Class& c = classes_[table_[i]];
+        if (c.key != made.key) continue;
+        id = table_[i];
+        if (++starts == MOST_STARTS) return true;
+        for (uint64_t k = c.first; k < c.end; ++k)
+            if (visited_[mesh_.face[crossings_[k]]] == visit_) return true;
+    }
+    id = static_cast<uint32_t>(classes_.size());
+    made.first = crossings_.size();
+    for (size_t k = 0; k < n; ++k)
+        if (!crossings_.push(crossings[k])) return false;
+    made.end = crossings_.size();
+    made.stage = coarsest_ == 0 ? Stage::done : level_ == coarsest_ ? Stage::measured : Stage::found;
+    if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made) || !classes_.push(made)) return false;
+    table_[i] = id;
+    return 2 * classes_.size() < table_.size() || grow_table();
+}
+
+size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
+    size_t best = 0;
+    for (size_t i = 1; i < n; ++i)
+        if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
+    // Another class that may be shorter is measured, and this one as well.
+    double most = HUGE_VAL;
+    for (size_t i = 0; i < n; ++i) {
+        const double upper = classes_[ids[i]].length * (1 + classes_[ids[i]].doubt);
+        if (upper < most) most = upper;
+    }
+    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
+    const uint64_t key = classes_[ids[best]].key;
+    bool other = false;
+    for (size_t i = 0; i < n; ++i) other |= classes_[ids[i]].key != key && may_be(classes_[ids[i]]);
+    for (size_t i = 0; i < n && other; ++i) {
+        Class& c = classes_[ids[i]];
+        c.wanted |= c.stage != Stage::done && may_be(c);
+    }
+    return best;
+}
+
+Done ClassLengths::measure(bool& changed) {
+    changed = false;
+    for (int stage = 0; stage < 2; ++stage)
+        if (!measure_stage(stage == 0 ? Stage::found : Stage::measured, changed)) return false;
+    return true;
+}
+
+// Those that are at a stage, for the next one.
+Done ClassLengths::measure_stage(Stage stage, bool& changed) {
+    const size_t finest = stage == Stage::found ? level_ : 0;
+    const Stage reached = finest == 0 ? Stage::done : Stage::measured;
+    Loops loops;
+    Array<uint32_t> ids;
+    loops.offsets.start(call_.memory);
+    loops.crossings.start(call_.memory);
+    ids.start(call_.memory);
+    if (!loops.offsets.push(0)) return false;
+    for (uint32_t id = 0; id < classes_.size(); ++id) {
+        const Class& c = classes_[id];
+        if (!c.wanted || c.stage != stage) continue;
+        for (uint64_t k = c.first; k < c.end; ++k)
+            if (!loops.crossings.push(crossings_[k])) return false;
+        if (!loops.offsets.push(loops.crossings.size()) || !ids.push(id)) return false;
+    }
+    if (ids.empty()) return true;
+    changed = true;
+    LoopCarrier carrier;
+    if (!carrier.load(*hierarchy_, coarsest_, finest, loops, call_.memory)) return false;
+    while (carrier.level() > finest) {
+        if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
+        const bool last = carrier.level() == finest;
+        const double* const position = hierarchy_->levels[carrier.level()].position;
+        const Mesh& mesh = carrier.mesh();
+        ClosedGeodesic geodesic(mesh, position, geodesic_.scale(), call_);
+        Multicurve curve;
+        Loops pulled;
+        pulled.offsets.start(call_.memory);
+        pulled.crossings.start(call_.memory);
+        if (!pulled.offsets.push(0) || (!last && !curve.allocate(mesh, call_.memory))) return false;
+        for (size_t k = 0; k < ids.size(); ++k) {
+            Class& c = classes_[ids[k]];
+            const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];
+            const size_t n = static_cast<size_t>(loops.offsets[k + 1] - loops.offsets[k]);
+            if (!pull(geodesic, mesh, position, loop, n, last ? reached : Stage::found, c)) return false;
+            if (last) continue;
+            for (const uint32_t h : loop_)
+                if (!pulled.crossings.push(h)) return false;
+            if (!pulled.offsets.push(pulled.crossings.size())) return false;
+            const Answer answer = disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory);
+            if (answer == Answer::out_of_memory) return false;
+            if (answer == Answer::yes) continue;
+            while (pulled.crossings.size() > pulled.offsets[k]) pulled.crossings.pop();
+            pulled.offsets.pop();
+            for (size_t i = 0; i < n; ++i)
+                if (!pulled.crossings.push(loop[i])) return false;
+            if (!pulled.offsets.push(pulled.crossings.size())) return false;
+        }
+        if (!last && !carrier.replace(pulled)) return false;
+    }
+    for (const uint32_t id : ids) {
+        classes_[id].stage = reached;
+        classes_[id].wanted = false;
+    }
+    return true;
+}
+
+} // namespace hmf

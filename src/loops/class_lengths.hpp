@@ -1,0 +1,79 @@
+// Lengths of the classes that loops are chosen from.
+//
+// A loop on the coarse level where it was found is as long as its strip there;
+// what counts is the closed geodesic of its class on the surface.  So each class,
+// known by its canonical walk (quad_system.hpp), has its length, first as pulled
+// straight where it was found, and once it matters as measured on a fine level:
+//
+//     found on the coarsest level -> carried (carry_loops.hpp) -> pulled straight
+//
+// The first level to measure on is the coarsest that has 10 000 vertices; classes
+// that are close even there are measured on the mesh of the caller.
+//
+// Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
+// from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
+// loops that are equally long, by symmetry say, the one that lies lower counts as
+// shorter.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "../homotopy/edge_words.hpp"
+#include "closed_geodesic.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+class ClassLengths {
+public:
+    // Loops on the coarsest level of a hierarchy, or on a mesh alone, where they are measured at once.
+    ClassLengths(const hmf_hierarchy& hierarchy, Call& call);
+    ClassLengths(const Mesh& mesh, const double* position, Call& call);
+
+    // The number of a loop's class, with others for strips of the class that lie elsewhere.
+    // False: out of memory or cancelled.
+    Done add(const uint32_t* crossings, size_t n, uint32_t& id);
+
+    // Which of these is the shortest, as far as is known.  Those that may be
+    // shorter once they are measured are noted.  n > 0.
+    size_t shortest(const uint32_t* ids, size_t n);
+    double length(uint32_t id) const { return classes_[id].length; }
+
+    // Measures what is noted; changed: there was any.  False: out of memory or cancelled.
+    Done measure(bool& changed);
+
+private:
+    enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
+    struct Class {
+        uint64_t key;
+        uint64_t first, end; // its loop in crossings_
+        double length;       // tilted
+        double doubt;        // relative: it may be longer by so much
+        Stage stage;
+        bool wanted;
+    };
+    Done start();
+    void measure_extent();
+    Done measure_stage(Stage stage, bool& changed);
+    Done key_of(const uint32_t* crossings, size_t n, uint64_t& key);
+    Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
+              Stage stage, Class& c);
+    Done grow_table();
+
+    const hmf_hierarchy* hierarchy_;
+    const Mesh& mesh_;
+    const double* position_;
+    Call& call_;
+    size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
+    bool started_ = false;
+    double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
+    EdgeWords words_;
+    Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
+    ClosedGeodesic geodesic_;
+    Array<Class> classes_;
+    Array<uint32_t> crossings_, loop_, table_;
+    Array<uint32_t> visited_; // per face
+    uint32_t visit_ = 0;
+    Walk walk_;
+};
+
+} // namespace hmf

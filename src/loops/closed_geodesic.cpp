@@ -1,0 +1,300 @@
+#include "closed_geodesic.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// A detour that gains less is none.
+constexpr double STRAIGHT = 1e-4;
+constexpr double LITTLE = 1e-5; // relative, what is not worth another round
+
+} // namespace
+
+ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double scale, Call& call) :
+    mesh_(mesh), position_(position), scale_(scale > 0 ? scale : 1), call_(call) {
+    double largest = 0;
+    for (size_t i = 0; !(scale > 0) && i < 3 * size_t{mesh.vertex_count}; ++i) {
+        const double x = position[i] < 0 ? -position[i] : position[i];
+        if (x > largest) largest = x;
+    }
+    if (largest > 0) scale_ = largest;
+    portal_.start(call.memory);
+    bend_.start(call.memory);
+    next_.start(call.memory);
+    outside_.start(call.memory);
+    around_.start(call.memory);
+    detour_.start(call.memory);
+}
+
+double ClosedGeodesic::edge_length(uint32_t edge) const {
+    const double* const p = position_ + 3 * size_t{mesh_.origin[2 * edge]};
+    const double* const q = position_ + 3 * size_t{mesh_.origin[2 * edge + 1]};
+    double square = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double d = p[c] / scale_ - q[c] / scale_;
+        square += d * d;
+    }
+    return std::sqrt(square);
+}
+
+// Portal i is crossing i modulo n.  From one to the next one of the ends stays:
+//
+//        left --- next left         twin(h) runs from left to right, the third
+//         |  \      |               corner of its triangle is an end of the next
+//         h     \   |               portal.
+//        right ----- (or next right)
+Done ClosedGeodesic::unfold(const uint32_t* loop, size_t n, size_t portals) {
+    portal_.clear();
+    if (!portal_.reserve(portals)) return false;
+    Portal at = {{0, edge_length(edge_of(loop[0]))}, {0, 0}};
+    portal_.add(at);
+    for (size_t i = 0, k = 0; i + 1 < portals; ++i) {
+        const uint32_t t = twin(loop[k]);
+        if (++k == n) k = 0;
+        const double a = edge_length(edge_of(mesh_.next[t])), b = edge_length(edge_of(mesh_.prev(t)));
+        const double dx = at.left.x - at.right.x, dy = at.left.y - at.right.y, square = dx * dx + dy * dy;
+        Point apex = at.right;
+        if (square > 0) {
+            const double along = (a * a - b * b + square) / (2 * square);
+            const double rest = a * a / square - along * along, ahead = rest > 0 ? std::sqrt(rest) : 0;
+            apex.x += along * dx + ahead * dy;
+            apex.y += along * dy - ahead * dx;
+        }
+        (loop[k] == mesh_.next[t] ? at.left : at.right) = apex;
+        portal_.add(at);
+    }
+    return true;
+}
+
+// The shortest way through the portals first .. last - 1; bend_ has its corners.
+Done ClosedGeodesic::pull(Point from, size_t first, Point to, size_t last) {
+    const auto turn = [](Point a, Point b, Point c) { // > 0: c lies on the left of a -> b
+        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    };
+    const auto same = [](Point a, Point b) { return a.x == b.x && a.y == b.y; };
+    bend_.clear();
+    Point apex = from, left = from, right = from;
+    size_t left_at = first, right_at = first;
+    for (size_t i = first; i <= last; ++i) {
+        if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
+        const Point l = i < last ? portal_[i].left : to, r = i < last ? portal_[i].right : to;
+        if (same(apex, right) || turn(apex, right, r) >= 0) {
+            if (same(apex, right) || turn(apex, left, r) <= 0 || same(apex, left)) {
+                right = r;
+                right_at = i;
+            } else { // over the left side: it bends there
+                if (!bend_.push({left.x, left.y, static_cast<uint32_t>(left_at), true})) return false;
+                apex = right = left;
+                i = right_at = left_at;
+                continue;
+            }
+        }
+        if (same(apex, left) || turn(apex, left, l) <= 0) {
+            if (same(apex, left) || turn(apex, right, l) >= 0 || same(apex, right)) {
+                left = l;
+                left_at = i;
+            } else {
+                if (!bend_.push({right.x, right.y, static_cast<uint32_t>(right_at), false})) return false;
+                apex = left = right;
+                i = left_at = right_at;
+                continue;
+            }
+        }
+    }
+    return true;
+}
+
+double ClosedGeodesic::pulled_length(Point from, Point to) const {
+    const auto distance = [](double x, double y) { return std::sqrt(x * x + y * y); };
+    double sum = 0;
+    for (const Bend& b : bend_) {
+        sum += distance(b.x - from.x, b.y - from.y);
+        from = {b.x, b.y};
+    }
+    return sum + distance(to.x - from.x, to.y - from.y);
+}
+
+// Through three periods of the strip; a bend of the one in the middle is a
+// point of the closed curve, or close to it.
+Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
+    if (!unfold(loop, n, 3 * n + 1)) return false;
+    const auto middle = [&](size_t i) {
+        return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
+    };
+    if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
+    length = HUGE_VAL;
+    for (int round = 0; round < 3; ++round) {
+        // The bend next to the middle of the way.
+        size_t best = bend_.size();
+        for (size_t b = 0; b < bend_.size(); ++b) {
+            const size_t half = round ? n / 2 : 3 * n / 2;
+            const auto away = [&](size_t c) {
+                const size_t p = bend_[c].portal;
+                return p > half ? p - half : half - p;
+            };
+            if (best == bend_.size() || away(b) < away(best)) best = b;
+        }
+        size_t portal = 0;
+        Point from = middle(0), to = middle(n);
+        if (best < bend_.size()) {
+            portal = bend_[best].portal % n;
+            const bool left = bend_[best].left;
+            from = left ? portal_[portal].left : portal_[portal].right;
+            to = left ? portal_[portal + n].left : portal_[portal + n].right;
+        } else if (round == 0) { // a straight line: where it passes portal n
+            const Point a = middle(0), b = middle(3 * n), l = portal_[n].left, r = portal_[n].right;
+            const auto side = [&](Point p) { return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x); };
+            const double at_l = side(l), at_r = side(r), t = at_l != at_r ? at_l / (at_l - at_r) : 0.5;
+            const auto on = [&](const Portal& p) {
+                return Point{p.left.x + t * (p.right.x - p.left.x), p.left.y + t * (p.right.y - p.left.y)};
+            };
+            from = on(portal_[0]);
+            to = on(portal_[n]);
+        } else {
+            break;
+        }
+        // Bends are counted from the portal on, so that the next round takes one of the other half.
+        if (!pull(from, portal, to, portal + n)) return false;
+        const double found = pulled_length(from, to);
+        if (found < length) length = found;
+        for (Bend& b : bend_) b.portal = static_cast<uint32_t>(b.portal - portal);
+        if (bend_.empty()) break;
+        size_t half = 0;
+        for (size_t b = 0; b < bend_.size(); ++b) {
+            const auto away = [&](size_t c) {
+                const size_t p = bend_[c].portal;
+                return p > n / 2 ? p - n / 2 : n / 2 - p;
+            };
+            if (away(b) < away(half)) half = b;
+        }
+        const Bend kept = bend_[half];
+        bend_.clear();
+        if (!bend_.push({kept.x, kept.y, static_cast<uint32_t>((kept.portal + portal) % n), kept.left})) return false;
+    }
+    return true;
+}
+
+// Is the angle outside the strip at a bend less than a half turn?  outside_:
+// the crossings on that side, in place of `count` ones from `first` on.
+bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count) {
+    const Bend at = bend_[bend];
+    const bool left = at.left;
+    const auto h = [&](size_t i) { return loop[i % n]; };
+    const auto keeps = [&](size_t i) { // the vertex, from portal i to the next
+        const uint32_t t = twin(h(i));
+        return h(i + 1) == (left ? mesh_.prev(t) : mesh_.next[t]);
+    };
+    const uint32_t vertex = left ? mesh_.target(h(at.portal)) : mesh_.origin[h(at.portal)];
+    if (mesh_.is_marked(vertex)) return false;
+    size_t i = at.portal, j = at.portal;
+    while (i > 0 && at.portal - i < n && keeps(i - 1)) --i;
+    while (j + 1 < portal_.size() && j - at.portal < n && keeps(j)) ++j;
+    if (i == 0 || j + 1 >= portal_.size() || j - i + 1 >= n) return false;
+    first = i % n;
+    count = j - i + 1;
+    // The sum of the angles, as a product of rotations.
+    double re = 1, im = 0;
+    const auto rotate = [&](double dot, double cross) { // false: past a half turn
+        const double size = std::sqrt(dot * dot + cross * cross);
+        if (!(size > 0)) return true;
+        const double c = dot / size, s = (cross < 0 ? -cross : cross) / size;
+        const double x = re * c - im * s, y = re * s + im * c;
+        re = x;
+        im = y;
+        return im > 0 || (im == 0 && re > 0);
+    };
+    const auto between = [&](Point p, Point q) {
+        const double px = p.x - at.x, py = p.y - at.y, qx = q.x - at.x, qy = q.y - at.y;
+        return rotate(px * qx + py * qy, px * qy - py * qx);
+    };
+    const Point before = bend > 0 ? Point{bend_[bend - 1].x, bend_[bend - 1].y} : Point{portal_[0].left};
+    const Point after =
+        bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : Point{portal_.back().left};
+    if (!between(before, left ? portal_[i - 1].left : portal_[i - 1].right)) return false;
+    outside_.clear();
+    uint32_t g = left ? mesh_.next[h(i)] : mesh_.prev(h(i));
+    const uint32_t end = twin(h(j));
+    if (g == end) return false;
+    for (;;) {
+        if (!outside_.push(g) || outside_.size() > n + 64) return false;
+        const uint32_t t = twin(g), ahead = left ? mesh_.next[t] : mesh_.prev(t);
+        const uint32_t opposite = left ? mesh_.prev(t) : mesh_.next[t];
+        if (ahead == end) break;
+        const double p = edge_length(edge_of(g)), q = edge_length(edge_of(ahead)), r = edge_length(edge_of(opposite));
+        const double dot = (p * p + q * q - r * r) / 2, rest = p * p * q * q - dot * dot;
+        if (!rotate(dot, rest > 0 ? std::sqrt(rest) : 0)) return false;
+        g = ahead;
+    }
+    if (!between(left ? portal_[j + 1].left : portal_[j + 1].right, after)) return false;
+    return im > STRAIGHT || re > 0;
+}
+
+// All bends of the period in the middle that gain, as long as their crossings differ.
+Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
+    changed = false;
+    detour_.clear();
+    if (!detours_at_.allocate_filled(call_.memory, n, NONE)) return false;
+    around_.clear();
+    for (size_t b = 0; b < bend_.size(); ++b) {
+        if (bend_[b].portal < n || bend_[b].portal >= 2 * n) continue;
+        size_t first = 0, count = 0;
+        if (!shorter_outside(loop, n, b, first, count)) {
+            if (call_.memory.failure()) return false;
+            continue;
+        }
+        bool taken = false;
+        for (size_t k = 0; k < count; ++k) taken |= detours_at_[(first + k) % n] != NONE;
+        if (taken) continue;
+        for (size_t k = 0; k < count; ++k) detours_at_[(first + k) % n] = static_cast<uint32_t>(detour_.size());
+        const size_t begin = around_.size();
+        for (const uint32_t g : outside_)
+            if (!around_.push(g)) return false;
+        if (!detour_.push({first, begin, around_.size()})) return false;
+        changed = true;
+    }
+    if (!changed) return true;
+    size_t start = 0;
+    while (start < n && detours_at_[start] != NONE && detour_[detours_at_[start]].first != start) ++start;
+    next_.clear();
+    for (size_t k = 0; k < n; ++k) {
+        const size_t at = start + k < n ? start + k : start + k - n;
+        const uint32_t d = detours_at_[at];
+        if (d == NONE) {
+            if (!next_.push(loop[at])) return false;
+        } else if (detour_[d].first == at) {
+            for (size_t i = detour_[d].begin; i < detour_[d].end; ++i)
+                if (!next_.push(around_[i])) return false;
+        }
+    }
+    return true;
+}
+
+Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length) {
+    double before = HUGE_VAL;
+    for (size_t round = 0; round < rounds; ++round) {
+        if (!call_.tick(0, true)) return false;
+        const size_t n = loop.size();
+        if (!unfold(loop.data(), n, 3 * n + 1)) return false;
+        const auto middle = [&](size_t i) {
+            return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
+        };
+        if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
+        const double now = pulled_length(middle(0), middle(3 * n));
+        if (now > before * (1 - LITTLE)) break;
+        before = now;
+        bool changed = false;
+        if (!go_round(loop.data(), n, changed)) return false;
+        if (!changed) break;
+        size_t begin = 0, end = 0;
+        remove_backtracking(next_, begin, end);
+        if (begin == end) break; // it was not essential
+        loop.clear();
+        for (size_t i = begin; i < end; ++i)
+            if (!loop.push(next_[i])) return false;
+    }
+    return length_in_strip(loop.data(), loop.size(), length);
+}
+
+} // namespace hmf

@@ -1,0 +1,71 @@
+// A loop pulled straight: from a strip of triangles to the strip of a closed
+// geodesic in the same class, and its length.
+//
+//        \  /\  /\  /           1  The strip is unfolded into the plane, and the shortest
+//      ---\/--\/--\/---            curve in it found by pulling a string (Lee, Preparata,
+//         /\  /\  /\               1984; the funnel).  It bends at vertices of the border.
+//        /  \/  \/  \           2  Where the angle on the outer side of such a vertex is less
+//                                  than a half turn, the strip goes round it on that side,
+//                                  and the curve gets shorter (as in Sharp, Crane: You can
+//                                  find geodesic paths in triangle meshes by just flipping
+//                                  edges, 2020).
+//
+// Until nothing changes.  A marked vertex stays on its side.
+#pragma once
+
+#include "loops.hpp"
+
+namespace hmf {
+
+class ClosedGeodesic {
+public:
+    // position: 3 per vertex.  scale: unit of the lengths; 0: the largest coordinate.
+    ClosedGeodesic(const Mesh& mesh, const double* position, double scale, Call& call);
+
+    // Curve of a strip: where it bends, or one point on the first edge.
+    struct Bend {
+        double x, y;     // in the plane
+        uint32_t portal; // crossing at which the vertex is an end
+        bool left;       // of the loop
+    };
+
+    // Replaces the loop; its length.  At most `rounds` times step 2.
+    // False: out of memory or cancelled.
+    Done straighten(Array<uint32_t>& loop, size_t rounds, double& length);
+
+    double scale() const { return scale_; }
+
+    // Of the shortest curve within the strip, as it is.
+    Done length_in_strip(const uint32_t* loop, size_t n, double& length);
+
+private:
+    struct Point {
+        double x, y;
+    };
+    struct Portal {
+        Point left, right;
+    };
+
+    double edge_length(uint32_t edge) const;
+    Done unfold(const uint32_t* loop, size_t n, size_t portals);
+    Done pull(Point from, size_t first, Point to, size_t last);
+    bool shorter_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count);
+    Done go_round(const uint32_t* loop, size_t n, bool& changed);
+    double pulled_length(Point from, Point to) const;
+
+    const Mesh& mesh_;
+    const double* position_;
+    double scale_;
+    Call& call_;
+    Array<Portal> portal_;
+    Array<Bend> bend_;
+    struct Detour {
+        size_t first, begin, end; // the crossing where it begins; in around_
+    };
+    Array<Detour> detour_;
+    Array<uint32_t> detours_at_; // per crossing
+    Array<uint32_t> next_, outside_, around_;
+    uint64_t work_ = 0;
+};
+
+} // namespace hmf

@@ -1,0 +1,206 @@
+// Loops of the library belong to the surface: the same classes whatever the
+// ratio, the kind of collapse, the size of the coarsest level and the order of
+// vertices and triangles, or classes of lengths that agree within 1 %, one by
+// one.  Classes are compared on one reference mesh, by canonical walks.
+//
+// With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to
+// HMF_LOOP_CLASSES_VERTICES, 60 000): many minutes, and a few meshes fail.
+#include "support/read_obj.hpp"
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "../src/api/caller_numbers.hpp"
+#include "../src/homotopy/edge_words.hpp"
+#include "../src/loops/closed_geodesic.hpp"
+
+using namespace test;
+
+namespace {
+
+std::vector<uint32_t> shuffled(size_t n, uint32_t seed) {
+    std::vector<uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0u);
+    std::mt19937 random(seed);
+    for (size_t i = n; seed && i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    return order;
+}
+
+class Reference {
+public:
+    explicit Reference(const TriMesh& mesh) :
+        hierarchy_(mesh), memory_(nullptr, nullptr, nullptr, 0), call_(memory_, &error_, nullptr, nullptr) {
+        const hmf::Mesh& m = hierarchy_.get()->input;
+        EXPECT_TRUE(words_.start(m, m.edge_count, memory_));
+        EXPECT_FALSE(hmf::caller_faces(*hierarchy_.get(), internal_, call_));
+    }
+
+    struct Classes {
+        std::vector<std::vector<uint32_t>> walks; // sorted
+        std::vector<double> lengths;              // likewise
+    };
+    // triangle: of each triangle of the loops' mesh, the number of it here.
+    Classes of(const Loops& loops, const std::vector<uint32_t>& triangle) {
+        const hmf::Mesh& mesh = hierarchy_.get()->input;
+        std::vector<uint32_t> faces;
+        for (const uint32_t t : loops.elements) faces.push_back(internal_[triangle[t]]);
+        hmf::Loops read;
+        EXPECT_FALSE(
+            hmf::read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call_, read))
+            << error_.message;
+        hmf::ClosedGeodesic geodesic(mesh, hierarchy_.get()->levels[0].position, 0, call_);
+        Classes out;
+        for (size_t c = 0; c < read.count(); ++c) {
+            const std::vector<uint32_t> loop(read.crossings.begin() + read.offsets[c],
+                                             read.crossings.begin() + read.offsets[c + 1]);
+            hmf::Walk walk;
+            hmf::Array<uint32_t> strip;
+            walk.start(memory_);
+            strip.start(memory_);
+            for (size_t i = 0; i < loop.size(); ++i) {
+                EXPECT_TRUE(strip.push(loop[i]));
+                const uint32_t in = hmf::twin(loop[i]), go = loop[(i + 1) % loop.size()];
+                if (go == mesh.next[in]) { EXPECT_TRUE(words_.append(hmf::twin(mesh.prev(in)), walk)); }
+            }
+            EXPECT_TRUE(words_.quads().canonical(walk, memory_));
+            out.walks.emplace_back(walk.begin(), walk.end());
+            double length = 0;
+            EXPECT_TRUE(geodesic.straighten(strip, 300, length));
+            out.lengths.push_back(length);
+        }
+        std::sort(out.walks.begin(), out.walks.end());
+        std::sort(out.lengths.begin(), out.lengths.end());
+        return out;
+    }
+
+private:
+    Hierarchy hierarchy_;
+    hmf::Memory memory_;
+    hmf_error error_{};
+    hmf::Call call_;
+    hmf::EdgeWords words_;
+    hmf::Array<uint32_t> internal_;
+};
+
+struct Found {
+    size_t genus = 0;
+    std::vector<std::vector<double>> lengths; // of each set of classes
+};
+
+// How many different sets of classes all settings find; each with its lengths.
+Found find(const TriMesh& mesh, int32_t kind, const std::vector<uint64_t>& sizes, uint32_t orders) {
+    Reference reference(mesh);
+    std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets;
+    Found found;
+    for (uint32_t order = 0; order < orders; ++order) {
+        const std::vector<uint32_t> v = shuffled(mesh.vertex_count(), order),
+                                    t = shuffled(mesh.triangles.size() / 3, order);
+        TriMesh same = mesh;
+        for (size_t i = 0; i < v.size(); ++i)
+            for (size_t a = 0; a < 3; ++a) same.positions[3 * v[i] + a] = mesh.positions[3 * i + a];
+        for (size_t i = 0; i < t.size(); ++i)
+            for (size_t s = 0; s < 3; ++s) same.triangles[3 * i + s] = v[mesh.triangles[3 * t[i] + (s + order) % 3]];
+        for (const double ratio : {0.25, 0.5, 0.75})
+            for (const uint64_t coarsest : sizes)
+                for (const int32_t collapse : {HMF_COLLAPSE_MIDPOINT, HMF_COLLAPSE_ENDPOINT, HMF_COLLAPSE_QSLIM}) {
+                    const Hierarchy hierarchy(same, ratio, coarsest, collapse);
+                    const Loops loops = library_loops(hierarchy, 0, kind);
+                    const Reference::Classes classes = reference.of(loops, t);
+                    found.genus = hierarchy.get()->genus;
+                    sets.emplace(classes.walks, classes.lengths);
+                }
+    }
+    for (const auto& set : sets) found.lengths.push_back(set.second);
+    return found;
+}
+
+bool is_tie(const Found& found) {
+    for (const auto& lengths : found.lengths)
+        for (size_t i = 0; i < lengths.size(); ++i)
+            if (lengths[i] > 1.01 * found.lengths[0][i] || found.lengths[0][i] > 1.01 * lengths[i]) return false;
+    return true;
+}
+
+const char* const NAMES[] = {"", "cut", "handle", "tunnel", "pants"};
+
+// No two handles, bars or heights alike.
+TriMesh uneven(TriMesh mesh) {
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+        double* const p = &mesh.positions[3 * v];
+        p[1] *= 1 + 0.05 * p[0] + 0.03 * p[1];
+        p[2] *= 1 + 0.04 * p[0];
+    }
+    return mesh;
+}
+
+// Each triangle in four flat ones.
+TriMesh refined(const TriMesh& mesh) {
+    TriMesh fine = mesh;
+    fine.triangles.clear();
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> middle;
+    for (size_t t = 0; t < mesh.triangles.size(); t += 3) {
+        uint32_t m[3];
+        for (size_t s = 0; s < 3; ++s) {
+            const uint32_t a = mesh.triangles[t + s], b = mesh.triangles[t + (s + 1) % 3];
+            const auto made = middle.emplace(std::minmax(a, b), static_cast<uint32_t>(fine.vertex_count()));
+            m[s] = made.first->second;
+            for (size_t c = 0; made.second && c < 3; ++c)
+                fine.positions.push_back((mesh.positions[3 * a + c] + mesh.positions[3 * b + c]) / 2);
+        }
+        for (size_t s = 0; s < 3; ++s)
+            fine.triangles.insert(fine.triangles.end(), {mesh.triangles[t + s], m[s], m[(s + 2) % 3]});
+        fine.triangles.insert(fine.triangles.end(), {m[0], m[1], m[2]});
+    }
+    return fine;
+}
+
+} // namespace
+
+TEST(LoopClasses, BelongToTheSurface) {
+    for (size_t holes = 2; holes <= 3; ++holes)
+        for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+            const Found found = find(uneven(pretzel(holes, 2)), kind, {400, 1000}, 2);
+            EXPECT_EQ(found.genus, holes);
+            EXPECT_EQ(found.lengths[0].size(), kind == HMF_LOOPS_PANTS ? 3 * holes - 3 : holes);
+            EXPECT_TRUE(is_tie(found)) << holes << " " << NAMES[kind] << ": " << found.lengths.size() << " sets, "
+                                       << testing::PrintToString(found.lengths);
+        }
+}
+
+// The same shape, four times as many triangles.
+TEST(LoopClasses, SettleUnderRefinement) {
+    for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+        const TriMesh coarse = uneven(pretzel(2, 2)), fine = refined(coarse);
+        const Found a = find(coarse, kind, {300}, 1), b = find(fine, kind, {300}, 1);
+        ASSERT_EQ(a.lengths[0].size(), b.lengths[0].size());
+        for (size_t i = 0; i < a.lengths[0].size(); ++i)
+            EXPECT_NEAR(a.lengths[0][i], b.lengths[0][i], 0.01 * b.lengths[0][i]) << NAMES[kind] << " " << i;
+    }
+}
+
+TEST(LoopClasses, Corpus) {
+    const char* const folder = std::getenv("HMF_MESHES");
+    if (!folder || !std::getenv("HMF_LOOP_CLASSES")) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
+    const char* const limit = std::getenv("HMF_LOOP_CLASSES_VERTICES");
+    const size_t most = limit ? std::strtoul(limit, nullptr, 10) : 60000;
+    std::vector<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".obj") paths.push_back(entry.path().string());
+    std::sort(paths.begin(), paths.end());
+    for (const std::string& path : paths) {
+        TriMesh mesh;
+        ASSERT_TRUE(read_obj(path, mesh)) << path;
+        if (mesh.vertex_count() > most) continue;
+        for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+            const Found found = find(mesh, kind, {1000, 2500}, 3);
+            EXPECT_TRUE(is_tie(found)) << path << " " << NAMES[kind] << ": " << found.lengths.size() << " sets";
+        }
+    }
+}
