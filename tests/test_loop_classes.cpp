@@ -38,7 +38,7 @@ public:
     explicit Reference(const TriMesh& mesh) :
         hierarchy_(mesh), memory_(nullptr, nullptr, nullptr, 0), call_(memory_, &error_, nullptr, nullptr) {
         const hmf::Mesh& m = hierarchy_.get()->input;
-        EXPECT_TRUE(words_.start(m, m.edge_count, memory_));
+        EXPECT_TRUE(words_.start(m, m.edge_count, call_));
         EXPECT_FALSE(hmf::caller_faces(*hierarchy_.get(), internal_, call_));
     }
 
