@@ -37,7 +37,6 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
     double D = energy(f, work.level.weight);
     const double wanted = work.state.level == work.options.stop_level ? work.options.residual_tolerance : 0;
     const uint32_t n = f.mesh.vertex_count;
-    bool fineness_known = false;
     uint32_t at_rest = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
         SweepResult result;
@@ -57,12 +56,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
             at_rest = result.moves == 0 ? at_rest + 1 : 0;
-            if (at_rest == 2) { // in both orders: is it the rounding?
-                if (fineness_known || !work.refine_unit(wanted).changed) return HMF_LIMIT_STALLED;
-                fineness_known = true;
-                at_rest = 0;
-                D = energy(f, work.level.weight);
-            }
+            if (at_rest == 2) return HMF_LIMIT_STALLED; // in both orders
         } else if (-result.energy_change <= tolerance * D) {
             return HMF_OK;
         }
