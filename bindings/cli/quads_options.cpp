@@ -5,7 +5,7 @@ namespace cli {
 
 Options quads_options(SolveRequest& r) {
     r.count = 5000;
-    r.relax = 10;
+    r.relax = 20;
     r.merges = true;
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
