@@ -4,6 +4,7 @@
 namespace cli {
 
 Options quads_options(SolveRequest& r) {
+    r.loops = "even";
     r.count = 5000;
     r.relax = 20;
     r.merges = true;

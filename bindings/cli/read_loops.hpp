@@ -13,7 +13,8 @@ struct LoopList {
     int32_t element_kind = HMF_LOOP_TRIANGLES;
     std::vector<uint64_t> offsets{0};
     std::vector<uint32_t> elements;
-    std::vector<size_t> lines; // of the file, one per loop
+    std::vector<size_t> lines;   // of the file, one per loop
+    std::vector<double> weights; // of the file; empty: none
     size_t count() const { return offsets.size() - 1; }
     hmf_loop_set view() const {
         return {sizeof(hmf_loop_set), element_kind, 0, count(), offsets.data(), elements.data(), nullptr};
@@ -23,7 +24,8 @@ struct LoopList {
 // One loop a line, indices from 0 separated by blanks or commas: vertices of a
 // closed path of edges, or "t:" and triangles that follow each other across
 // edges, counted as in the file (a polygon counts as the triangles of its fan).
-// "#" begins a comment, empty lines are skipped.  Throws Failure.
+// "#" begins a comment, empty lines are skipped; "# --weights W,W,.." gives
+// weights, as written with the loops.  Throws Failure.
 LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangle_count);
 
 } // namespace cli
