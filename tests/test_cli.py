@@ -171,7 +171,7 @@ class Usage(Case):
         if shutil.which("bash"):
             self.assertEqual(replies("so"), ["solve"])
             self.assertEqual(replies("solve", "x.obj", "--patt"), ["--pattern"])
-            self.assertEqual(replies("solve", "x.obj", "--pattern", ""), ["stripes", "checkerboard", "quads", "dilatation"])
+            self.assertEqual(replies("solve", "x.obj", "--pattern", ""), ["stripes", "checkerboard", "quads", "dilatation", "scale"])
             self.assertEqual(replies("solve", "tor"), ["torus.obj"])
             self.assertIn("handle", replies("solve", "x.obj", "--loops", ""))
         for shell in ("zsh", "fish"):
@@ -245,7 +245,7 @@ class Usage(Case):
     def test_file_errors(self):
         self.refused(5, "info", self.path("missing.obj"), says=["missing.obj"])
         self.refused(5, "solve", self.mesh, "--loops", self.path("missing.txt"), says=["missing.txt"])
-        self.refused(5, "solve", self.mesh, "--loops", "handel", says=["\"handel\"", "neither a kind", "nor a file", "cut, handle, tunnel and pants"])
+        self.refused(5, "solve", self.mesh, "--loops", "handel", says=["\"handel\"", "neither a kind", "nor a file", "cut, handle, tunnel, pants and even"])
         self.refused(5, "solve", self.mesh, "--marks", "non", says=["--marks", "\"non\"", "neither auto nor none nor a file"])
         self.refused(5, "solve", self.mesh, "--values", self.path("no/such/folder.csv"), says=["folder.csv"])
         self.refused(5, "demo", self.mesh, says=["torus.obj"])
@@ -288,6 +288,33 @@ class Meshes(Case):
             path = self.write(name + ".obj", obj_text(points, faces))
             self.assertIn(says, self.refused(3, "info", path, says=[path]).stderr)
             self.assertFalse(json.loads(self.refused(3, "info", path, "--json").stdout)["valid"])
+
+    def test_even(self):
+        """Loops, weights and marks of the even design, saved and taken again; a picture of the scale."""
+        points, triangles = box(12, 3, 3)
+        box_, out = self.write("box.obj", obj_text(points, triangles)), self.path("r.json")
+        marks, loops = self.path("marks.txt"), self.path("loops.txt")
+        done = self.run_tool("solve", box_, "--loops", "even", "--save-marks", marks, "--save-loops", loops, "--report", out)
+        first = json.loads(self.read("r.json"))
+        self.assertIn("even: %d marked vertices, %d loops with weights; unevenness %.2f" % (first["mesh"]["marked"], first["loops"], first["unevenness"]), done.stdout)
+        self.assertEqual(len(first["weights"]), first["loops"])
+        self.assertTrue(all(w == int(w) >= 1 for w in first["weights"]))
+        self.run_tool("solve", box_, "--marks", marks, "--loops", loops, "--report", out, "--image", self.path("i.png"), "--pattern", "scale", "--image-size", "300x200")
+        again = json.loads(self.read("r.json"))
+        self.assertEqual(again["weights"], first["weights"])
+        self.assertAlmostEqual(again["energy"] / first["energy"], 1, 9)
+        self.assertAlmostEqual(again["unevenness"], first["unevenness"], 6)
+        self.run_tool("solve", box_, "--report", out)
+        self.assertGreater(json.loads(self.read("r.json"))["unevenness"], first["unevenness"])
+        # Other weights than those of the file; no poles where there are handles; several components.
+        self.run_tool("solve", box_, "--marks", marks, "--loops", loops, "--weights", ",".join(["2"] * first["loops"]), "--report", out)
+        self.assertEqual(json.loads(self.read("r.json"))["weights"], [2] * first["loops"])
+        self.run_tool("solve", self.mesh, "--loops", "even", "--marks", "none", "--report", out)
+        self.assertEqual(json.loads(self.read("r.json"))["mesh"]["marked"], 0)
+        both = beside((points, triangles), box(6, 3, 3))
+        done = self.run_tool("solve", self.write("two.obj", obj_text(*both)), "--loops", "even", "--save-marks", marks, "--report", out)
+        self.assertIn("marked vertices", done.stdout)
+        self.assertEqual(len(self.read("marks.txt").split(b"\n")) - 2, json.loads(self.read("r.json"))["mesh"]["marked"])
 
     def test_marks(self):
         points, triangles = box(12, 3, 3)
@@ -495,7 +522,7 @@ class Solve(Case):
 
         report = json.loads(self.read("r.json").decode())
         self.assertEqual(set(report), {
-            "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "residual_max",
+            "mesh", "method", "levels", "loops", "build_seconds", "loops_seconds", "solve_seconds", "total_seconds", "energy", "unevenness", "weights", "residual_max",
             "residual_mean", "poles", "zeros", "index_sum", "bad_flips", "bad_flips_left", "converged", "peak_memory_bytes",
             "class", "class_repeats", "class_seconds", "version", "input", "options", "exit_status", "errors", "cpu_seconds", "threads", "singularities"})
         self.assertEqual(report["mesh"], {"vertices": len(self.points), "edges": len(edges), "triangles": len(self.triangles), "genus": 1,

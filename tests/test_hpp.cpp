@@ -75,6 +75,21 @@ TEST(Hpp, SameValuesAsC) {
     EXPECT_EQ(expected, copy(hierarchy.solve(hierarchy.loops(hierarchy.coarsest_level())).foliation.values()));
 }
 
+TEST(Hpp, EvenDesign) {
+    const TriMesh m = torus_with_finger(30, 16, 10, 2);
+    const hmf::Design design = hmf::Hierarchy::even_design(m.positions, m.triangles);
+    hmf::BuildOptions options;
+    options.marked_vertices = design.marked_vertices;
+    const hmf::Solution solution = hmf::Hierarchy(m.positions, m.triangles, options).solve(design.loops);
+    EXPECT_EQ(solution.status, HMF_OK);
+    EXPECT_LT(design.unevenness, design.unevenness_before);
+    EXPECT_EQ(solution.foliation.unevenness(), solution.report.unevenness);
+    EXPECT_EQ(solution.foliation.conformal_scale().size(), m.triangle_count());
+    hmf::DesignOptions plain;
+    plain.no_poles = true;
+    EXPECT_TRUE(hmf::Hierarchy::even_design(m.positions, m.triangles, plain).marked_vertices.empty());
+}
+
 TEST(Hpp, SpansOfManyContainers) {
     const test::TriMesh m = mesh();
     std::vector<std::array<double, 3>> points(m.vertex_count());

@@ -266,3 +266,27 @@ TEST(Quads, Refusals) {
         EXPECT_NE(std::string(error.message).find("larger edge_length"), std::string::npos) << error.message;
     }
 }
+
+// Where rows run along sharp edges their vertices lie on them.
+TEST(Quads, SharpEdgesAreFollowed) {
+    const TriMesh mesh = plate(2); // all edges of its faces are sharp, at whole coordinates
+    const Surface surface(mesh);
+    const auto on_edges = [&](uint64_t relax) {
+        const Made made = quads_of(surface.solution.foliation, wish(3000, relax));
+        size_t count = 0;
+        for (size_t v = 0; v < made->vertex_count; ++v) {
+            int whole = 0; // coordinates; x and y at holes and sides, z at top and bottom
+            for (size_t k = 0; k < 3; ++k) {
+                const double x = made->positions[3 * v + k];
+                whole += std::fabs(x - std::floor(x + 0.5)) < 1e-9;
+            }
+            count += whole >= 2;
+        }
+        if (relax > 0) {
+            EXPECT_EQ(made->inverted_count, 0u);
+            expect_sound(*made, 2);
+        }
+        return count;
+    };
+    EXPECT_GT(on_edges(10), 3 * on_edges(0) + 50);
+}

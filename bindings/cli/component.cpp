@@ -63,7 +63,8 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
     const Clock::time_point start = Clock::now();
     hmf_error error{};
     hmf_status status = HMF_OK;
-    if (request.marks == "auto") status = suggest_marks(part_.mesh, options, control, marks_, error);
+    if (request.loops == "even") status = make_design(request.marks == "none", options, control, error);
+    else if (request.marks == "auto") status = suggest_marks(part_.mesh, options, control, marks_, error);
     options.marked_vertices = marks_.data();
     options.marked_count = marks_.size();
     hmf_hierarchy* raw = nullptr;
@@ -92,6 +93,30 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
     check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
 }
 
+hmf_status Component::make_design(bool no_poles, hmf_build_options options, const hmf_control* control,
+                                  hmf_error& error) {
+    options.marked_vertices = marks_.data();
+    options.marked_count = marks_.size();
+    hmf_design_options of_design = {};
+    of_design.struct_size = sizeof of_design;
+    of_design.build = &options;
+    of_design.no_poles = no_poles;
+    hmf_design* raw = nullptr;
+    const hmf_status status =
+        hmf_even_design(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
+                        part_.mesh.triangle_count(), &of_design, control, &raw, &error);
+    design_.reset(raw);
+    if (design_) marks_.assign(raw->marked_vertices, raw->marked_vertices + raw->marked_count);
+    return status;
+}
+
+std::vector<double> Component::log_scale(const hmf_control* control) const {
+    std::vector<double> scale(finest_.triangle_count);
+    hmf_error error{};
+    check(hmf_conformal_scale(foliation_.get(), control, scale.data(), scale.size(), nullptr, &error), error, subject_);
+    return scale;
+}
+
 size_t Component::genus() const { return hmf_genus(hierarchy_.get()); }
 
 size_t Component::boundaries() const { return hmf_boundary_count(hierarchy_.get()); }
@@ -101,6 +126,10 @@ void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) 
     // own are cheapest where it is coarse.
     const Clock::time_point start = Clock::now();
     kind_ = kind;
+    if (kind == LOOPS_EVEN) {
+        loops_ = *design_->loops;
+        return;
+    }
     try {
         made_ = library_loops(fine || boundaries() > 0 ? 0 : hmf_level_count(hierarchy_.get()) - 1, control);
         loops_ = *made_;
@@ -271,6 +300,7 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                    {"loops_seconds", loops_seconds_},
                    {"solve_seconds", r.solve_seconds},
                    {"energy", r.energy},
+                   {"unevenness", r.unevenness},
                    {"residual_max", r.residual_max},
                    {"residual_mean", r.residual_mean},
                    {"poles", r.poles},

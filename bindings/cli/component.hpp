@@ -51,7 +51,7 @@ public:
     // Those of a file; else the library's are taken, where they are asked for.
     void take_marks(std::vector<uint32_t> marks) { marks_ = std::move(marks); }
     void build(const SolveRequest& request, Meter& meter, const hmf_control* control);
-    // kind: HMF_LOOPS_*.
+    // kind: HMF_LOOPS_*, LOOPS_EVEN.
     void make_loops(int32_t kind, bool fine, const hmf_control* control);
     // Loops of the caller instead, by the numbers of this component.
     void take_loops(LoopList loops) { read_ = std::move(loops); }
@@ -74,7 +74,10 @@ public:
     size_t genus() const;
     size_t boundaries() const;
     const std::vector<uint32_t>& marks() const { return marks_; }
+    const hmf_design* design() const { return design_.get(); } // of --loops even
     uint64_t edge_count() const { return finest_.edge_count; }
+    // log |grad u| of each triangle.
+    std::vector<double> log_scale(const hmf_control* control) const;
 
     const hmf_loop_set& loops() const { return loops_; }
     // The loops on the input mesh.
@@ -105,6 +108,7 @@ public:
     readers::Json json(const std::vector<hmf_singularity>& singular) const;
 
 private:
+    hmf_status make_design(bool no_poles, hmf_build_options options, const hmf_control* control, hmf_error& error);
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;
 
     readers::Component part_;
@@ -115,6 +119,7 @@ private:
     Owned<hmf_hierarchy> hierarchy_;
     hmf_level_info finest_{};
     std::vector<uint32_t> marks_;
+    Owned<hmf_design> design_;
     LoopList read_; // loops of the caller
     Owned<hmf_loop_set> made_, fine_loops_;
     hmf_loop_set loops_{}; // those that were used

@@ -4,8 +4,9 @@
 namespace cli {
 
 Options quads_options(SolveRequest& r) {
+    r.loops = "even";
     r.count = 5000;
-    r.relax = 10;
+    r.relax = 20;
     r.merges = true;
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),

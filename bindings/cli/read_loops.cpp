@@ -8,6 +8,28 @@
 
 namespace cli {
 
+namespace {
+
+// Of a comment "# --weights W,W,..", else none.
+void read_weights(const std::string& comment, std::vector<double>& weights) {
+    const std::string begin = "# --weights ";
+    if (comment.compare(0, begin.size(), begin) != 0) return;
+    const char* at = comment.data() + begin.size();
+    const char* const stop = comment.data() + comment.size();
+    std::vector<double> found;
+    while (at != stop) {
+        double weight = 0;
+        const std::from_chars_result parsed = std::from_chars(at, stop, weight);
+        if (parsed.ec != std::errc() || !(weight > 0) || !(weight <= 1e100)) return;
+        found.push_back(weight);
+        at = parsed.ptr;
+        if (at != stop && *at++ != ',') break;
+    }
+    weights = found;
+}
+
+} // namespace
+
 LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangle_count) {
     const std::string text = read_file(path);
     LoopList loops;
@@ -19,7 +41,9 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         begin = end + 1;
         ++line;
         const std::string where = path + ":" + std::to_string(line) + ": ";
-        row.erase(std::min(row.size(), row.find('#')));
+        const size_t comment = std::min(row.size(), row.find('#'));
+        read_weights(row.substr(comment), loops.weights);
+        row.erase(comment);
         for (char& c : row)
             if (c == ',' || c == '\t' || c == '\r') c = ' ';
 
@@ -77,6 +101,7 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         loops.arcs.push_back(static_cast<uint8_t>(arc));
         loops.lines.push_back(line);
     }
+    if (loops.weights.size() != loops.count()) loops.weights.clear(); // of other loops
     if (loops.count() == 0) throw Failure(EXIT_BAD_INPUT, path + ": no loops; write one loop a line");
     return loops;
 }

@@ -74,6 +74,32 @@ Colour colour_of_dilatation(double dilatation) {
     return (1 - (3 * t - k)) * ramp[k] + (3 * t - k) * ramp[k + 1];
 }
 
+// White at the mean, blue where the scale is a quarter of it and less, red where it is four times as large.
+Colour colour_of_scale(double x) {
+    const double strength = std::min(1.0, std::fabs(x));
+    return strength * (x < 0 ? Colour{0.03, 0.13, 0.75} : RED) + (1 - strength) * WHITE;
+}
+
+std::vector<double> scale_of_vertices(const std::vector<Vec>& points, const std::vector<uint32_t>& triangles,
+                                      const Foliation& foliation, const std::vector<double>& log_scale) {
+    std::vector<double> sum(points.size(), 0), area(points.size(), 0);
+    double mean = 0, whole = 0;
+    for (size_t t = 0; t < log_scale.size(); ++t) {
+        const uint32_t* const v = &triangles[3 * t];
+        const Vec n = cross(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]);
+        const double a = foliation.is_bare_at(t) ? 0 : std::sqrt(dot(n, n));
+        mean += a * log_scale[t];
+        whole += a;
+        for (size_t c = 0; c < 3; ++c) {
+            sum[v[c]] += a * log_scale[t];
+            area[v[c]] += a;
+        }
+    }
+    mean /= whole > 0 ? whole : 1;
+    for (size_t v = 0; v < sum.size(); ++v) sum[v] = area[v] > 0 ? (sum[v] / area[v] - mean) / std::log(4.0) : 0;
+    return sum;
+}
+
 // Normals of the corners of the triangles that are seen: the mean over the triangles around a vertex that do not lie
 // beyond a crease, weighted as on a sphere (Max 1999).  Outward, in the frame of the camera.
 class Normals {
@@ -339,6 +365,8 @@ Image render(const Foliation& foliation, const Potential& potential, const Pictu
         }
         for (size_t v = 0; v < sum.size(); ++v) vertex_dilatation.push_back(sum[v] / std::max(1.0, count[v]));
     }
+    std::vector<double> vertex_scale; // from the mean, in factors of 4
+    if (style.pattern == Pattern::scale) vertex_scale = scale_of_vertices(points, triangles, foliation, data.log_scale);
     const double period = potential.period;
     // Share of red of the stripes of one linear function with these values at the corners.
     const auto stripes = [&](double value, const double* slope, const Spot& spot) {
@@ -368,6 +396,10 @@ Image render(const Foliation& foliation, const Potential& potential, const Pictu
             const uint32_t* const v = &triangles[3 * t];
             return colour_of_dilatation(std::exp2(b[0] * vertex_dilatation[v[0]] + b[1] * vertex_dilatation[v[1]]
                                                   + b[2] * vertex_dilatation[v[2]]));
+        }
+        if (style.pattern == Pattern::scale) {
+            const uint32_t* const v = &triangles[3 * t];
+            return colour_of_scale(b[0] * vertex_scale[v[0]] + b[1] * vertex_scale[v[1]] + b[2] * vertex_scale[v[2]]);
         }
         double red;
         if (style.pattern == Pattern::checkerboard) {
@@ -438,6 +470,8 @@ Image render(const Foliation& foliation, const Potential& potential, const Pictu
     if (style.pattern == Pattern::checkerboard)
         rows.push_back({LegendRow::stripes, {}, std::string("squares of (u, v), two are ") + number});
     if (style.pattern == Pattern::dilatation) rows.push_back({LegendRow::ramp, {}, "dilatation 1 to 2 and more"});
+    if (style.pattern == Pattern::scale)
+        rows.push_back({LegendRow::none, {}, "|grad u|: white the mean, blue a quarter, red four times"});
     if (shows_quads) rows.push_back({LegendRow::none, {}, plural(quad_count, "quad")});
     for (const auto& [order, count] : zeros)
         rows.push_back({LegendRow::ball, BLUE_INK,

@@ -19,6 +19,7 @@ enum class Pattern : int32_t {
     checkerboard, // squares of (u, v)
     quads,        // the grid of a quad mesh
     dilatation,   // how far from conformal the parameterisation is
+    scale,        // log |grad u| from its mean
 };
 
 struct PictureStyle {
@@ -33,6 +34,7 @@ struct PictureStyle {
 struct PictureData {
     const double* corner_uv = nullptr;  // checkerboard: (u, v) of each corner
     const double* dilatation = nullptr; // of each triangle
+    std::vector<double> log_scale;      // of each triangle
     std::vector<const hmf_quad_mesh*> quads;
 };
 

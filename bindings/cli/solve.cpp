@@ -33,6 +33,7 @@ int32_t loop_kind(const std::string& name) {
     if (name == "handle") return HMF_LOOPS_HANDLE;
     if (name == "tunnel") return HMF_LOOPS_TUNNEL;
     if (name == "pants") return HMF_LOOPS_PANTS;
+    if (name == "even") return LOOPS_EVEN;
     return 0;
 }
 
@@ -113,7 +114,8 @@ private:
         if (r_.size > 0 && r_.quads.empty() && style_.pattern != Pattern::quads)
             throw Failure(EXIT_USAGE, "--size: has no effect without --quads or --pattern quads; give one of them");
         if (r_.period > 0 && r_.obj.empty() && r_.textured.empty()
-            && (style_.pattern == Pattern::quads || style_.pattern == Pattern::dilatation))
+            && (style_.pattern == Pattern::quads || style_.pattern == Pattern::dilatation
+                || style_.pattern == Pattern::scale))
             throw Failure(EXIT_USAGE, "--period: has no effect with this --pattern; leave it out");
     }
 
@@ -130,7 +132,7 @@ private:
         } catch (const Failure& failure) {
             if (failure.exit_status != EXIT_RESOURCES) throw;
             throw Failure(EXIT_RESOURCES, "--loops: neither a kind of loops nor a file that can be read has the name \""
-                                              + r_.loops + "\"; the kinds are cut, handle, tunnel and pants");
+                                              + r_.loops + "\"; the kinds are cut, handle, tunnel, pants and even");
         }
     }
 
@@ -162,6 +164,7 @@ private:
         split();
         take_marks();
         take_loops();
+        std::vector<uint32_t> designed;
         uint64_t coarsest = r_.coarsest;
         size_t done = 0;
         for (Component& c : components_) {
@@ -170,12 +173,15 @@ private:
             c.build(r_, meter_, control);
             if (c.is_refused()) continue;
             coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
-            if (r_.marks != "auto") continue;
+            if (kind_ == LOOPS_EVEN)
+                for (const uint32_t v : c.marks()) designed.push_back(c.whole_vertex(v));
+            if (r_.marks != "auto" || kind_ == LOOPS_EVEN) continue;
             for (const uint32_t v : c.marks()) marks_.push_back(c.whole_vertex(v));
             tipped_ += !c.marks().empty();
             has_tips_ = has_tips_ || (!c.marks().empty() && c.boundaries() == 0);
         }
         r_.coarsest = coarsest;
+        if (kind_ == LOOPS_EVEN) marks_ = designed;
         refuse_if_none();
     }
 
@@ -256,10 +262,20 @@ private:
         loop_count_ = count;
         weights_given_ = !r_.weights.empty();
         // Without loops the weights are for the pictures only.
-        if (!weights_given_) r_.weights.assign(has_start_ ? 1 : count, 1.0);
+        if (!weights_given_) r_.weights = own_weights(count);
         if (r_.weights.size() != count && !has_start_)
             throw Failure(EXIT_USAGE, "--weights: " + std::to_string(r_.weights.size()) + " weights for "
                                           + std::to_string(count) + " loops; give one weight per loop");
+    }
+
+    // Those of the file or the design, else all 1; without loops one, for the pictures.
+    std::vector<double> own_weights(size_t count) const {
+        if (!read_.weights.empty()) return read_.weights;
+        std::vector<double> weights(has_start_ ? 1 : count, 1.0);
+        for (size_t k = 0; kind_ == LOOPS_EVEN && k < components_.size(); ++k)
+            for (size_t n = 0; n < loop_numbers_[k].size(); ++n)
+                weights[loop_numbers_[k][n]] = components_[k].loops().weights[n];
+        return weights;
     }
 
     // The loops on the input mesh.
@@ -486,6 +502,17 @@ private:
         return wish;
     }
 
+    // log |grad u| of each triangle of the whole mesh.
+    std::vector<double> log_scale() const {
+        std::vector<double> scale(f_.triangle_count(), 0);
+        for (const Component& c : components_) {
+            if (c.is_refused()) continue;
+            const std::vector<double> own = c.log_scale(control_);
+            for (uint32_t t = 0; t < own.size(); ++t) scale[c.whole_triangle(t)] = own[t];
+        }
+        return scale;
+    }
+
     void write() {
         for (const std::string& path : r_.values)
             attempt("--values", true, [&] {
@@ -557,6 +584,7 @@ private:
             if (style_.pattern == Pattern::checkerboard) squares = checkerboard_uv(period);
             data.corner_uv = squares.data();
             if (unfolded) data.dilatation = dilatation();
+            if (style_.pattern == Pattern::scale) data.log_scale = log_scale();
             for (const Owned<hmf_quad_mesh>& mesh : quads) data.quads.push_back(mesh.get());
             const Potential potential =
                 style_.pattern == Pattern::stripes ? local_potential(f_, period) : Potential{{}, {}, period};
@@ -589,7 +617,20 @@ private:
             outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, "
                               + std::to_string(irregular_) + " irregular vertices, " + std::to_string(inverted_)
                               + " inverted quads";
-        if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
+        if (kind_ == LOOPS_EVEN) outcome_.summary += "\n" + design_sentence();
+        else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
+    }
+
+    std::string design_sentence() const {
+        std::string text = "even: " + std::to_string(marks_.size()) + " marked vertices, " + std::to_string(loop_count_)
+                         + " loops with weights";
+        if (is_alone()) {
+            char numbers[100];
+            std::snprintf(numbers, sizeof numbers, "; unevenness %.2f, with --loops cut %.2f",
+                          components_[0].report().unevenness, components_[0].design()->unevenness_before);
+            text += numbers;
+        }
+        return text + " (--save-marks and --save-loops keep them)";
     }
 
     Json report_json(double seconds) const {
@@ -609,6 +650,7 @@ private:
         report.set("total_seconds", seconds);
         report.set("cpu_seconds", double(std::clock()) / CLOCKS_PER_SEC);
         report.set("threads", r_.threads);
+        report.set("weights", r_.weights);
         report.set("peak_memory_bytes", meter_.peak);
         if (leaves_ > 0) report.set("leaves", leaves_);
         if (quads_ > 0) {

@@ -11,9 +11,11 @@
 
 namespace cli {
 
+constexpr int32_t LOOPS_EVEN = -1; // beside HMF_LOOPS_*
+
 struct SolveRequest {
     std::string mesh;
-    std::string loops = "cut";   // cut, handle, tunnel, pants, or a file
+    std::string loops = "cut";   // cut, handle, tunnel, pants, even, or a file
     std::vector<double> weights; // of the loops; empty: all 1
     std::string marks = "auto";  // auto, none, or a file
     std::string start;           // values to start from instead of loops; empty: none

@@ -17,17 +17,19 @@ Option join_option(bool& target) {
 }
 
 Option loops_option(SolveRequest& r) {
-    return Option{"--loops", &r.loops, "cut|handle|tunnel|pants|FILE",
+    return Option{"--loops", &r.loops, "cut|handle|tunnel|pants|even|FILE",
                   "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
                   "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
                   "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
+                  "even: loops, weights and marked vertices for which stripes and quads are as even as it gets;\n"
                   "or FILE: one loop a line, vertex indices from 0 (closed edge path), t: and triangle indices, or "
                   "a: and the vertices of an arc from boundary to boundary"}
         .reads("");
 }
 
 Option weights_option(SolveRequest& r) {
-    return Option{"--weights", &r.weights, "W,W,...", "one weight > 0 per loop, else all 1"};
+    return Option{"--weights", &r.weights, "W,W,...",
+                  "one weight > 0 per loop, else those of the FILE of --loops or of even, else all 1"};
 }
 
 Option marks_option(SolveRequest& r) {
@@ -99,10 +101,11 @@ Options solve_options(SolveRequest& r) {
                       {{"stripes", static_cast<int32_t>(Pattern::stripes)},
                        {"checkerboard", static_cast<int32_t>(Pattern::checkerboard)},
                        {"quads", static_cast<int32_t>(Pattern::quads)},
-                       {"dilatation", static_cast<int32_t>(Pattern::dilatation)}}},
-               "stripes|checkerboard|quads|dilatation",
+                       {"dilatation", static_cast<int32_t>(Pattern::dilatation)},
+                       {"scale", static_cast<int32_t>(Pattern::scale)}}},
+               "stripes|checkerboard|quads|dilatation|scale",
                "of the picture: stripes along the leaves, squares of (u, v), the grid of --quads,\n"
-               "or how far from conformal (u, v) is"}
+               "how far from conformal (u, v) is, or how wide stripes are: white average, red narrow, blue wide"}
             .requires_one_of("--image"),
         Option{"--camera", &r.camera, "VIEW",
                "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"

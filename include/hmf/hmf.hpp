@@ -153,6 +153,13 @@ struct BuildOptions {
     Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
 
+/* hmf_design_options; zero means the default. */
+struct DesignOptions {
+    BuildOptions build; /* its marked vertices are part of every design */
+    bool no_poles = false;
+    uint64_t solve_limit = 0;
+};
+
 class Foliation;
 
 /* hmf_solve_options; zero means the default. */
@@ -465,6 +472,25 @@ public:
         return residuals;
     }
 
+    /* hmf_conformal_scale: triangle_count */
+    std::vector<double> conformal_scale(const ProgressFunction& progress = nullptr) const {
+        // Euler: 2 edges = 3 triangles.
+        std::vector<double> scale(get() ? values().size() / 3 * 2 : 0);
+        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
+            return hmf_conformal_scale(get(), control, scale.data(), scale.size(), nullptr, error);
+        });
+        return scale;
+    }
+
+    /* hmf_conformal_scale: how uneven it is. */
+    double unevenness(const ProgressFunction& progress = nullptr) const {
+        double unevenness = 0;
+        detail::fill(progress, [&](const hmf_control* control, hmf_error* error) {
+            return hmf_conformal_scale(get(), control, nullptr, 0, &unevenness, error);
+        });
+        return unevenness;
+    }
+
     /* hmf_singularities */
     Singularities singularities(const ProgressFunction& progress = nullptr) const {
         return Singularities(
@@ -537,6 +563,15 @@ inline Solution Foliation::relax(const SolveOptions& options, const ProgressFunc
  * Hierarchy
  * --------------------------------------------------------------------- */
 
+/* What hmf_even_design gives. */
+struct Design {
+    std::vector<uint32_t> marked_vertices;
+    Loops loops; /* of level 0 */
+    double unevenness;
+    double unevenness_before;
+    uint64_t solves;
+};
+
 /* An immutable hierarchy of triangle meshes. */
 class Hierarchy {
 public:
@@ -568,6 +603,29 @@ public:
                                          &all, control, out, error);
             });
         return {set->vertices, set->vertices + set->count};
+    }
+
+    /* hmf_even_design: marked vertices for the options of a hierarchy, and loops to solve for on it. */
+    static Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
+                              const ProgressFunction& progress = nullptr) {
+        check_triples(positions.size(), "positions", "vertex");
+        check_triples(triangles.size(), "triangles", "triangle");
+        const hmf_build_options build = detail::raw(options.build);
+        hmf_design_options all = {};
+        all.struct_size = sizeof all;
+        all.no_poles = options.no_poles;
+        all.build = &build;
+        all.solve_limit = options.solve_limit;
+        const auto made =
+            detail::make<hmf_design>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+                return hmf_even_design(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
+                                       &all, control, out, error);
+            });
+        return {{made->marked_vertices, made->marked_vertices + made->marked_count},
+                detail::own(*made->loops),
+                made->unevenness,
+                made->unevenness_before,
+                made->solves};
     }
 
     /* hmf_memory_estimate */

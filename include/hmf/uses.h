@@ -256,8 +256,9 @@ typedef struct hmf_quad_mesh {
  *
  * With a count the edge length is searched for, then rows are added or taken
  * away; the number of quads is as near as the grids allow, and at least what each
- * cylinder needs.  relax evens out angles and sides (about 10 steps do): the sides
- * lie on leaves no longer, but vertices stay on the surface.
+ * cylinder needs.  relax evens out angles and sides (about 20 steps do): the sides
+ * lie on leaves no longer, but vertices stay on the surface; where a row or column
+ * runs along edges sharper than 40 degrees, its vertices move onto them.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
  * crosses, or if there is no match for edges so long; HMF_ERROR_OPTIONS if there

@@ -4,6 +4,7 @@
 #include "../leaves/cylinder_measures.hpp"
 #include "../leaves/quad_mesh.hpp"
 #include "../leaves/relax_quads.hpp"
+#include "../leaves/snap_quads.hpp"
 #include "../leaves/trace.hpp"
 #include "../parameterize/parameterization.hpp"
 #include "../solve/to_minimum.hpp"
@@ -414,7 +415,13 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     QuadFigures figures;
     if (make_quads(f, position, leaves.cylinders, wish, made, call)) return call.status();
     const int steps = static_cast<int>(all.relax);
-    if (steps > 0 && relax_quads(f.mesh, position, steps, made, call)) return call.status();
+    if (steps > 0) {
+        size_t snapped = 0;
+        if (relax_quads(f.mesh, position, steps, made, call)
+            || snap_to_sharp_edges(f.mesh, position, made, snapped, call)
+            || (snapped > 0 && relax_quads(f.mesh, position, steps, made, call)))
+            return call.status();
+    }
     for (; halvings > 0; --halvings)
         if (refine_quads(f.mesh, position, made, call)
             || relax_quads(f.mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, made, call))

@@ -137,7 +137,10 @@ private:
             if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
             for (size_t q = 0; q < count; ++q)
                 if (worst_corner(quads_, q) < WELL)
-                    for (size_t k = 0; k < 4; ++k) region_[quads_.quads[4 * q + k]] = 1;
+                    for (size_t k = 0; k < 4; ++k) {
+                        region_[quads_.quads[4 * q + k]] = 1;
+                        if (round > 0) quads_.held[quads_.quads[4 * q + k]] = 0; // without them it did not help
+                    }
             list_.clear();
             for (int ring = 0; ring <= RINGS; ++ring) {
                 if (!call_.tick(0)) return call_.was_cancelled();

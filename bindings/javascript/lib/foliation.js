@@ -82,6 +82,22 @@ export class Foliation {
         });
     }
 
+    conformalScale(options) {
+        return this.#ask(options, (frame, address) => {
+            const count = this.hierarchy.levels[this.level].triangleCount, out = frame.room(Float64Array, count);
+            frame.finish('hmf_conformal_scale', address, frame.control, out, count, 0);
+            return frame.array(Float64Array, out, count);
+        });
+    }
+
+    unevenness(options) {
+        return this.#ask(options, (frame, address) => {
+            const out = frame.room(Float64Array, 1);
+            frame.finish('hmf_conformal_scale', address, frame.control, 0, 0, out);
+            return frame.array(Float64Array, out, 1)[0];
+        });
+    }
+
     singularities(options) {
         return this.#ask(options, (frame, address) => {
             const result = frame.result('hmf_singularities', address);

@@ -3,7 +3,7 @@ import { Frame } from './memory.js';
 import { Foliation, dispose } from './foliation.js';
 import { namesOf } from './error.js';
 import { choice, described, indices, numbers, optionsOf, realNumber, wholeNumber } from './arguments.js';
-import { makeLoops, writeLoops } from './loops.js';
+import { makeLoops, readLoops, writeLoops } from './loops.js';
 import { OPTIMIZE_OPTIONS, writeOptions } from './solve.js';
 
 const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'markedVertices', 'progress'];
@@ -84,6 +84,19 @@ export function suggestMarks(module, positions, triangles, options) {
     return withMesh(module, positions, triangles, options, (frame, ...mesh) => {
         const result = frame.result('hmf_suggest_marks', ...mesh);
         return frame.arrays('hmf_mark_set', result, { vertices: frame.read('hmf_mark_set', result).count }).vertices;
+    });
+}
+
+export function evenDesign(module, positions, triangles, options) {
+    const { noPoles, solveLimit, ...build } = optionsOf(options, 'options', [...BUILD_OPTIONS, 'noPoles', 'solveLimit']);
+    return withMesh(module, positions, triangles, build, (frame, points, pointCount, corners, cornerCount, settings) => {
+        const fields = { build: settings, no_poles: noPoles ? 1 : 0, solve_limit: wholeNumber(solveLimit ?? 0, 'solveLimit') };
+        const result = frame.result('hmf_even_design', points, pointCount, corners, cornerCount, frame.structure('hmf_design_options', fields));
+        const { marked_count, loops, unevenness, unevenness_before, solves } = frame.read('hmf_design', result);
+        return {
+            markedVertices: frame.arrays('hmf_design', result, { marked_vertices: marked_count }).markedVertices,
+            loops: readLoops(frame, loops), unevenness, unevennessBefore: unevenness_before, solves,
+        };
     });
 }
 

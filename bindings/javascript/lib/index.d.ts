@@ -37,12 +37,36 @@ export interface Hmf {
      * None for genus 1 and more.
      */
     suggestMarks(positions: Numbers, triangles: Numbers, options?: BuildOptions): Uint32Array;
+    /**
+     * Marked vertices, loops and weights for which stripes and quads are about equally
+     * wide everywhere: for `new Hierarchy(.., { markedVertices })` and `solve({ loops })`.
+     */
+    evenDesign(positions: Numbers, triangles: Numbers, options?: DesignOptions): Design;
     /** A short English text for any status. */
     statusText(status: number): string;
     /** "HMF_ERROR_MESH_BOUNDARY" and so on, as in hmf.h. */
     statusName(status: number): string;
     /** Bytes that hierarchies, foliations and running calls use, and the size of the WebAssembly memory, which never shrinks. */
     readonly memory: { readonly inUse: number; readonly size: number };
+}
+
+/** As for a hierarchy (also as `build` in C); its marked vertices are part of every design. */
+export interface DesignOptions extends BuildOptions {
+    /** No other marked vertices, where that can be. */
+    noPoles?: boolean;
+    /** Budget of the search in solves of a coarse mesh; default: about ten solves of the whole mesh. */
+    solveLimit?: number;
+}
+
+export interface Design {
+    markedVertices: Uint32Array;
+    /** With weights, to solve for on a hierarchy with these marked vertices. */
+    loops: LoopSet;
+    /** On the coarse mesh of the search. */
+    unevenness: number;
+    /** There, of default loops with weights 1. */
+    unevennessBefore: number;
+    solves: number;
 }
 
 /**
@@ -220,6 +244,10 @@ export interface Foliation extends Disposable {
     energy(options?: ProgressOptions): number;
     /** Violation of harmonicity at each vertex; 0 everywhere means: this is the unique minimum. */
     residuals(options?: ProgressOptions): Float64Array;
+    /** Natural logarithm of the length of the gradient on each triangle: by how much a conformal (u, v) stretches there. */
+    conformalScale(options?: ProgressOptions): Float64Array;
+    /** Standard deviation of `conformalScale` over the surface; 0: the same scale everywhere. */
+    unevenness(options?: ProgressOptions): number;
     singularities(options?: ProgressOptions): Singularities;
     /** A global conformal parameterisation (u, v) with |du| the foliation; the foliation must be harmonic up to the tolerance. */
     parameterize(options?: ParameterizeOptions): Parameterization;
@@ -431,6 +459,8 @@ export interface Report {
     classRepeats: number;
     /** For the certificate, part of `solveSeconds`. */
     classSeconds: number;
+    /** Of the scale of the values, see `conformalScale`. */
+    unevenness: number;
     /** Finest first. */
     levels: LevelReport[];
     /** In order of time. */

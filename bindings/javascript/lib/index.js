@@ -1,7 +1,7 @@
 // The C library hmf in JavaScript: load() gives the library, an object with the class
 // Hierarchy; everything else hangs on that.
 import { Module } from './module.js';
-import { Hierarchy, memoryEstimate, suggestMarks } from './hierarchy.js';
+import { Hierarchy, evenDesign, memoryEstimate, suggestMarks } from './hierarchy.js';
 import { Foliation } from './foliation.js';
 import { cylinders } from './uses/cylinders.js';
 import { parameterize } from './uses/parameterize.js';
@@ -32,6 +32,7 @@ export async function load(source) {
 
         memoryEstimate: (vertexCount, triangleCount, options) => memoryEstimate(module, vertexCount, triangleCount, options),
         suggestMarks: (positions, triangles, options) => suggestMarks(module, positions, triangles, options),
+        evenDesign: (positions, triangles, options) => evenDesign(module, positions, triangles, options),
         statusText: status => module.statusText(wholeNumber(status, 'status')),
         statusName,
 

@@ -130,6 +130,7 @@ def test_each_call_with_a_control_takes_progress() -> None:
         "hmf_build": foliations.Hierarchy.__init__,
         "hmf_foliation_create": foliations.Hierarchy.foliation,
         "hmf_suggest_marks": foliations.suggest_marks,
+        "hmf_even_design": foliations.even_design,
     }
     for name in long - {"hmf_energy"}:
         short = name[len("hmf_") :]

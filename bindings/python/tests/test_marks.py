@@ -83,3 +83,17 @@ def test_the_limit_of_the_class_is_no_error() -> None:
     from foliations.foliation import STOPPED
 
     assert foliations.Status.LIMIT_CLASS in STOPPED and foliations.Status.LIMIT_CLASS.text
+
+
+def test_even_design(sphere: Mesh) -> None:
+    design = foliations.even_design(*sphere)
+    assert len(design.marked_vertices) >= 4 and design.unevenness > 0 and design.solves > 0
+    even = foliations.solve(*sphere, loops="even")
+    assert even.report is not None and even.report.unevenness == even.unevenness
+    own = foliations.Hierarchy(*sphere, marked_vertices=design.marked_vertices).solve(design.loops)
+    assert np.array_equal(own.values, even.values)
+    assert even.conformal_scale().shape == (len(sphere[1]),)
+    kept = foliations.even_design(*sphere, marked_vertices=[3], solve_limit=10)
+    assert 3 in kept.marked_vertices
+    with pytest.raises(ValueError, match="even"):
+        foliations.solve(*sphere, loops="pants")  # type: ignore[arg-type]

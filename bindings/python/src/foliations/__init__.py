@@ -30,7 +30,7 @@ from .errors import (
     UnsupportedError,
 )
 from .foliation import Foliation, Singularities, Singularity
-from .hierarchy import Hierarchy, Level, memory_estimate, solve, suggest_marks
+from .hierarchy import Design, Hierarchy, Level, even_design, memory_estimate, solve, suggest_marks
 from .leaves import Leaf, Leaves
 from .loops import Loops
 from .meshes import MeshLike, as_mesh, read_mesh
@@ -52,6 +52,7 @@ __all__ = [
     "ClassState",
     "Cylinder",
     "Cylinders",
+    "Design",
     "Element",
     "Error",
     "Foliation",
@@ -83,6 +84,7 @@ __all__ = [
     "UnsupportedError",
     "__version__",
     "as_mesh",
+    "even_design",
     "memory_estimate",
     "plot",
     "read_mesh",

@@ -258,6 +258,29 @@ class Foliation:
         call(lib.hmf_residuals, self._pointer, pointer(result, "double *"), result.size, progress=progress)
         return result
 
+    def conformal_scale(self, *, progress: ProgressOption = None) -> Floats:
+        """(triangle_count,) float64: natural logarithm of the length of the gradient on each triangle.
+
+        By how much a conformal (u, v) stretches there, in the unit of the values / that of the positions.
+        """
+        result = np.empty(self._hierarchy.levels[self.level].triangle_count)
+        call(
+            lib.hmf_conformal_scale,
+            self._pointer,
+            pointer(result, "double *"),
+            result.size,
+            ffi.NULL,
+            progress=progress,
+        )
+        return result
+
+    @property
+    def unevenness(self) -> float:
+        """Standard deviation of :meth:`conformal_scale` over the surface; 0: the same scale everywhere."""
+        result = ffi.new("double *")
+        call(lib.hmf_conformal_scale, self._pointer, ffi.NULL, 0, result)
+        return float(result[0])
+
     def singularities(self, *, progress: ProgressOption = None) -> Singularities:
         """Zeros and poles, and the marked vertices that are neither."""
         made = call(lib.hmf_singularities, self._pointer, progress=progress)

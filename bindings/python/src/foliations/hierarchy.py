@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -36,6 +37,8 @@ LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
 
 # Share of the build in the progress of foliations.solve, about its share of the time.
 _BUILD_SHARE = 0.25
+# And of the design, where there is one.
+_DESIGN_SHARE = 0.8
 
 
 def _build_options(collapse: Collapse | None = None, marked_vertices: Indices | None = None, **others: Any) -> Any:
@@ -414,6 +417,69 @@ def suggest_marks(
     return view(made, made.vertices, made.count)
 
 
+@dataclass(frozen=True)
+class Design:
+    """Marked vertices, loops and weights that suit each other; made by :func:`even_design`."""
+
+    marked_vertices: Indices  #: for :class:`Hierarchy`
+    loops: Loops  #: with weights, for :meth:`Hierarchy.solve` on a hierarchy with these marked vertices
+    unevenness: float  #: on the coarse mesh of the search, see :attr:`Foliation.unevenness`
+    unevenness_before: float  #: there, of the loops "cut" with weights 1
+    solves: int  #: of the search
+
+
+def even_design(
+    positions: ArrayLike | MeshLike,
+    triangles: ArrayLike | None = None,
+    *,
+    marked_vertices: Sequence[int] | NDArray[Any] | None = None,
+    no_poles: bool = False,
+    solve_limit: int | None = None,
+    memory_limit: int | None = None,
+    mollify: float | None = None,
+    progress: ProgressOption = None,
+) -> Design:
+    """Marked vertices, loops and weights for which stripes and quads are about equally wide everywhere.
+
+    ``solve(mesh, loops="even")`` does this and solves.
+
+    Parameters
+    ----------
+    marked_vertices : sequence of int, optional
+        They are part of the design.
+    no_poles : bool
+        No other marked vertices, where that can be.
+    solve_limit : int, optional
+        Of the search, in solves of a coarse mesh; the default takes about ten solves of yours.
+    positions, triangles, memory_limit, mollify, progress
+        And the errors: as for :class:`Hierarchy`.
+    """
+    points, corners = _mesh(positions, triangles)
+    marks = None if marked_vertices is None else _marks(marked_vertices)
+    build = _build_options(
+        memory_limit=memory_limit,
+        mollify=mollify,
+        marked_vertices=marks,
+        position_stride=points.strides[0] if len(points) > 1 else None,
+    )
+    made = call(
+        lib.hmf_even_design,
+        pointer(points, "double *"),
+        len(points),
+        pointer(corners, "uint32_t *"),
+        len(corners),
+        structure("hmf_design_options", build=build, no_poles=int(no_poles), solve_limit=solve_limit),
+        progress=progress,
+    )
+    return Design(
+        view(made, made.marked_vertices, made.marked_count),
+        Loops._of(made.loops, made),
+        made.unevenness,
+        made.unevenness_before,
+        made.solves,
+    )
+
+
 def memory_estimate(
     vertex_count: int,
     triangle_count: int,
@@ -432,7 +498,7 @@ def memory_estimate(
 def solve(
     positions: ArrayLike | MeshLike,
     triangles: ArrayLike | None = None,
-    loops: Loops | Sequence[ArrayLike] | None = None,
+    loops: Loops | Sequence[ArrayLike] | Literal["even"] | None = None,
     weights: ArrayLike | None = None,
     *,
     ratio: float | None = None,
@@ -455,8 +521,23 @@ def solve(
     ``solve(positions, triangles)``, ``solve("mesh.obj")``, or of a mesh of trimesh, meshio, pyvista or Open3D.
     For the parameters, the result and the errors see these two; ``time_limit``
     is for the solve alone.  The hierarchy is ``hierarchy`` of the result.
+    ``loops="even"``: those of :func:`even_design`, with its marked vertices and weights.
     """
     with progress_callback(progress, "foliations") as callback:
+        begin = 0.0
+        if isinstance(loops, str):
+            if loops != "even":
+                raise ValueError(f'loops is {loops!r}; give "even", Loops, or paths.')
+            begin = _DESIGN_SHARE
+            design = even_design(
+                positions,
+                triangles,
+                marked_vertices=marked_vertices,
+                memory_limit=memory_limit,
+                mollify=mollify,
+                progress=part(callback, 0.0, begin),
+            )
+            loops, marked_vertices = design.loops, design.marked_vertices
         hierarchy = Hierarchy(
             positions,
             triangles,
@@ -466,7 +547,7 @@ def solve(
             memory_limit=memory_limit,
             mollify=mollify,
             marked_vertices=marked_vertices,
-            progress=part(callback, 0.0, _BUILD_SHARE),
+            progress=part(callback, begin, begin + (1 - begin) * _BUILD_SHARE),
         )
         return hierarchy.solve(
             loops,
@@ -478,5 +559,5 @@ def solve(
             time_limit=time_limit,
             iteration_limit=iteration_limit,
             stop_level=stop_level,
-            progress=part(callback, _BUILD_SHARE, 1.0),
+            progress=part(callback, begin + (1 - begin) * _BUILD_SHARE, 1.0),
         )

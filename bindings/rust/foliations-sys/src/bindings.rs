@@ -234,6 +234,44 @@ impl Default for hmf_loop_set {
 }
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
+pub struct hmf_design_options {
+    pub struct_size: u32,
+    pub no_poles: i32,
+    pub build: *const hmf_build_options,
+    pub solve_limit: u64,
+}
+impl Default for hmf_design_options {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_design {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub marked_count: u64,
+    pub marked_vertices: *const u32,
+    pub loops: *const hmf_loop_set,
+    pub unevenness: f64,
+    pub unevenness_before: f64,
+    pub solves: u64,
+}
+impl Default for hmf_design {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
 pub struct hmf_solve_options {
     pub struct_size: u32,
     pub method: i32,
@@ -297,6 +335,7 @@ pub struct hmf_report {
     pub class_state: i32,
     pub class_repeats: u32,
     pub class_seconds: f64,
+    pub unevenness: f64,
 }
 impl Default for hmf_report {
     fn default() -> Self {
@@ -598,6 +637,16 @@ extern "C" {
         out: *mut *mut hmf_foliation,
         error: *mut hmf_error,
     ) -> hmf_status;
+    pub fn hmf_even_design(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_design_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_design,
+        error: *mut hmf_error,
+    ) -> hmf_status;
     pub fn hmf_foliation_create(
         hierarchy: *const hmf_hierarchy,
         level: usize,
@@ -648,6 +697,14 @@ extern "C" {
         control: *const hmf_control,
         residuals: *mut f64,
         capacity: usize,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_conformal_scale(
+        foliation: *const hmf_foliation,
+        control: *const hmf_control,
+        log_scale: *mut f64,
+        capacity: usize,
+        unevenness: *mut f64,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_singularities(

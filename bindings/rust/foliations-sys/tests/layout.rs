@@ -36,6 +36,7 @@ fn sizes_agree() {
         assert_eq!(hmf_solve(hierarchy, null(), null(), null(), &mut foliation, null_mut()), HMF_OK);
         let sizes = [
             size!(hmf_mark_set, hmf_suggest_marks(positions, 7, triangles, 14, null())),
+            size!(hmf_design, hmf_even_design(positions, 7, triangles, 14, null())),
             size!(hmf_loop_set, hmf_loops(hierarchy, 0, HMF_LOOPS_CUT)),
             size!(hmf_singularity_set, hmf_singularities(foliation)),
             size!(hmf_parameterization, hmf_parameterize(foliation, null())),

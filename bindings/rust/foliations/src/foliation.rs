@@ -144,6 +144,38 @@ impl Foliation {
         Ok(residuals)
     }
 
+    /// Natural logarithm of the length of the gradient on each triangle: by how much
+    /// a conformal (u, v) stretches there, in the unit of the values / that of the
+    /// positions.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::CANCELLED`], class 200.
+    pub fn conformal_scale(&self) -> Result<Vec<f64>> {
+        let mut scale = vec![0.0; self.hierarchy.level(self.level())?.triangle_count];
+        let nowhere = std::ptr::null_mut();
+        // SAFETY: the array is given with its length.
+        call(|control, error| unsafe {
+            sys::hmf_conformal_scale(self.as_ptr(), control, scale.as_mut_ptr(), scale.len(), nowhere, error)
+        })?;
+        Ok(scale)
+    }
+
+    /// Standard deviation of [`conformal_scale`](Foliation::conformal_scale) over the
+    /// surface; 0: the same scale everywhere.
+    ///
+    /// # Errors
+    ///
+    /// [`Status::CANCELLED`], class 200.
+    pub fn unevenness(&self) -> Result<f64> {
+        let (mut unevenness, nowhere) = (0.0, std::ptr::null_mut());
+        // SAFETY: the handle and the output are valid.
+        call(|control, error| unsafe {
+            sys::hmf_conformal_scale(self.as_ptr(), control, nowhere, 0, &mut unevenness, error)
+        })?;
+        Ok(unevenness)
+    }
+
     /// Zeros and poles, and the index of each vertex and triangle. The indices add
     /// up to 4 - 4 genus - marked vertices. A foliation that the library made has no poles.
     ///

@@ -1,6 +1,7 @@
 //! Building a hierarchy, and what its levels are.
 
 use crate::error::{Error, Result, Status};
+use crate::loops::Loops;
 use crate::memory;
 use crate::owned::{call, make, slice, Made, Owned};
 use crate::progress::{Closure, Progress};
@@ -149,6 +150,42 @@ impl<'a> Builder<'a> {
         Ok(unsafe { slice(set.vertices, set.count) }.to_vec())
     }
 
+    /// Marked vertices, loops and weights for which stripes and quads are about
+    /// equally wide everywhere. The [marked vertices](Builder::marked_vertices) of
+    /// this builder are part of the design; `mollify` and `memory_limit` count as well.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`build`](Builder::build), and [`Status::ERROR_UNSUPPORTED`] if no
+    /// loops were found.
+    pub fn even_design(
+        &mut self,
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        options: DesignOptions,
+    ) -> Result<Design> {
+        let build = self.raw();
+        let all = options!(hmf_design_options
+            no_poles: i32::from(options.no_poles), build: &build, solve_limit: options.solve_limit);
+        let made: Owned<sys::hmf_design> = Closure::watch(&mut self.progress, || {
+            let (points, corners) = (positions.as_ptr().cast(), triangles.as_ptr().cast());
+            // SAFETY: the slices hold three numbers for each vertex and each triangle.
+            make(|out, control, error| unsafe {
+                sys::hmf_even_design(points, positions.len(), corners, triangles.len(), &all, control, out, error)
+            })
+        })?;
+        // SAFETY: the library made so many.
+        let (marks, loops) =
+            unsafe { (slice(made.marked_vertices, made.marked_count).to_vec(), Loops::copy(&*made.loops)) };
+        Ok(Design {
+            marked_vertices: marks,
+            loops,
+            unevenness: made.unevenness,
+            unevenness_before: made.unevenness_before,
+            solves: made.solves,
+        })
+    }
+
     /// Upper bound of the bytes that [`build`](Builder::build) uses at its peak.
     /// `None` if the counts or the options are unusable.
     pub fn memory_estimate(&self, vertex_count: usize, triangle_count: usize) -> Option<u64> {
@@ -179,6 +216,30 @@ impl<'a> Builder<'a> {
             })
         })
     }
+}
+
+/// For [`Builder::even_design`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DesignOptions {
+    /// No marked vertices but those of the builder, where that can be.
+    pub no_poles: bool,
+    /// Budget of the search in solves of a coarse mesh; 0: about ten solves of the whole mesh.
+    pub solve_limit: u64,
+}
+
+/// What [`Builder::even_design`] finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// For [`Builder::marked_vertices`].
+    pub marked_vertices: Vec<u32>,
+    /// With weights, to solve for on a hierarchy with these marked vertices.
+    pub loops: Loops,
+    /// On the coarse mesh of the search.
+    pub unevenness: f64,
+    /// There, of default loops with weights 1.
+    pub unevenness_before: f64,
+    /// Of the search.
+    pub solves: u64,
 }
 
 /// `hmf_build` and `hmf_suggest_marks`.

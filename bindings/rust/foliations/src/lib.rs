@@ -18,7 +18,7 @@ mod uses;
 
 pub use error::{Element, Error, Result, Status};
 pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
-pub use hierarchy::{Builder, Collapse, Hierarchy, LevelInfo};
+pub use hierarchy::{Builder, Collapse, Design, DesignOptions, Hierarchy, LevelInfo};
 pub use loops::{LoopElements, Loops, LoopsKind};
 pub use progress::{with_progress, Progress};
 pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};

@@ -19,6 +19,7 @@ pub(crate) trait Made {
 
 impl Made for sys::hmf_mark_set {}
 impl Made for sys::hmf_loop_set {}
+impl Made for sys::hmf_design {}
 impl Made for sys::hmf_singularity_set {}
 impl Made for sys::hmf_parameterization {}
 impl Made for sys::hmf_lines {}

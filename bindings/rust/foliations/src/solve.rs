@@ -253,6 +253,8 @@ record! {
         class_repeats: u32,
         /// Time for the certificate of the class, part of `solve_seconds`.
         class_seconds: f64,
+        /// How uneven the scale of the values is, see [`Foliation::conformal_scale`].
+        unevenness: f64,
     }
 }
 

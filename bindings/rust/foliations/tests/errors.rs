@@ -1,6 +1,6 @@
 //! Every way to fail is a native error that says what to do.
 
-use foliations::{Element, Error, Hierarchy, Loops, LoopsKind, Progress, Status};
+use foliations::{DesignOptions, Element, Error, Hierarchy, Loops, LoopsKind, Progress, Status};
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::panic::{catch_unwind, AssertUnwindSafe};
@@ -199,8 +199,12 @@ fn every_call_is_watched() {
     let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
     let start = hierarchy.initialize(&loops).unwrap();
     type Call<'c> = (&'static str, Box<dyn Fn() -> foliations::Result<()> + 'c>);
-    let calls: [Call<'_>; 15] = [
+    let calls: [Call<'_>; 16] = [
         ("build", Box::new(|| Hierarchy::build(&positions, &triangles).map(drop))),
+        (
+            "even_design",
+            Box::new(|| Hierarchy::builder().even_design(&positions, &triangles, DesignOptions::default()).map(drop)),
+        ),
         ("suggest_marks", Box::new(|| Hierarchy::builder().suggest_marks(&positions, &triangles).map(drop))),
         ("loops", Box::new(|| hierarchy.loops(0, LoopsKind::Tunnel).map(drop))),
         ("initialize", Box::new(|| hierarchy.initialize(&loops).map(drop))),
