@@ -425,8 +425,9 @@ typedef struct hmf_loop_set {
  * essential, pairwise not freely homotopic, and short.  Candidates are found on
  * the coarsest level; of these the classes with the shortest closed geodesics
  * are chosen one after another, measured on finer levels where they are close,
- * up to the mesh of the caller.  So they belong to the surface, not to its
- * hierarchy, where the coarsest level has about 100 vertices for each handle.
+ * up to the mesh of the caller.  So they mostly belong to the surface and
+ * not to its hierarchy; not always on fine detail, where the coarsest level has
+ * less than about 100 vertices for each handle.
  * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
  * along z, from one end of the surface to the other.  Loop c is in the same class on
  * every level.  With boundary: level 0 only.
