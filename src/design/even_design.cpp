@@ -18,6 +18,7 @@ namespace hmf {
 namespace {
 
 constexpr uint64_t VERTICES = 1000;                      // of the coarse level
+constexpr double TOO_UNEVEN = 0.45;                      // a finer level is tried as well
 constexpr double LEAST_WORK = 120, EDGES_PER_WORK = 400; // EvenSearch::work; some 10 solves of level 0
 
 // A mesh with other numbers for its vertices, marked ones first.
@@ -70,9 +71,9 @@ Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surf
 }
 
 // The loops of a trial on its finest level as loops of the mesh that the surface is a copy of.
-hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, Call& call, Loops& loops) {
+hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, int32_t kind, Call& call, Loops& loops) {
     Array<uint32_t> vertex;
-    if (library_loops(trial, 0, HMF_LOOPS_PANTS, call, loops)) return call.status();
+    if (library_loops(trial, 0, kind, call, loops)) return call.status();
     if (!vertex.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
     for (uint32_t& x : loops.crossings) {
@@ -123,6 +124,47 @@ hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint
     return pull_tight(view.mesh(), call, loops);
 }
 
+// The design on one level, with its loops there.
+hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOptions& options, double from, double to,
+                           Call& call, EvenDesign& out) {
+    const Mesh& mesh = loop_mesh(h, level);
+    const double* position = h.levels[level].position;
+    Surface surface;
+    Array<uint32_t> tips, ends, given;
+    EvenChoice best;
+    tips.start(call.memory);
+    ends.start(call.memory);
+    given.start(call.memory);
+    if (!copy_surface(mesh, position, call.memory, surface)) return call.out_of_memory();
+    for (uint32_t v = 0; v < mesh.marked_count; ++v)
+        if (!given.push(v)) return call.out_of_memory();
+    call.range(from, from + 0.02);
+    if (h.genus == 0 && !limb_tips(mesh, position, call, tips, ends)) return call.stopped();
+    call.range(from + 0.02, to);
+    EvenSearch search(h, mesh, position, surface, call);
+    const double by_size = static_cast<double>(h.input.edge_count) / EDGES_PER_WORK;
+    search.budget = options.solves > 0   ? static_cast<double>(options.solves)
+                  : by_size > LEAST_WORK ? by_size
+                                         : LEAST_WORK;
+    search.poles = options.poles;
+    if (search.run(given, tips, ends, best)) return call.status();
+    if (!(best.unevenness < HUGE_VAL))
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");
+    if (search.round_weights(best)) return call.status();
+    {
+        MarkedTrial trial(h, call, search.fraction);
+        if (trial.start(surface, best.marks, best.kind)) return call.status();
+        if (loops_on_surface(trial.hierarchy(), mesh, best.kind, call, out.loops)) return call.status();
+        if (!keep_loops(best.weights, out, call.memory)) return call.out_of_memory();
+    }
+    out.marks.swap(best.marks);
+    out.unevenness = best.unevenness;
+    out.unevenness_before = search.unevenness_before;
+    out.solves += search.solves;
+    return HMF_OK;
+}
+
 } // namespace
 
 hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_count, const uint32_t* triangles,
@@ -139,47 +181,18 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     if (build_hierarchy(h, positions, vertex_count, static_cast<size_t>(build.position_stride), triangles,
                         triangle_count, coarse, call))
         return call.status();
-    const size_t level = h.level_count - 1;
-    const Mesh& mesh = loop_mesh(h, level);
-    const double* position = h.levels[level].position;
-    Surface surface;
-    Array<uint32_t> tips, given;
-    EvenChoice best;
-    tips.start(call.memory);
-    given.start(call.memory);
-    if (!copy_surface(mesh, position, call.memory, surface)) return call.out_of_memory();
-    for (uint32_t v = 0; v < mesh.marked_count; ++v)
-        if (!given.push(v)) return call.out_of_memory();
-    call.range(0.15, 0.17);
-    if (h.genus == 0 && !limb_tips(mesh, position, call, tips)) return call.stopped();
-    call.range(0.17, 0.9);
-    EvenSearch search(h, mesh, position, surface, call);
-    const double by_size = static_cast<double>(h.input.edge_count) / EDGES_PER_WORK;
-    search.budget = options.solves > 0   ? static_cast<double>(options.solves)
-                  : by_size > LEAST_WORK ? by_size
-                                         : LEAST_WORK;
-    search.poles = options.poles;
-    if (search.run(given, tips, best)) return call.status();
-    if (!(best.unevenness < HUGE_VAL))
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");
-    if (search.round_weights(best)) return call.status();
+    // Thin limbs get lost where the mesh is too coarse for them.
+    size_t level = h.level_count - 1;
+    if (design_on_level(h, level, options, 0.15, 0.5, call, out)) return call.status();
+    if (out.unevenness > TOO_UNEVEN && level > 0 && h.levels[level - 1].mesh.vertex_count < 4 * VERTICES
+        && design_on_level(h, --level, options, 0.5, 0.9, call, out))
+        return call.status();
     call.range(0.9, 1);
-    {
-        MarkedTrial trial(h, call, search.fraction);
-        if (trial.start(surface, best.marks)) return call.status();
-        if (loops_on_surface(trial.hierarchy(), mesh, call, out.loops)) return call.status();
-        if (!keep_loops(best.weights, out, call.memory)) return call.out_of_memory();
-    }
-    if (carry_to_input(h, level, best.marks, call, out.loops)) return call.status();
+    if (carry_to_input(h, level, out.marks, call, out.loops)) return call.status();
     Array<uint32_t> caller;
-    if (!caller.allocate(call.memory, vertex_count) || !out.marks.allocate(call.memory, best.marks.size()))
-        return call.out_of_memory();
+    if (!caller.allocate(call.memory, vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;
-    for (size_t i = 0; i < best.marks.size(); ++i) out.marks[i] = caller[best.marks[i]];
-    out.unevenness = best.unevenness;
-    out.unevenness_before = search.unevenness_before;
-    out.solves = search.solves;
+    for (uint32_t& v : out.marks) v = caller[v];
     return HMF_OK;
 }
 

@@ -19,6 +19,7 @@ namespace hmf {
 
 namespace {
 
+constexpr uint32_t ROUNDS = 3;      // of Gauss-Newton for a choice
 constexpr double PERSISTENCE = 0.3; // least, of a tip
 constexpr double DEPTH = 0.2;       // least, below the mean
 constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
@@ -206,7 +207,7 @@ void EvenSearch::count(const MarkedTrial& trial) {
 hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double rival) {
     choice.unevenness = HUGE_VAL;
     MarkedTrial trial(like_, call_, fraction);
-    if (trial.start(surface_, choice.marks) || !trial.usable()) return call_.status();
+    if (trial.start(surface_, choice.marks, choice.kind) || !trial.usable()) return call_.status();
     Array<double> step, kept;
     if (!kept.allocate(memory_, trial.weights.size()) || !choice.weights.allocate(memory_, trial.weights.size()))
         return call_.out_of_memory();
@@ -222,6 +223,7 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double riva
     for (uint32_t round = 0; round < rounds; ++round) {
         fraction = work < budget ? work / budget : 1;
         if (!call_.tick(fraction)) return call_.was_cancelled();
+        if (round > 0 && work >= budget) return HMF_OK;
         bool known = false;
         count(trial);
         if (trial.derive(known) || !trial.usable() || !known) return call_.status();
@@ -260,13 +262,16 @@ Done EvenSearch::mark_four(EvenChoice& choice) {
     return true;
 }
 
-hmf_status EvenSearch::measure_before(const EvenChoice& first) {
+// The default loops with weights 1.
+hmf_status EvenSearch::measure_before(EvenChoice& plain) {
     MarkedTrial trial(like_, call_, fraction);
-    if (trial.start(surface_, first.marks, HMF_LOOPS_CUT) || !trial.usable()) return call_.status();
+    plain.kind = HMF_LOOPS_CUT;
+    if (trial.start(surface_, plain.marks, plain.kind) || !trial.usable()) return call_.status();
     for (double& w : trial.weights) w = 1;
     count(trial);
     if (trial.solve() || !trial.usable()) return call_.status();
-    unevenness_before = trial.unevenness();
+    unevenness_before = plain.unevenness = trial.unevenness();
+    if (!plain.weights.allocate_filled(memory_, trial.weights.size(), 1.0)) return call_.out_of_memory();
     return HMF_OK;
 }
 
@@ -276,21 +281,51 @@ double EvenSearch::gain(const EvenChoice& before, const EvenChoice& after) const
     return before.unevenness - after.unevenness - PRICE * poles;
 }
 
-hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best) {
-    constexpr uint32_t ROUNDS = 3;
-    if (!prepare()) return call_.out_of_memory();
-    best.tips.start(memory_);
+// Marked vertices of the caller, and two poles at each tip: at `ends`, or where
+// place_pair puts them.
+hmf_status EvenSearch::first_choice(const Array<uint32_t>& given, const Array<uint32_t>& tips,
+                                    const Array<uint32_t>* ends, EvenChoice& choice) {
+    choice.tips.start(memory_);
     for (const uint32_t v : given)
-        if (!best.tips.push({v, HUGE_VAL, 1, true, {NONE, NONE}})) return call_.out_of_memory();
-    for (const uint32_t v : tips) {
-        Tip tip{v, HUGE_VAL, 2, false, {NONE, NONE}};
-        if (!place_pair(tip)) return call_.out_of_memory();
+        if (!choice.tips.push({v, HUGE_VAL, 1, true, {NONE, NONE}})) return call_.out_of_memory();
+    for (size_t i = 0; i < tips.size(); ++i) {
+        Tip tip{tips[i], HUGE_VAL, 2, false, {NONE, NONE}};
+        if (ends) {
+            tip.ends[0] = (*ends)[2 * i];
+            tip.ends[1] = (*ends)[2 * i + 1];
+        } else if (!place_pair(tip)) return call_.out_of_memory();
         if (tip.ends[0] == NONE) continue;
-        if (!best.tips.push(tip)) return call_.out_of_memory();
+        if (!choice.tips.push(tip)) return call_.out_of_memory();
     }
-    if (!list_marks(best) || !mark_four(best)) return call_.out_of_memory();
-    if (measure_before(best) || evaluate(best, ROUNDS)) return call_.status();
-    if (!poles) return HMF_OK;
+    return list_marks(choice) && mark_four(choice) ? HMF_OK : call_.out_of_memory();
+}
+
+hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>& ends,
+                           EvenChoice& best) {
+    if (!prepare()) return call_.out_of_memory();
+    EvenChoice plain;
+    if (first_choice(given, tips, &ends, plain) || measure_before(plain) || first_choice(given, tips, nullptr, best)
+        || evaluate(best, ROUNDS))
+        return call_.status();
+    if (!tips.empty()) {
+        EvenChoice other;
+        if (first_choice(given, tips, &ends, other) || evaluate(other, ROUNDS)) return call_.status();
+        if (gain(best, other) > 0) best = static_cast<EvenChoice&&>(other);
+    }
+    if (poles && improve(best)) return call_.status();
+    // Never less even than the default loops, with weights 1 or better ones.
+    if (plain.unevenness < 1.5 * best.unevenness) {
+        if (plain.unevenness < best.unevenness) best = static_cast<EvenChoice&&>(plain);
+        EvenChoice other;
+        other.kind = HMF_LOOPS_CUT;
+        if (first_choice(given, tips, &ends, other) || evaluate(other, ROUNDS)) return call_.status();
+        if (gain(best, other) > 0) best = static_cast<EvenChoice&&>(other);
+    }
+    return HMF_OK;
+}
+
+// Adds and removes poles.
+hmf_status EvenSearch::improve(EvenChoice& best) {
     // All new tips at once, as often as that helps.
     for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
         EvenChoice next;
@@ -342,7 +377,7 @@ hmf_status EvenSearch::round_weights(EvenChoice& best) {
     constexpr double STRIPES = 44; // along the diagonal of the box
     constexpr double STRETCH[3] = {1, 0.87, 1.15};
     MarkedTrial trial(like_, call_, fraction);
-    if (trial.start(surface_, best.marks) || !trial.usable() || trial.weights.size() != best.weights.size())
+    if (trial.start(surface_, best.marks, best.kind) || !trial.usable() || trial.weights.size() != best.weights.size())
         return call_.status();
     double largest = 0;
     for (const double w : best.weights)

@@ -19,6 +19,7 @@ struct EvenChoice {
     Array<uint32_t> marks; // vertices of the surface
     Array<double> weights; // of the pants loops with these marks
     Array<double> scale;   // log |grad u| at the vertices
+    int32_t kind = HMF_LOOPS_PANTS;
     double unevenness = HUGE_VAL;
 };
 
@@ -32,7 +33,8 @@ public:
 
     // Starts from marked vertices that stay and from tips of limbs with two poles
     // each, then adds and removes poles as long as that makes the scale more even.
-    hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best);
+    hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>& ends,
+                   EvenChoice& best);
 
     double budget = 0;   // work
     bool poles = true;   // else the weights alone, where that can be
@@ -61,7 +63,10 @@ private:
     void count(const MarkedTrial& trial);
     Done prepare();
     Done mark_four(EvenChoice& choice);
-    hmf_status measure_before(const EvenChoice& first);
+    hmf_status improve(EvenChoice& best);
+    hmf_status measure_before(EvenChoice& plain);
+    hmf_status first_choice(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>* ends,
+                            EvenChoice& choice);
 
     const hmf_hierarchy& like_;
     const Mesh& mesh_;

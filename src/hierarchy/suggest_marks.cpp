@@ -70,6 +70,9 @@ public:
 
     const Array<Tip>& tips() const { return tips_; }
 
+    // The ends of a diameter of the disk round the tip, where there is one.
+    Done add_pair(uint32_t tip, Array<uint32_t>& marks) { return add_ends(tip, marks); }
+
 private:
     void measure() {
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
@@ -204,7 +207,7 @@ private:
 
     // The ends of a diameter of the disk round the tip, found by going to the
     // farthest vertex and back.
-    Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
+    Done add_ends(uint32_t tip, Array<uint32_t>& marks) {
         double area = 0;
         uint32_t ends[2] = {tip, tip}, reached = 0;
         if (!search(tip, nullptr, ends[0], [&](uint32_t v) {
@@ -304,12 +307,19 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
 
 } // namespace
 
-Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint32_t>& tips) {
+Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint32_t>& tips, Array<uint32_t>& ends) {
     Suggestion suggestion(mesh, position, call);
+    Array<uint32_t> marks;
     tips.start(call.memory);
+    ends.start(call.memory);
+    marks.start(call.memory);
     if (!suggestion.find_limbs()) return false;
-    for (const Tip& tip : suggestion.tips())
-        if (!tips.push(tip.vertex)) return false;
+    for (const Tip& tip : suggestion.tips()) {
+        const size_t n = marks.size();
+        if (!suggestion.add_pair(tip.vertex, marks) || !tips.push(tip.vertex)) return false;
+        const bool found = marks.size() == n + 2;
+        if (!ends.push(found ? marks[n] : NONE) || !ends.push(found ? marks[n + 1] : NONE)) return false;
+    }
     return true;
 }
 
