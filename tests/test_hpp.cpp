@@ -76,7 +76,7 @@ TEST(Hpp, SameValuesAsC) {
 }
 
 TEST(Hpp, EvenDesign) {
-    const TriMesh m = torus_with_finger(30, 16, 10, 2);
+    const test::TriMesh m = test::torus_with_finger(30, 16, 10, 2);
     const hmf::Design design = hmf::Hierarchy::even_design(m.positions, m.triangles);
     hmf::BuildOptions options;
     options.marked_vertices = design.marked_vertices;
