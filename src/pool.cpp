@@ -21,7 +21,7 @@ struct hmf_pool {
     std::condition_variable wake, done;
     std::atomic<uint64_t> job{0}; // counts the jobs, changed under the mutex; odd: a job may be joined
     std::atomic<bool> ending{false};
-    uint32_t inside = 0; // threads that have joined the job
+    uint32_t inside = 0;              // threads that have joined the job
     std::atomic<uint32_t> outside{0}; // tasks that have not ended
     hmf_task_fn task = nullptr;
     void* context = nullptr;

@@ -267,15 +267,13 @@ TEST(Pool, ManyThreadsOnOneHierarchy) {
     const TriMesh mesh = large_meshes()[0];
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
-    const Foliation shared = make<hmf_foliation>([&](auto out, auto error) {
-        return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error);
-    });
+    const Foliation shared = make<hmf_foliation>(
+        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); });
     const Bits expected = bits_of(*shared);
     const Bits map = bits_of(*make<hmf_parameterization>(
         [&](auto out, auto error) { return hmf_parameterize(shared.get(), nullptr, nullptr, out, error); }));
-    const Foliation again = make<hmf_foliation>([&](auto out, auto error) {
-        return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error);
-    });
+    const Foliation again = make<hmf_foliation>(
+        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); });
     hmf_pool* const pool = hmf_pool_create(3);
     hmf_control control{};
     control.struct_size = sizeof control;

@@ -459,6 +459,55 @@ HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop
                                   const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
 /* ------------------------------------------------------------------------
+ * Even design
+ * --------------------------------------------------------------------- */
+
+typedef struct hmf_design_options {
+    uint32_t struct_size;
+    int32_t no_poles;            /* 1: no marked vertices but those of `build`, where that can be; else 0 */
+    const hmf_build_options *build; /* NULL = defaults.  Used: position_stride, mollify, memory_limit, allocator, and
+                                    marked vertices, which are then part of every design */
+    uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1000 vertices, 3 ms each; a solve with n
+                                    loops counts 1 + n / 8.  Default 120, or edges / 400 where that is more: about ten
+                                    solves of the whole mesh.  It is passed by a few */
+} hmf_design_options;
+
+/* Marked vertices, loops and weights that suit each other, in one block. */
+typedef struct hmf_design {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t marked_count;
+    const uint32_t *marked_vertices; /* marked_count, for hmf_build_options */
+    const hmf_loop_set *loops;   /* triangle loops of level 0 for hmf_solve on a hierarchy with these marked vertices.
+                                    Weights are whole numbers, so that patterns of period 1 match everywhere; 1 is
+                                    about 1/44 of the size.  Part of this block: not to be freed on its own */
+    double unevenness;           /* of the design on the coarse mesh of the search, see hmf_conformal_scale */
+    double unevenness_before;    /* there, of HMF_LOOPS_CUT with weights 1 (genus 0: with first marked vertices) */
+    uint64_t solves;             /* of the search; derivatives are counted as well */
+} hmf_design;
+
+/*
+ * Marked vertices, loops and weights for a mesh of any genus, such that the
+ * conformal scale of the harmonic foliation is as even as a search in the given
+ * time gets it: stripes and quads are then about equally wide everywhere.
+ *
+ * At the tip of a limb that no loop goes round the scale decays; there the design
+ * marks one vertex or two.  The loops are pants loops (HMF_LOOPS_PANTS) of the
+ * surface with its marked vertices, without those whose weight would be 0.
+ *
+ *     hmf_even_design       -> design
+ *     hmf_build             with design->marked_vertices
+ *     hmf_solve             with design->loops
+ *
+ * Deterministic: the search counts solves, not time.
+ * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_UNSUPPORTED if no loops were found,
+ * or an error as hmf_build.  Free with hmf_free.
+ */
+HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count, const uint32_t *triangles,
+                                   size_t triangle_count, const hmf_design_options *options,
+                                   const hmf_control *control, hmf_design **out, hmf_error *error);
+
+/* ------------------------------------------------------------------------
  * Foliation
  * --------------------------------------------------------------------- */
 
@@ -571,6 +620,7 @@ typedef struct hmf_report {
     int32_t class_state;         /* HMF_CLASS_*: do the values belong to the loops? */
     uint32_t class_repeats;      /* levels that were solved once more, as the first result had left the class */
     double class_seconds;        /* for the certificate, part of solve_seconds */
+    double unevenness;           /* of the values, see hmf_conformal_scale */
 } hmf_report;
 
 /* The report of a foliation that hmf_solve or hmf_relax made, else NULL.
@@ -640,6 +690,15 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    this is the unique minimum. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
+
+/* log_scale: triangle_count of the level, natural logarithm of |grad u| on each
+   triangle, |du| being the foliation: by how much a conformal (u, v) stretches
+   there, in the unit of the values / the unit of the positions.  Not less than
+   the largest - 16.1.  unevenness: its standard deviation over the surface, 0 if
+   the scale is the same everywhere.  Either may be NULL.  Measured on the values
+   of the level and its positions; any foliation will do. */
+HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, double *log_scale,
+                                       size_t capacity, double *unevenness, hmf_error *error);
 
 #define HMF_SINGULAR_VERTEX 1
 #define HMF_SINGULAR_TRIANGLE 2

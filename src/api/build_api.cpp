@@ -1,12 +1,13 @@
 // hmf.h: build.
 #include "../hierarchy/suggest_marks.hpp"
+#include "build_options.hpp"
 #include "result.hpp"
 
 #include <new>
 
 using namespace hmf;
 
-namespace {
+namespace hmf {
 
 bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
     if (!copy_options(from, all)) return false;
@@ -27,7 +28,7 @@ hmf_status refuse_build_options(Call& call) {
                      "is in [0.05, 0.95], mollify in [0, 0.1], allocate and release come together.");
 }
 
-} // namespace
+} // namespace hmf
 
 extern "C" {
 

@@ -1,4 +1,5 @@
 // hmf.h: loops, initialize, solve, relax.
+#include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
 #include "surface_loops.hpp"
@@ -142,6 +143,11 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
+    ConformalScale scale;
+    if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
+                       recorder.unit(), call.memory))
+        return call.out_of_memory();
+    report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;

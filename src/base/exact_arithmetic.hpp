@@ -4,20 +4,20 @@
 #pragma once
 
 #if defined(__FAST_MATH__) || (defined(_MSC_VER) && defined(_M_FP_FAST))
-#  error "hmf needs IEEE arithmetic as written: compile it without -ffast-math, -Ofast and the like"
+#error "hmf needs IEEE arithmetic as written: compile it without -ffast-math, -Ofast and the like"
 #endif
 
 #include <cfloat>
 #if !defined(_MSC_VER) && FLT_EVAL_METHOD != 0
-#  error "hmf needs doubles without excess precision: on i386 compile it with -msse2 -mfpmath=sse"
+#error "hmf needs doubles without excess precision: on i386 compile it with -msse2 -mfpmath=sse"
 #endif
 
 #if defined(__clang__)
-#  pragma STDC FP_CONTRACT OFF
+#pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FMA__) || defined(__FP_FAST_FMAL))
 // gcc contracts where the machine can, also with -std=c++17.  Only where there is such an instruction, for the
 // pragma marks each function.
-#  pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("fp-contract=off")
 #elif defined(_MSC_VER)
-#  pragma fp_contract(off)
+#pragma fp_contract(off)
 #endif

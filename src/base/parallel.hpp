@@ -25,7 +25,10 @@ class Parallel {
 public:
     Parallel() = default;
     Parallel(hmf_parallel_for_fn run, void* user, uint32_t workers) :
-        run_(run), user_(user), slots_(!run ? 1 : workers == 0 ? 16 : workers < most_slots ? workers : most_slots) {}
+        run_(run), user_(user), slots_(!run                   ? 1
+                                       : workers == 0         ? 16
+                                       : workers < most_slots ? workers
+                                                              : most_slots) {}
 
     uint32_t slots() const { return slots_; }
 

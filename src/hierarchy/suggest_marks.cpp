@@ -45,24 +45,30 @@ public:
         mesh_(mesh), position_(position), call_(call), memory_(call.memory) {}
 
     Done find(Array<uint32_t>& marks) {
-        const uint32_t n = mesh_.vertex_count;
-        heap_.start(memory_);
-        order_.start(memory_);
-        tips_.start(memory_);
         marks.start(memory_);
-        if (!length_.allocate(memory_, mesh_.edge_count) || !area_.allocate_filled(memory_, n, 0.0)
-            || !distance_.allocate(memory_, n) || !nearest_.allocate_filled(memory_, n, HUGE_VAL)
-            || !height_.allocate_filled(memory_, n, 0.0) || !used_.allocate_filled(memory_, n, uint8_t{0})
-            || !order_.reserve(n))
-            return false;
-        measure();
-        if (!measure_heights() || !find_tips() || !add_far_tip()) return false;
+        if (!find_limbs()) return false;
         for (const Tip& tip : tips_)
             if (!add_pair(tip.vertex, marks)) return false;
         while (marks.size() < 4 && marks.size() < mesh_.vertex_count) // a mesh of a few vertices
             if (!add(first_unused(), marks)) return false;
         return true;
     }
+
+    Done find_limbs() {
+        const uint32_t n = mesh_.vertex_count;
+        heap_.start(memory_);
+        order_.start(memory_);
+        tips_.start(memory_);
+        if (!length_.allocate(memory_, mesh_.edge_count) || !area_.allocate_filled(memory_, n, 0.0)
+            || !distance_.allocate(memory_, n) || !nearest_.allocate_filled(memory_, n, HUGE_VAL)
+            || !height_.allocate_filled(memory_, n, 0.0) || !used_.allocate_filled(memory_, n, uint8_t{0})
+            || !order_.reserve(n))
+            return false;
+        measure();
+        return measure_heights() && find_tips() && add_far_tip();
+    }
+
+    const Array<Tip>& tips() const { return tips_; }
 
 private:
     void measure() {
@@ -297,6 +303,15 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
 }
 
 } // namespace
+
+Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint32_t>& tips) {
+    Suggestion suggestion(mesh, position, call);
+    tips.start(call.memory);
+    if (!suggestion.find_limbs()) return false;
+    for (const Tip& tip : suggestion.tips())
+        if (!tips.push(tip.vertex)) return false;
+    return true;
+}
 
 hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
                          const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,

@@ -12,4 +12,7 @@ namespace hmf {
                                        size_t position_stride, const uint32_t* triangles, size_t triangle_count,
                                        const BuildOptions& options, Call& call, Array<uint32_t>& marks);
 
+// The tips of the limbs of a mesh, at least two, longest limbs first.
+Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint32_t>& tips);
+
 } // namespace hmf

@@ -33,9 +33,9 @@ static int full(int x, int y, int z) {
 }
 
 static uint32_t vertex(int x, int y, int z) {
-    uint32_t *number = &number_at[(x * 32 + y) * 16 + z];
+    uint32_t* number = &number_at[(x * 32 + y) * 16 + z];
     if (*number == HMF_NONE) {
-        double *p = positions + 3 * vertex_count;
+        double* p = positions + 3 * vertex_count;
         p[0] = x + shift();
         p[1] = y + shift();
         p[2] = z + shift();
@@ -89,7 +89,7 @@ static uint64_t hash_word(uint64_t hash, uint64_t word, int bytes) {
     return hash;
 }
 
-static uint64_t hash_reals(const double *values, size_t count) {
+static uint64_t hash_reals(const double* values, size_t count) {
     uint64_t hash = 0xcbf29ce484222325u, word;
     size_t i;
     for (i = 0; i < count; ++i) {
@@ -99,7 +99,7 @@ static uint64_t hash_reals(const double *values, size_t count) {
     return hash;
 }
 
-static uint64_t hash_numbers(const uint32_t *values, size_t count) {
+static uint64_t hash_numbers(const uint32_t* values, size_t count) {
     uint64_t hash = 0xcbf29ce484222325u;
     size_t i;
     for (i = 0; i < count; ++i) hash = hash_word(hash, values[i], 4);
@@ -110,25 +110,25 @@ static void print_hash(uint64_t hash) {
     printf(" %08lx%08lx", (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffffu));
 }
 
-static int check(const char *what, hmf_status status, const hmf_error *error) {
+static int check(const char* what, hmf_status status, const hmf_error* error) {
     if (status == HMF_OK) return 0;
     printf("%s: %s: %s\n", what, hmf_status_string(status), error->message);
     return 1;
 }
 
-static int one(const char *name, int kind, const uint32_t *marks, size_t mark_count) {
-    hmf_hierarchy *hierarchy = NULL;
-    hmf_foliation *foliation = NULL;
-    hmf_loop_set *loops = NULL;
-    hmf_parameterization *map = NULL;
+static int one(const char* name, int kind, const uint32_t* marks, size_t mark_count) {
+    hmf_hierarchy* hierarchy = NULL;
+    hmf_foliation* foliation = NULL;
+    hmf_loop_set* loops = NULL;
+    hmf_parameterization* map = NULL;
     hmf_lines *leaves = NULL, *conjugate = NULL;
-    hmf_quad_mesh *quads = NULL;
+    hmf_quad_mesh* quads = NULL;
     static const uint32_t point_triangle[1] = {17};
     static const double point_barycentric[3] = {0.25, 0.25, 0.5};
     hmf_build_options build;
     hmf_trace_options trace;
     hmf_error error;
-    const double *values;
+    const double* values;
     size_t count;
     int failed = 1;
 
@@ -163,8 +163,8 @@ static int one(const char *name, int kind, const uint32_t *marks, size_t mark_co
         print_hash(hash_reals(map->corner_uv, 6 * triangle_count));
         print_hash(hash_reals(leaves->points, 3 * (size_t)leaves->point_count));
         print_hash(hash_reals(conjugate->points, 3 * (size_t)conjugate->point_count));
-        print_hash(hash_reals(quads->positions, 3 * (size_t)quads->vertex_count) ^
-                   hash_numbers(quads->quads, 4 * (size_t)quads->quad_count));
+        print_hash(hash_reals(quads->positions, 3 * (size_t)quads->vertex_count)
+                   ^ hash_numbers(quads->quads, 4 * (size_t)quads->quad_count));
         printf("\n");
         failed = 0;
     } while (0);

@@ -87,6 +87,13 @@ inline Bits bits_of(const hmf_cylinder_set& c) {
     return bits;
 }
 
+inline Bits bits_of(const hmf_design& d) {
+    Bits bits = bits_of(*d.loops);
+    append(bits, d.marked_vertices, d.marked_count);
+    bits.insert(bits.end(), {d.unevenness, d.unevenness_before, double(d.solves)});
+    return bits;
+}
+
 inline Bits bits_of(const hmf_quad_mesh& q) {
     Bits bits;
     append(bits, q.positions, 3 * q.vertex_count);
@@ -137,6 +144,7 @@ struct Story {
         values = values_of(harmonic);
         read = create(hierarchy, 0, values);
         add_core();
+        add_design(mesh, build);
         for (Foliation* f : {&harmonic, &read}) add_uses(*f, f == &harmonic);
     }
     Story(const Story&) = delete;
@@ -196,6 +204,17 @@ private:
                            [this](auto c, auto out, auto e) { return hmf_interpolate(coarse.get(), 0, c, out, e); });
     }
 
+    void add_design(const TriMesh& mesh, const hmf_build_options& build) {
+        add<hmf_design>("hmf_even_design", [&mesh, build](auto c, auto out, auto e) {
+            hmf_design_options options{};
+            options.struct_size = sizeof options;
+            options.build = &build;
+            options.solve_limit = 5;
+            return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, c, out, e);
+        });
+    }
+
     void add_uses(const Foliation& f, bool minimum) {
         functions.push_back(
             {"hmf_energy", false, [&f](const hmf_control* c, Bits* bits) {
@@ -204,6 +223,11 @@ private:
         functions.push_back({"hmf_residuals", false, [&f, this](const hmf_control* c, Bits* bits) {
                                  return one_array(bits, vertices, [&](double* out, hmf_error* e) {
                                      return hmf_residuals(f.get(), c, out, vertices, e);
+                                 });
+                             }});
+        functions.push_back({"hmf_conformal_scale", false, [&f](const hmf_control* c, Bits* bits) {
+                                 return one_array(bits, 1, [&](double* out, hmf_error* e) {
+                                     return hmf_conformal_scale(f.get(), c, nullptr, 0, out, e);
                                  });
                              }});
         add<hmf_singularity_set>("hmf_singularities",

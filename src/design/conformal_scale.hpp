@@ -1,0 +1,28 @@
+// The conformal scale of a foliation, |grad u|, and how uneven it is.
+#pragma once
+
+#include "../base/memory.hpp"
+#include "../mesh/mesh.hpp"
+
+namespace hmf {
+
+// Natural logarithm of a positive number, the same bits everywhere.
+double natural_log(double x);
+
+struct ConformalScale {
+    Array<double> log_scale; // per face: log |grad u| - offset
+    double offset = 0;       // of the unit of the positions: nothing else depends on that
+    Array<double> area;      // per face, shares of the whole: their sum is 1
+    double across = 0;       // how much u changes along the diagonal of the box at the root mean square of |grad u|
+    double mean = 0;         // of log_scale over the surface
+
+    // value: per edge.  Where |grad u| is 1e-7 of the largest or less, that counts.  A tripod has
+    // the gradient that its energy stands for.
+    Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory);
+
+    // Standard deviation of log_scale over the surface: 0 for a flat metric that
+    // is the surface's own.
+    double unevenness() const;
+};
+
+} // namespace hmf

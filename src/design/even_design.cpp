@@ -1,0 +1,186 @@
+// Searched on a coarse level, carried to the caller's mesh:
+//
+//     level 0 --collapses to end points--> coarse level = a mesh on its own
+//                                               |  even_search.cpp
+//     loops on level 0 <--shortened on each-- loops there
+//
+// Vertices of the coarse level are vertices of the caller, so marks need no
+// carrying.  The levels themselves know no marks: to shorten loops there, marked
+// vertices get the lowest numbers of a copy.
+#include "even_design.hpp"
+
+#include "../hierarchy/suggest_marks.hpp"
+#include "../loops/carry_loops.hpp"
+#include "../loops/library_loops.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr uint64_t VERTICES = 1000;                      // of the coarse level
+constexpr double LEAST_WORK = 120, EDGES_PER_WORK = 400; // EvenSearch::work; some 10 solves of level 0
+
+// A mesh with other numbers for its vertices, marked ones first.
+class MarkedView {
+public:
+    Done make(const Mesh& mesh, const double* position, const Array<uint32_t>& marks, Memory& memory) {
+        const uint32_t n = mesh.vertex_count;
+        Array<uint32_t> number; // of each vertex
+        if (!number.allocate_filled(memory, n, NONE) || !origin_.allocate(memory, size_t{2} * mesh.edge_count)
+            || !out_.allocate(memory, n) || !position_.allocate(memory, size_t{3} * n))
+            return false;
+        uint32_t next = 0;
+        for (const uint32_t v : marks) number[v] = next++;
+        for (uint32_t v = 0; v < n; ++v)
+            if (number[v] == NONE) number[v] = next++;
+        for (size_t h = 0; h < origin_.size(); ++h) origin_[h] = number[mesh.origin[h]];
+        for (uint32_t v = 0; v < n; ++v) {
+            out_[number[v]] = mesh.out[v];
+            for (size_t c = 0; c < 3; ++c) position_[size_t{3} * number[v] + c] = position[size_t{3} * v + c];
+        }
+        mesh_ = mesh;
+        mesh_.origin = origin_.data();
+        mesh_.out = out_.data();
+        mesh_.marked_count = static_cast<uint32_t>(marks.size());
+        return true;
+    }
+    const Mesh& mesh() const { return mesh_; }
+    const double* position() const { return position_.data(); }
+
+private:
+    Mesh mesh_;
+    Array<uint32_t> origin_, out_;
+    Array<double> position_;
+};
+
+Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surface& surface) {
+    if (!surface.position.allocate(memory, size_t{3} * mesh.vertex_count)
+        || !surface.triangles.allocate(memory, size_t{3} * mesh.face_count))
+        return false;
+    for (size_t i = 0; i < surface.position.size(); ++i) surface.position[i] = position[i];
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+        const uint32_t a = mesh.next[h], b = mesh.next[a];
+        if (h > a || h > b) continue;
+        uint32_t* const corner = surface.triangles.data() + size_t{3} * mesh.face[h];
+        corner[0] = mesh.origin[h];
+        corner[1] = mesh.origin[a];
+        corner[2] = mesh.origin[b];
+    }
+    return true;
+}
+
+// The loops of a trial on its finest level as loops of the mesh that the surface is a copy of.
+hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, Call& call, Loops& loops) {
+    Array<uint32_t> vertex;
+    if (library_loops(trial, 0, HMF_LOOPS_PANTS, call, loops)) return call.status();
+    if (!vertex.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
+    for (uint32_t& x : loops.crossings) {
+        const uint32_t from = vertex[trial.input.origin[x]], to = vertex[trial.input.target(x)];
+        uint32_t h = mesh.out[from];
+        while (mesh.target(h) != to) { // the mesh is simplicial
+            h = mesh.rotate_ccw(h);
+            if (h == mesh.out[from])
+                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "An edge got lost. Please report this.");
+        }
+        x = h;
+    }
+    return HMF_OK;
+}
+
+// Those with a weight.
+Done keep_loops(const Array<double>& weights, EvenDesign& out, Memory& memory) {
+    Loops kept;
+    kept.offsets.start(memory);
+    kept.crossings.start(memory);
+    out.weights.start(memory);
+    if (!kept.offsets.push(0)) return false;
+    for (size_t c = 0; c < weights.size(); ++c) {
+        if (!(weights[c] > 0)) continue;
+        for (uint64_t i = out.loops.offsets[c]; i < out.loops.offsets[c + 1]; ++i)
+            if (!kept.crossings.push(out.loops.crossings[i])) return false;
+        if (!kept.offsets.push(kept.crossings.size()) || !out.weights.push(weights[c])) return false;
+    }
+    out.loops = static_cast<Loops&&>(kept);
+    return true;
+}
+
+// From a level to level 0, shortened on each.  marks: internal numbers.
+hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint32_t>& marks, Call& call,
+                          Loops& loops) {
+    MarkedView view;
+    LoopCarrier carrier;
+    if (level > 0 && !carrier.load(h, level, 0, loops, call.memory)) return call.out_of_memory();
+    for (size_t k = level; k-- > 0;) {
+        if (!carrier.refine(call)) return call.was_cancelled();
+        if (!carrier.read(0, loops.count(), loops, call.memory)
+            || !view.make(carrier.mesh(), h.levels[k].position, marks, call.memory))
+            return call.out_of_memory();
+        if (shorten_loops(view.mesh(), view.position(), 0, 1, 1, call, loops)) return call.status();
+        if (k > 0 && !carrier.replace(loops)) return call.out_of_memory();
+    }
+    if (!view.make(h.input, h.levels[0].position, marks, call.memory)) return call.out_of_memory();
+    return pull_tight(view.mesh(), call, loops);
+}
+
+} // namespace
+
+hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_count, const uint32_t* triangles,
+                       size_t triangle_count, const BuildOptions& build, const DesignOptions& options, Call& call,
+                       EvenDesign& out) {
+    BuildOptions coarse;
+    coarse.collapse = HMF_COLLAPSE_ENDPOINT;
+    coarse.coarsest = VERTICES;
+    coarse.mollify = build.mollify;
+    coarse.sphere_allowed = true;
+    coarse.marked_vertices = build.marked_vertices;
+    coarse.marked_count = build.marked_count;
+    call.range(0, 0.15);
+    if (build_hierarchy(h, positions, vertex_count, static_cast<size_t>(build.position_stride), triangles,
+                        triangle_count, coarse, call))
+        return call.status();
+    const size_t level = h.level_count - 1;
+    const Mesh& mesh = loop_mesh(h, level);
+    const double* position = h.levels[level].position;
+    Surface surface;
+    Array<uint32_t> tips, given;
+    EvenChoice best;
+    tips.start(call.memory);
+    given.start(call.memory);
+    if (!copy_surface(mesh, position, call.memory, surface)) return call.out_of_memory();
+    for (uint32_t v = 0; v < mesh.marked_count; ++v)
+        if (!given.push(v)) return call.out_of_memory();
+    call.range(0.15, 0.17);
+    if (h.genus == 0 && !limb_tips(mesh, position, call, tips)) return call.stopped();
+    call.range(0.17, 0.9);
+    EvenSearch search(h, mesh, position, surface, call);
+    const double by_size = static_cast<double>(h.input.edge_count) / EDGES_PER_WORK;
+    search.budget = options.solves > 0   ? static_cast<double>(options.solves)
+                  : by_size > LEAST_WORK ? by_size
+                                         : LEAST_WORK;
+    search.poles = options.poles;
+    if (search.run(given, tips, best)) return call.status();
+    if (!(best.unevenness < HUGE_VAL))
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");
+    if (search.round_weights(best)) return call.status();
+    call.range(0.9, 1);
+    {
+        MarkedTrial trial(h, call, search.fraction);
+        if (trial.start(surface, best.marks)) return call.status();
+        if (loops_on_surface(trial.hierarchy(), mesh, call, out.loops)) return call.status();
+        if (!keep_loops(best.weights, out, call.memory)) return call.out_of_memory();
+    }
+    if (carry_to_input(h, level, best.marks, call, out.loops)) return call.status();
+    Array<uint32_t> caller;
+    if (!caller.allocate(call.memory, vertex_count) || !out.marks.allocate(call.memory, best.marks.size()))
+        return call.out_of_memory();
+    for (uint32_t v = 0; v < vertex_count; ++v) caller[h.vertex_internal[v]] = v;
+    for (size_t i = 0; i < best.marks.size(); ++i) out.marks[i] = caller[best.marks[i]];
+    out.unevenness = best.unevenness;
+    out.unevenness_before = search.unevenness_before;
+    out.solves = search.solves;
+    return HMF_OK;
+}
+
+} // namespace hmf

@@ -1,0 +1,376 @@
+// Poles at the ends of limbs.  The scale of a foliation without poles decays
+// along a limb that no loop goes round: a limb needs curvature at its end.
+//
+//       ____
+//      /    \___________        .   one pole at a pointed tip (angle pi), two at the
+//     |  body     limb   )     .    rim of a blunt one (pi + pi: a flat cap), none
+//      \____/-----------        .   where there is curvature enough
+//
+// Tips are the persistent minima of log |grad u|, smoothed.  What is best for
+// each is tried, one tip after the other; the loops are the pants loops of the
+// surface with its marked vertices, and the weights those that make the scale
+// as even as it gets (Gauss-Newton, marked_trial.hpp).
+#include "even_search.hpp"
+
+#include "../base/disjoint_sets.hpp"
+#include "../base/heap_sort.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr double PERSISTENCE = 0.3; // least, of a tip
+constexpr double DEPTH = 0.2;       // least, below the mean
+constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
+constexpr size_t MOST_TIPS = 24;
+constexpr double PRICE = 0.003;      // of a pole, in unevenness
+constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
+constexpr double DAMPING = 1e-3;
+constexpr double CAP_SHAPE = 2.4; // area of a disk / square of its radius: it covers the end of a limb
+
+} // namespace
+
+Done EvenSearch::prepare() {
+    const uint32_t n = mesh_.vertex_count;
+    heap_.start(memory_);
+    order_.start(memory_);
+    if (!length_.allocate(memory_, mesh_.edge_count) || !area_.allocate_filled(memory_, n, 0.0)
+        || !distance_.allocate(memory_, n) || !order_.reserve(n))
+        return false;
+    const auto at = [this](uint32_t v) { return position_ + size_t{3} * v; };
+    whole_ = 0;
+    for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
+        const double *p = at(mesh_.origin[h]), *q = at(mesh_.target(h)), *r = at(mesh_.origin[mesh_.prev(h)]);
+        const double a[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, b[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+        const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+        const double third = std::sqrt(x * x + y * y + z * z) / 6;
+        length_[edge_of(h)] = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+        area_[mesh_.origin[h]] += third;
+        whole_ += third;
+    }
+    return true;
+}
+
+// Dijkstra from a vertex within `allowed` (NULL: everywhere); ends where
+// enough(v) holds and gives the last vertex.
+template <class Enough>
+Done EvenSearch::spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
+    for (double& d : distance_) d = HUGE_VAL;
+    order_.clear();
+    heap_.clear();
+    distance_[from] = 0;
+    if (!heap_.push({0, from})) return false;
+    while (!heap_.empty()) {
+        const NearestFirst::Entry entry = heap_.pop();
+        const uint32_t v = entry.item;
+        if (entry.distance > distance_[v]) continue;
+        order_.add(v); // each vertex once
+        last = v;
+        if (enough(v)) break;
+        for (const uint32_t h : mesh_.around(v)) {
+            const uint32_t w = mesh_.target(h);
+            const double d = entry.distance + length_[edge_of(h)];
+            if (d < distance_[w] && (!allowed || allowed[w])) {
+                distance_[w] = d;
+                if (!heap_.push({d, w})) return false;
+            }
+        }
+    }
+    return true;
+}
+
+// The ends of a diameter of the disk that covers the end of the limb.
+Done EvenSearch::place_pair(Tip& tip) {
+    double area = 0;
+    uint32_t reached = 0, ends[2] = {tip.vertex, tip.vertex};
+    tip.ends[0] = tip.ends[1] = NONE;
+    Array<uint8_t> disk;
+    if (!spread(tip.vertex, nullptr, ends[0],
+                [&](uint32_t v) {
+                    area += area_[v];
+                    const double r = distance_[v];
+                    return ++reached >= 8 && (area > 0.02 * whole_ || area < CAP_SHAPE * r * r);
+                })
+        || !disk.allocate_filled(memory_, mesh_.vertex_count, uint8_t{0}))
+        return false;
+    for (const uint32_t v : order_) disk[v] = 1;
+    const auto never = [](uint32_t) { return false; };
+    if (!spread(ends[0], disk.data(), ends[1], never) || !spread(ends[1], disk.data(), ends[0], never)) return false;
+    if (ends[0] == ends[1]) return true;
+    tip.ends[0] = ends[0];
+    tip.ends[1] = ends[1];
+    return true;
+}
+
+// Persistent minima of the smoothed scale that lie away from the tips there are.
+Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
+    const uint32_t n = mesh_.vertex_count;
+    Array<double> height, smooth;
+    Array<uint32_t> rising, part, lowest;
+    Array<uint8_t> passed, taken;
+    found.start(memory_);
+    if (!height.allocate(memory_, n) || !smooth.allocate(memory_, n) || !rising.allocate(memory_, n)
+        || !part.allocate(memory_, n) || !lowest.allocate(memory_, n) || !passed.allocate_filled(memory_, n, uint8_t{0})
+        || !taken.allocate_filled(memory_, n, uint8_t{0}))
+        return false;
+    double mean = 0;
+    for (uint32_t v = 0; v < n; ++v) {
+        height[v] = choice.scale[v];
+        mean += area_[v] / whole_ * height[v];
+    }
+    for (uint32_t v = 0; v < n; ++v) { // one step of smoothing
+        double sum = area_[v] * height[v], area = area_[v];
+        for (const uint32_t h : mesh_.around(v)) {
+            const uint32_t w = mesh_.target(h);
+            sum += area_[w] * height[w];
+            area += area_[w];
+        }
+        smooth[v] = area > 0 ? sum / area : height[v];
+    }
+    // Rings round the tips there are.
+    Array<uint32_t> queue;
+    queue.start(memory_);
+    const auto take = [&](uint32_t v) -> Done {
+        if (v == NONE || taken[v]) return true;
+        taken[v] = 1;
+        return queue.push(v);
+    };
+    for (const Tip& tip : choice.tips)
+        if (!take(tip.vertex) || !take(tip.ends[0]) || !take(tip.ends[1])) return false;
+    size_t begin = 0;
+    for (int ring = 0; ring < 2; ++ring) {
+        const size_t end = queue.size();
+        for (; begin < end; ++begin) {
+            for (const uint32_t h : mesh_.around(queue[begin])) {
+                if (!take(mesh_.target(h))) return false;
+            }
+        }
+    }
+    const auto lower = [&smooth](uint32_t a, uint32_t b) {
+        return smooth[a] != smooth[b] ? smooth[a] < smooth[b] : a < b;
+    };
+    for (uint32_t v = 0; v < n; ++v) rising[v] = part[v] = lowest[v] = v;
+    heap_sort(rising.data(), n, lower);
+    const auto add = [&](uint32_t v, double persistence) -> Done {
+        if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
+        return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
+    };
+    for (const uint32_t v : rising) {
+        passed[v] = 1;
+        for (const uint32_t h : mesh_.around(v)) {
+            const uint32_t w = mesh_.target(h);
+            const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
+            if (passed[w] && a != b) {
+                const uint32_t x = lowest[a], y = lowest[b], ends = lower(x, y) ? y : x, stays = lower(x, y) ? x : y;
+                if (ends != v && !add(ends, smooth[v] - smooth[ends])) return false;
+                unite(part.data(), a, b);
+                lowest[find_root(part.data(), a)] = stays;
+            }
+        }
+    }
+    if (!add(rising[0], HUGE_VAL)) return false;
+    heap_sort(found.data(), found.size(),
+              [](const Tip& a, const Tip& b) { return a.depth != b.depth ? a.depth > b.depth : a.vertex < b.vertex; });
+    for (Tip& tip : found)
+        if (!place_pair(tip)) return false;
+    return true;
+}
+
+Done EvenSearch::list_marks(EvenChoice& choice) {
+    choice.marks.start(memory_);
+    const auto add = [&](uint32_t v) -> Done {
+        for (const uint32_t w : choice.marks)
+            if (w == v) return true;
+        return choice.marks.push(v);
+    };
+    for (const Tip& tip : choice.tips) {
+        if (tip.poles == 1 && !add(tip.vertex)) return false;
+        if (tip.poles == 2 && (!add(tip.ends[0]) || !add(tip.ends[1]))) return false;
+    }
+    return true;
+}
+
+Done EvenSearch::copy(const EvenChoice& from, EvenChoice& to) {
+    to.tips.start(memory_);
+    for (const Tip& tip : from.tips)
+        if (!to.tips.push(tip)) return false;
+    return true;
+}
+
+// A solve, or its derivatives: they take longer with more loops.
+void EvenSearch::count(const MarkedTrial& trial) {
+    ++solves;
+    work += 1 + static_cast<double>(trial.weights.size()) / 8;
+}
+
+hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double rival) {
+    choice.unevenness = HUGE_VAL;
+    MarkedTrial trial(like_, call_, fraction);
+    if (trial.start(surface_, choice.marks) || !trial.usable()) return call_.status();
+    Array<double> step, kept;
+    if (!kept.allocate(memory_, trial.weights.size()) || !choice.weights.allocate(memory_, trial.weights.size()))
+        return call_.out_of_memory();
+    const auto keep = [&] {
+        choice.unevenness = trial.unevenness();
+        for (size_t c = 0; c < kept.size(); ++c) choice.weights[c] = trial.weights[c];
+        return trial.vertex_scale(choice.scale, memory_);
+    };
+    count(trial);
+    if (trial.solve() || !trial.usable()) return call_.status();
+    if (!keep()) return call_.out_of_memory();
+    double damping = DAMPING;
+    for (uint32_t round = 0; round < rounds; ++round) {
+        fraction = work < budget ? work / budget : 1;
+        if (!call_.tick(fraction)) return call_.was_cancelled();
+        bool known = false;
+        count(trial);
+        if (trial.derive(known) || !trial.usable() || !known) return call_.status();
+        const double before = choice.unevenness;
+        bool better = false;
+        for (int attempt = 0; attempt < 2 && !better; ++attempt) {
+            if (trial.best_step(damping, step) || step.size() != kept.size()) return call_.status();
+            double longest = 0;
+            for (const double x : step)
+                if ((x < 0 ? -x : x) > longest) longest = x < 0 ? -x : x;
+            const double shrink = longest > LONGEST_STEP * 3 ? LONGEST_STEP * 3 / longest : 1;
+            for (size_t c = 0; c < kept.size(); ++c) {
+                double x = step[c] * shrink;
+                if (x > LONGEST_STEP) x = LONGEST_STEP;
+                if (x < -LONGEST_STEP) x = -LONGEST_STEP;
+                trial.weights[c] = choice.weights[c] * (1 + x / 2) / (1 - x / 2);
+            }
+            count(trial);
+            if (trial.solve() || !trial.usable()) return call_.status();
+            better = trial.unevenness() < choice.unevenness;
+            if (!better) damping *= 30;
+        }
+        if (!better) return HMF_OK;
+        if (!keep()) return call_.out_of_memory();
+        const double fall = before - choice.unevenness;
+        if (fall < 0.002 || choice.unevenness - 1.5 * fall > rival) return HMF_OK;
+    }
+    return HMF_OK;
+}
+
+// A mesh of a few vertices may have no two limbs.
+Done EvenSearch::mark_four(EvenChoice& choice) {
+    for (uint32_t v = 0; v < mesh_.vertex_count && like_.genus == 0 && choice.marks.size() < 4; ++v) {
+        if (!choice.tips.push({v, HUGE_VAL, 1, false, {NONE, NONE}}) || !list_marks(choice)) return false;
+    }
+    return true;
+}
+
+hmf_status EvenSearch::measure_before(const EvenChoice& first) {
+    MarkedTrial trial(like_, call_, fraction);
+    if (trial.start(surface_, first.marks, HMF_LOOPS_CUT) || !trial.usable()) return call_.status();
+    for (double& w : trial.weights) w = 1;
+    count(trial);
+    if (trial.solve() || !trial.usable()) return call_.status();
+    unevenness_before = trial.unevenness();
+    return HMF_OK;
+}
+
+// Lower is better: unevenness and the price of the poles.
+double EvenSearch::gain(const EvenChoice& before, const EvenChoice& after) const {
+    const double poles = static_cast<double>(after.marks.size()) - static_cast<double>(before.marks.size());
+    return before.unevenness - after.unevenness - PRICE * poles;
+}
+
+hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best) {
+    constexpr uint32_t ROUNDS = 3;
+    if (!prepare()) return call_.out_of_memory();
+    best.tips.start(memory_);
+    for (const uint32_t v : given)
+        if (!best.tips.push({v, HUGE_VAL, 1, true, {NONE, NONE}})) return call_.out_of_memory();
+    for (const uint32_t v : tips) {
+        Tip tip{v, HUGE_VAL, 2, false, {NONE, NONE}};
+        if (!place_pair(tip)) return call_.out_of_memory();
+        if (tip.ends[0] == NONE) continue;
+        if (!best.tips.push(tip)) return call_.out_of_memory();
+    }
+    if (!list_marks(best) || !mark_four(best)) return call_.out_of_memory();
+    if (measure_before(best) || evaluate(best, ROUNDS)) return call_.status();
+    if (!poles) return HMF_OK;
+    // All new tips at once, as often as that helps.
+    for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
+        EvenChoice next;
+        Array<Tip> found;
+        if (!find_tips(best, found) || !copy(best, next)) return call_.out_of_memory();
+        for (Tip& tip : found) {
+            if (next.tips.size() == MOST_TIPS) break;
+            tip.poles = tip.depth > TWO_POLES && tip.ends[0] != NONE ? 2 : 1;
+            if (!next.tips.push(tip)) return call_.out_of_memory();
+        }
+        if (next.tips.size() == best.tips.size()) break;
+        if (!list_marks(next) || evaluate(next, ROUNDS)) return call_.status() ? call_.status() : call_.out_of_memory();
+        if (gain(best, next) <= 0) { // kept as tips without poles: each is tried below
+            for (size_t i = best.tips.size(); i < next.tips.size(); ++i) {
+                Tip tip = next.tips[i];
+                tip.poles = 0;
+                if (!best.tips.push(tip)) return call_.out_of_memory();
+            }
+            break;
+        }
+        best = static_cast<EvenChoice&&>(next);
+    }
+    // Another number of poles at one tip after the other.
+    bool changed = true;
+    for (int pass = 0; pass < 3 && changed && work < budget; ++pass) {
+        changed = false;
+        for (size_t i = 0; i < best.tips.size() && work < budget; ++i) {
+            const uint32_t now = best.tips[i].poles;
+            if (best.tips[i].stays) continue;
+            for (uint32_t count = 0; count <= 2 && work < budget; ++count) {
+                if (count == now || count == best.tips[i].poles) continue;
+                EvenChoice next;
+                if (!copy(best, next)) return call_.out_of_memory();
+                next.tips[i].poles = count;
+                if (count == 2 && next.tips[i].ends[0] == NONE) continue;
+                if (!list_marks(next)) return call_.out_of_memory();
+                if (like_.genus == 0 && next.marks.size() < 4) continue;
+                if (evaluate(next, ROUNDS, best.unevenness)) return call_.status();
+                if (gain(best, next) <= 0) continue;
+                best = static_cast<EvenChoice&&>(next);
+                changed = true;
+            }
+        }
+    }
+    return HMF_OK;
+}
+
+hmf_status EvenSearch::round_weights(EvenChoice& best) {
+    constexpr double STRIPES = 44; // along the diagonal of the box
+    constexpr double STRETCH[3] = {1, 0.87, 1.15};
+    MarkedTrial trial(like_, call_, fraction);
+    if (trial.start(surface_, best.marks) || !trial.usable() || trial.weights.size() != best.weights.size())
+        return call_.status();
+    double largest = 0;
+    for (const double w : best.weights)
+        if (w > largest) largest = w;
+    const auto try_weights = [&](double step) { // 0: as they are
+        for (size_t c = 0; c < best.weights.size(); ++c)
+            trial.weights[c] = step > 0 ? std::floor(best.weights[c] / step + 0.5) : best.weights[c];
+        count(trial);
+        return trial.solve();
+    };
+    if (try_weights(0) || !trial.usable()) return call_.status();
+    const double exact = trial.unevenness(), whole = trial.scale().across * largest / STRIPES;
+    double chosen = 0, least = HUGE_VAL;
+    for (int finer = 1; finer <= 16 && !(least < 1.08 * exact + 0.01); finer *= 2) // mostly once
+        for (const double stretch : STRETCH) {
+            const double step = whole * stretch / finer;
+            if (!(step > 0) || largest / step < 0.5 || largest / step > LARGEST_WEIGHT_RATIO) continue;
+            if (!call_.tick(fraction)) return call_.was_cancelled();
+            if (try_weights(step) || !trial.usable()) return call_.status();
+            if (trial.unevenness() < least) {
+                least = trial.unevenness();
+                chosen = step;
+            }
+        }
+    if (!(chosen > 0)) return HMF_OK;
+    for (double& w : best.weights) w = std::floor(w / chosen + 0.5);
+    best.unevenness = least;
+    return HMF_OK;
+}
+
+} // namespace hmf

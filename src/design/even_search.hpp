@@ -1,0 +1,78 @@
+// The search of the even design: which vertices to mark, and the weights.
+#pragma once
+
+#include "marked_trial.hpp"
+
+namespace hmf {
+
+// Where the scale decays: the end of a limb, or of what sticks out.
+struct Tip {
+    uint32_t vertex;
+    double depth;     // of the log scale there below its mean, when it was found
+    uint32_t poles;   // 0, 1 or 2
+    bool stays;       // marked by the caller
+    uint32_t ends[2]; // where two of them lie; NONE if there is no room
+};
+
+struct EvenChoice {
+    Array<Tip> tips;
+    Array<uint32_t> marks; // vertices of the surface
+    Array<double> weights; // of the pants loops with these marks
+    Array<double> scale;   // log |grad u| at the vertices
+    double unevenness = HUGE_VAL;
+};
+
+class EvenSearch {
+public:
+    // mesh and position: of the surface, in its numbers.
+    EvenSearch(const hmf_hierarchy& like, const Mesh& mesh, const double* position, const Surface& surface,
+               Call& call) :
+        like_(like),
+        mesh_(mesh), position_(position), surface_(surface), call_(call), memory_(call.memory) {}
+
+    // Starts from marked vertices that stay and from tips of limbs with two poles
+    // each, then adds and removes poles as long as that makes the scale more even.
+    hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, EvenChoice& best);
+
+    double budget = 0;   // work
+    bool poles = true;   // else the weights alone, where that can be
+    double fraction = 0; // of the work done
+
+    // Weights for the marks of a choice, from those of the loops that its surface suggests.  Gives up where
+    // it falls behind a rival.
+    hmf_status evaluate(EvenChoice& choice, uint32_t rounds, double rival = HUGE_VAL);
+
+    // Whole numbers for weights, so that stripes match everywhere; loops of
+    // weight 0 are left out.  A cylinder of height 1 is about 1/44 of the size.
+    hmf_status round_weights(EvenChoice& best);
+
+    double unevenness_before = 0; // of the default loops with weights 1
+    uint64_t solves = 0;          // a derivative counts as one
+    double work = 0;              // a solve without loops is 1, with n loops 1 + n / 8
+
+private:
+    Done find_tips(const EvenChoice& choice, Array<Tip>& found);
+    Done place_pair(Tip& tip);
+    Done list_marks(EvenChoice& choice);
+    Done copy(const EvenChoice& from, EvenChoice& to);
+    template <class Enough>
+    Done spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough);
+    double gain(const EvenChoice& before, const EvenChoice& after) const;
+    void count(const MarkedTrial& trial);
+    Done prepare();
+    Done mark_four(EvenChoice& choice);
+    hmf_status measure_before(const EvenChoice& first);
+
+    const hmf_hierarchy& like_;
+    const Mesh& mesh_;
+    const double* position_;
+    const Surface& surface_;
+    Call& call_;
+    Memory& memory_;
+    Array<double> length_, area_, distance_; // per edge, per vertex twice
+    Array<uint32_t> order_;
+    NearestFirst heap_;
+    double whole_ = 0;
+};
+
+} // namespace hmf
