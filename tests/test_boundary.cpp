@@ -337,3 +337,101 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
     }
     EXPECT_GE(solved, 12u);
 }
+
+namespace {
+
+Owned<hmf_lines> levels(const Solution& s, double spacing, int32_t leaves = HMF_LEAVES_FOLIATION) {
+    hmf_trace_options options{};
+    options.struct_size = sizeof options;
+    options.spacing = spacing;
+    options.leaves = leaves;
+    return make<hmf_lines>(
+        [&](hmf_lines** out, hmf_error* error) { return hmf_trace(s.foliation.get(), &options, nullptr, out, error); });
+}
+
+} // namespace
+
+// Straight lines from side to side, and circles.
+TEST(Boundary, LeavesEndAtTheBoundary) {
+    const size_t n = 24, m = 10;
+    const TriMesh mesh = rectangle(n, m, 3, 1.25, 0.5, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    Curves curves;
+    Path along;
+    for (size_t i = 0; i <= n; ++i) along.push_back(uint32_t(i * (m + 1) + m / 2));
+    curves.add(along, true);
+    const Solution s = solve_curves(hierarchy, curves);
+    for (const int32_t way : {HMF_LEAVES_FOLIATION, HMF_LEAVES_CONJUGATE}) {
+        const auto lines = levels(s, 0.125, way);
+        ASSERT_TRUE(lines);
+        EXPECT_GE(lines->line_count, 8u);
+        for (size_t k = 0; k < lines->line_count; ++k) {
+            const hmf_line& line = lines->lines[k];
+            EXPECT_FALSE(line.closed);
+            if (way == HMF_LEAVES_FOLIATION) {
+                EXPECT_EQ(line.begin, HMF_END_BOUNDARY);
+                EXPECT_EQ(line.end, HMF_END_BOUNDARY);
+            }
+            EXPECT_NEAR(line.length, way == HMF_LEAVES_FOLIATION ? 3 : 1.25, 1e-6);
+            const size_t c = way == HMF_LEAVES_FOLIATION ? 1 : 0;
+            for (uint64_t p = lines->offsets[k]; p < lines->offsets[k + 1]; ++p)
+                EXPECT_NEAR(lines->points[3 * p + c], lines->points[3 * lines->offsets[k] + c], 1e-6);
+        }
+    }
+    const hmf_loop_set set = curves.view();
+    const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* error) {
+        return hmf_cylinders(s.foliation.get(), &set, nullptr, out, error);
+    });
+    ASSERT_TRUE(cylinders);
+    ASSERT_EQ(cylinders->count, 1u);
+    EXPECT_EQ(cylinders->list[0].loop, 0u);
+    EXPECT_EQ(cylinders->list[0].height, 1);
+    EXPECT_NEAR(cylinders->list[0].circumference, 3 / 1.25, 1e-6);
+    EXPECT_NEAR(cylinders->list[0].area, s.report.energy, 1e-6);
+    // Its leaf in the middle is an arc of the same class.
+    EXPECT_EQ(cylinders->leaves->arcs[0], 1);
+    Solution again;
+    hmf_foliation* raw = nullptr;
+    again.status = hmf_solve(hierarchy.get(), cylinders->leaves, nullptr, nullptr, &raw, &again.error);
+    again.foliation.reset(raw);
+    ASSERT_TRUE(raw) << again.error.message;
+    EXPECT_NEAR(hmf_foliation_report(raw)->energy, s.report.energy, 1e-9);
+}
+
+TEST(Boundary, CylindersOfTheSurface) {
+    const TriMesh mesh = with_holes(torus(32, 16, 3, 1, {true, 1, 0.3, 3}), 3, 2, 4);
+    const Hierarchy hierarchy(mesh);
+    const auto set = make<hmf_loop_set>([&](hmf_loop_set** out, hmf_error* e) {
+        return hmf_loops(hierarchy.get(), 0, HMF_LOOPS_PANTS, nullptr, out, e);
+    });
+    ASSERT_TRUE(set);
+    Solution s;
+    hmf_foliation* raw = nullptr;
+    s.status = hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, &raw, &s.error);
+    s.foliation.reset(raw);
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    s.report = *hmf_foliation_report(raw);
+    const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* error) {
+        return hmf_cylinders(s.foliation.get(), set.get(), nullptr, out, error);
+    });
+    ASSERT_TRUE(cylinders);
+    ASSERT_EQ(cylinders->count, set->count);
+    std::set<uint32_t> loops;
+    double area = 0, sum = 0;
+    for (size_t c = 0; c < cylinders->count; ++c) {
+        loops.insert(cylinders->list[c].loop);
+        EXPECT_EQ(cylinders->list[c].height, 1);
+        area += cylinders->list[c].area;
+        sum += cylinders->list[c].height * cylinders->list[c].circumference;
+    }
+    EXPECT_EQ(loops.size(), set->count);
+    EXPECT_NEAR(area / s.report.energy, 1, 1e-6);
+    EXPECT_NEAR(sum / s.report.energy, 1, 1e-6);
+    hmf_foliation* second = nullptr;
+    hmf_error error{};
+    hmf_solve(hierarchy.get(), cylinders->leaves, nullptr, nullptr, &second, &error);
+    const Foliation again(second);
+    ASSERT_TRUE(second) << error.message;
+    EXPECT_NEAR(hmf_foliation_report(second)->energy / s.report.energy, 1, 1e-9);
+}

@@ -18,6 +18,7 @@ void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint
         if (k == 0 || critical != (l.lines[k - 1].kind == HMF_LINE_CRITICAL)
             || (!critical && line.cylinder != l.lines[k - 1].cylinder)) {
             if (critical) std::fprintf(file, "g critical\n");
+            else if (line.cylinder == HMF_NONE) std::fprintf(file, "g %s\n", cylinder_group); // with boundary
             else std::fprintf(file, "g %s_%u\n", cylinder_group, first_cylinder + line.cylinder);
         }
         if (l.offsets[k + 1] - l.offsets[k] < 2) continue;

@@ -102,6 +102,7 @@ HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_pa
 #define HMF_END_LIMIT 2          /* at the length limit */
 #define HMF_END_NOWHERE 3        /* the given point lies where the foliation is 0: a line without points */
 #define HMF_END_CRITICAL 4       /* of a conjugate line: on a critical leaf, where its cylinder ends */
+#define HMF_END_BOUNDARY 5       /* at the boundary of the surface */
 
 #define HMF_LEAVES_DEFAULT 0
 #define HMF_LEAVES_FOLIATION 1   /* of the foliation itself (default): u is constant */
@@ -167,6 +168,12 @@ typedef struct hmf_lines {
  * end at the limit.  begin_zero, end_zero, height and, but for level sets,
  * cylinder are not set.
  *
+ * With boundary the leaves are those of the double, cut at the boundary (level 0):
+ * a leaf can give several lines, with the same source, in the order along it;
+ * begin_zero, end_zero and cylinder are HMF_NONE, and heights are those in the
+ * double.  Where leaves run along the boundary, one of them may go to and fro
+ * across it within the residual; parts below 1e-6 of a leaf are left out.
+ *
  * The foliation need not be harmonic, but for conjugate leaves, as for
  * hmf_cylinders.
  * Errors: classes 100, 200, 500; of a bad point error->index is its number
@@ -199,6 +206,10 @@ typedef struct hmf_cylinder_set {
  *
  *   loops       those that the foliation belongs to, on any level, or NULL: which
  *               loop each cylinder belongs to is not wanted
+ *
+ * With boundary, on level 0 and with the loops given: an arc has a strip, with the
+ * length of a leaf from boundary to boundary as its circumference, and a loop round
+ * a boundary the half of its cylinder on the surface; leaves are arcs for strips.
  *
  * Heights are exact.  Circumference, modulus and area are those of the minimum;
  * at the minimum energy = sum of height * circumference = sum of areas.

@@ -107,6 +107,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
             (given_weights ? given_weights[out.callers(static_cast<uint32_t>(c))] : 1.0) / out.unit);
         if (c < doubled.factor.size()) out.weights[c] *= doubled.factor[c];
     }
+    out.factor.swap(doubled.factor);
     if (!set) return HMF_OK;
     const Mesh& mesh = loop_mesh(h, out.level);
     const hmf_status status = check_loops(mesh, loops, call, &given);

@@ -9,6 +9,7 @@
 #include "../parameterize/parameterization.hpp"
 #include "../solve/to_minimum.hpp"
 #include "caller_numbers.hpp"
+#include "front_lines.hpp"
 #include "read_loop_set.hpp"
 #include "shared_flat.hpp"
 
@@ -134,6 +135,7 @@ hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hm
         Array<uint32_t> caller;
         if (inverse_numbers(h.edge_internal, h.input.edge_count, caller, call)) return call.status();
         for (uint32_t& e : made.edges) e = e == NONE ? HMF_NONE : caller[e];
+        if (h.is_double() && keep_front(h, made, call)) return call.status();
     }
     hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
@@ -156,6 +158,60 @@ hmf_status name_middle_leaves(const Leaves& leaves, Curves& curves, Array<uint32
     if (!leaves.faces) return HMF_OK;
     if (inverse_numbers(leaves.faces, mesh.face_count, triangle_of_face, call)) return call.status();
     for (uint32_t& t : triangles) t = triangle_of_face[t];
+    return HMF_OK;
+}
+
+// Triangles of a leaf of the double as ones of the surface: its way in front, for an
+// arc, or all of it, what is behind seen through the mirror.
+Done add_front_leaf(const uint32_t* leaf, size_t n, bool is_arc, uint32_t m, Array<uint32_t>& triangles) {
+    const size_t first = triangles.size();
+    size_t start = 0;
+    // An arc begins where the leaf comes to the front.
+    while (is_arc && start < n && (leaf[start] >= m || leaf[(start + n - 1) % n] < m)) ++start;
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t t = leaf[(start + i) % n];
+        if (is_arc && t >= m) break;
+        const uint32_t front = t < m ? t : t - m;
+        if (triangles.size() > first && triangles.back() == front) continue;
+        if (!triangles.push(front)) return false;
+    }
+    while (!is_arc && triangles.size() > first + 1 && triangles.back() == triangles[first]) triangles.pop();
+    return true;
+}
+
+// From the cylinders of a double, matched with its loops, to those of the caller's
+// loops on the surface.
+hmf_status keep_front_cylinders(const hmf_hierarchy& h, const hmf_loop_set& loops, const WeightedLoops& given,
+                                Array<hmf_cylinder>& list, Array<double>& heights, Curves& curves,
+                                Array<uint32_t>& triangles, Array<uint8_t>& arcs, Call& call) {
+    const uint32_t m = h.surface_triangles;
+    hmf_loop_set all;
+    if (read_options(&loops, all, "hmf_loop_set", call)) return call.status();
+    Array<uint64_t> offsets;
+    Array<uint32_t> front;
+    offsets.start(call.memory);
+    front.start(call.memory);
+    arcs.start(call.memory);
+    if (!offsets.push(0)) return call.out_of_memory();
+    size_t kept = 0;
+    for (size_t c = 0; c < list.size(); ++c) {
+        hmf_cylinder cylinder = list[c];
+        if (cylinder.loop >= all.count) continue; // behind
+        const bool is_arc = all.arcs && all.arcs[cylinder.loop] != 0, is_round = given.factor[cylinder.loop] == 2;
+        if (is_round) cylinder.height *= 0.5;
+        if (is_arc) cylinder.circumference *= 0.5;
+        if (is_arc || is_round) cylinder.area *= 0.5;
+        cylinder.modulus = cylinder.height / cylinder.circumference;
+        heights[kept] = cylinder.height;
+        list[kept++] = cylinder;
+        const uint64_t begin = curves.offsets[c], end = curves.offsets[c + 1];
+        if (!add_front_leaf(triangles.data() + begin, static_cast<size_t>(end - begin), is_arc, m, front)
+            || !offsets.push(front.size()) || !arcs.push(is_arc))
+            return call.out_of_memory();
+    }
+    while (list.size() > kept) list.pop();
+    curves.offsets.swap(offsets);
+    triangles.swap(front);
     return HMF_OK;
 }
 
@@ -289,8 +345,7 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
     if (entry.check(out)) return call.status();
     const Level& level = foliation->hierarchy->levels[foliation->level];
     hmf_trace_options all;
-    if (refuse_boundary(*foliation, "Leaves", call)
-        || read_trace_options(options, level, foliation->hierarchy->shown_triangles(foliation->level), all, call))
+    if (read_trace_options(options, level, foliation->hierarchy->shown_triangles(foliation->level), all, call))
         return call.status();
     Array<uint32_t> side;
     if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call))
@@ -328,7 +383,11 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     Call& call = entry.call;
     if (entry.check(out)) return call.status();
     const hmf_hierarchy& h = *foliation->hierarchy;
-    if (refuse_boundary(*foliation, "Cylinders", call)) return call.status();
+    if (h.is_double() && (!loops || foliation->level > 0))
+        return call.fail(
+            HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+            "Cylinders of a surface with boundary are told apart by their loops, on level 0. Give the loops "
+            "of the foliation, and carry it to level 0.");
     WeightedLoops given;
     if (loops && read_loop_set(h, loops, 0, given, call)) return call.status();
     const GivenWeights of_loops{given.level, given.loops, given.weights, given.unit};
@@ -352,16 +411,21 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
                              unit, list, call))
         return call.status();
 
+    Array<uint8_t> arcs;
+    if (h.is_double() && keep_front_cylinders(h, *loops, given, list, heights, curves, triangles, arcs, call))
+        return call.status();
+    const size_t count = list.size();
     struct Made {
         hmf_cylinder_set set;
         hmf_loop_set leaves;
-    } made{{sizeof(hmf_cylinder_set), 0, n, nullptr, nullptr},
-           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr, nullptr}};
+    } made{{sizeof(hmf_cylinder_set), 0, count, nullptr, nullptr},
+           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, count, nullptr, nullptr, nullptr, nullptr}};
     ResultBlock block;
-    block.array(made, made.set.list, n, list.data());
-    block.array(made, made.leaves.offsets, n + 1, curves.offsets.data());
+    block.array(made, made.set.list, count, list.data());
+    block.array(made, made.leaves.offsets, count + 1, curves.offsets.data());
     block.array(made, made.leaves.elements, triangles.size(), triangles.data());
-    block.array(made, made.leaves.weights, n, heights.data());
+    block.array(made, made.leaves.weights, count, heights.data());
+    if (h.is_double()) block.array(made, made.leaves.arcs, count, arcs.data());
     Made* result = block.make(made, h, call);
     if (!result) return call.status();
     result->set.leaves = &result->leaves;

@@ -84,6 +84,7 @@ pub const HMF_END_ZERO: i32 = 1;
 pub const HMF_END_LIMIT: i32 = 2;
 pub const HMF_END_NOWHERE: i32 = 3;
 pub const HMF_END_CRITICAL: i32 = 4;
+pub const HMF_END_BOUNDARY: i32 = 5;
 pub const HMF_LEAVES_DEFAULT: i32 = 0;
 pub const HMF_LEAVES_FOLIATION: i32 = 1;
 pub const HMF_LEAVES_CONJUGATE: i32 = 2;

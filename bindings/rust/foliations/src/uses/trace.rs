@@ -179,6 +179,8 @@ codes! {
         Nowhere = sys::HMF_END_NOWHERE,
         /// Of a conjugate line: on a critical leaf, where its cylinder ends.
         Critical = sys::HMF_END_CRITICAL,
+        /// At the boundary of the surface.
+        Boundary = sys::HMF_END_BOUNDARY,
     }
 }
 
