@@ -1262,36 +1262,60 @@ class Components(Case):
         # A sphere of three vertices.
         mesh = self.write("pillow.obj", obj_text(*beside(self.small, (points[:3], [(0, 1, 2), (0, 2, 1)]))))
         done = self.run_tool("solve", mesh)
-        self.assertIn("genus 0; it has no four vertices to mark", done.stderr)
+        self.assertIn("genus 0; there are too few vertices to mark", done.stderr)
         # Handles are not looked for on a sphere.
         done = self.run_tool("solve", scene, "--loops", "handle", "--report", self.path("again.json"))
         self.assertIn("no handles", done.stderr)
         self.assertEqual([c["class"] for c in json.loads(self.read("again.json"))["components"]], ["proven", "none", "proven"])
 
     def test_none(self):
-        points, triangles = beside(tetrahedron(), (self.points, self.triangles[1:]))
+        sheet = ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2), (2, 1, 3)])
+        points, triangles = beside(tetrahedron(), sheet)
         mesh = self.write("none.obj", obj_text(points, triangles))
-        done = self.refused(3, "solve", mesh, "--marks", "none", says=["none of 2 components", "component 0", "genus 0", "component 1", "boundary"])
+        done = self.refused(3, "solve", mesh, "--marks", "none", says=["none of 2 components", "component 0", "genus 0", "component 1"])
         self.assertEqual(len(done.stderr.splitlines()), 1)
         self.assertIn("boundaries     1", self.run_tool("info", mesh).stdout)
-        points, triangles = beside((self.points, self.triangles[2:]), (self.points, self.triangles[1:]))
+        points, triangles = beside(([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), ([(0, 0, 1), (1, 0, 1), (0, 1, 1)], [(0, 1, 2)]))
         mesh = self.write("open.obj", obj_text(points, triangles))
-        self.refused(3, "solve", mesh, says=["none of 2 components", "component 1", "boundary"])
-        self.refused(3, "info", mesh, says=["component 0", "boundary", "boundaries     2"])
+        self.refused(3, "solve", mesh, says=["none of 2 components", "component 1", "--repair --join-points"])
+        self.refused(3, "info", mesh, says=["component 0", "boundaries     2"])
 
-    def test_defects_are_named(self):
+    def test_boundary(self):
         points, triangles = beside(self.small, (self.points, self.triangles[1:]))
         mesh = self.write("open.obj", obj_text(points, triangles))
+        self.run_tool("solve", mesh, "--report", self.path("r.json"), "--save-loops", self.path("loops.txt"), "--values", self.path("v.csv"))
+        report = json.loads(self.read("r.json"))
+        self.assertEqual((report["mesh"]["boundaries"], [c["class"] for c in report["components"]]), (1, ["proven", "proven"]))
+        info = json.loads(self.run_tool("info", mesh, "--json").stdout)
+        self.assertEqual(([c["valid"] for c in info["components"]], info["boundaries"]), ([True, True], 1))
+        self.run_tool("solve", mesh, "--loops", self.path("loops.txt"), "--report", self.path("again.json"))
+        self.assertAlmostEqual(json.loads(self.read("again.json"))["energy"] / report["energy"], 1, 9)
+        # A square of four vertices: both ways, with arcs of the library and of the caller.
+        square = self.write("square.obj", obj_text([(0, 0, 0), (3, 0, 0), (3, 2, 0), (0, 2, 0)], [(0, 1, 2), (0, 2, 3)]))
+        done = self.run_tool("solve", square, "--report", self.path("r.json"), "--save-loops", self.path("loops.txt"), "--save-marks", self.path("m.txt"))
+        self.assertIn("marked 4 vertices: ", done.stdout)
+        energy = json.loads(self.read("r.json"))["energy"]
+        self.assertLess(min(abs(energy - 1.5), abs(energy - 2 / 3)), 1e-8)
+        self.assertIn("\nat", self.read("loops.txt").decode())
+        self.run_tool("solve", square, "--loops", self.path("loops.txt"), "--marks", self.path("m.txt"), "--report", self.path("again.json"))
+        self.assertEqual(json.loads(self.read("again.json"))["energy"], energy)
+        self.refused(3, "solve", square, "--loops", self.write("l.txt", "a: 0 1 2"), says=["marked vertex", "l.txt:1"])
+        # An arc that is none.
+        self.refused(3, "solve", self.mesh, "--loops", self.write("l.txt", "a: 0 1 2"), says=["no boundary", "l.txt:1"])
+
+    def test_defects_are_named(self):
+        points, triangles = beside(self.small, (self.points, self.triangles + self.triangles[:1]))
+        mesh = self.write("thrice.obj", obj_text(points, triangles))
         done = self.run_tool("solve", mesh, "--report", self.path("r.json"))
         self.assertIn("component 1", done.stderr)
-        self.assertIn("boundary (triangle ", done.stderr)
+        self.assertIn("(triangle ", done.stderr)
         report = json.loads(self.read("r.json"))
-        self.assertEqual((report["mesh"]["boundaries"], report["components"][1]["class"], report["components"][1]["status"]), (1, "none", 305))
+        self.assertEqual((report["components"][1]["class"], report["components"][1]["status"]), ("none", 306))
         info = json.loads(self.run_tool("info", mesh, "--json").stdout)
-        self.assertEqual(([c["valid"] for c in info["components"]], info["boundaries"]), ([True, False], 1))
+        self.assertEqual([c["valid"] for c in info["components"]], [True, False])
         # The named triangle has the number of the file.
-        number = int(done.stderr.split("boundary (triangle ")[1].split(")")[0])
-        self.assertTrue(set(triangles[number]) & set(i + len(self.points) for i in self.triangles[0]))
+        number = int(done.stderr.split("triangles (triangle ")[1].split(")")[0])
+        self.assertEqual(number, len(triangles) - 1)
         self.refused(3, "solve", self.write("unused.obj", obj_text(points + [(0, 0, 0)], triangles)), says=["vertex %d" % len(points), "--repair"])
 
     def test_time_limit(self):
@@ -1351,9 +1375,9 @@ class Repairs(Case):
 
     def test_advice(self):
         p, t, n = self.points, self.triangles, len(self.points)
-        mesh = self.write("open.obj", obj_text(p, t[1:]))
-        self.refused(3, "solve", mesh, says=["boundary", "--repair --join-points"])
-        done = self.refused(3, "solve", mesh, "--repair", "--join-points", says=["boundary"])
+        mesh = self.write("open.obj", obj_text(p[:3], [(0, 1, 2)]))
+        self.refused(3, "solve", mesh, says=["genus 0", "--repair --join-points"])
+        done = self.refused(3, "solve", mesh, "--repair", "--join-points", says=["genus 0"])
         self.assertNotIn("--repair", done.stderr)
         json.loads(self.run_tool("info", self.mesh, "--json", "--repair").stdout)
         mesh = self.write("flat.obj", obj_text(p, [(0, 0, 1)]))
@@ -1378,9 +1402,15 @@ class Repairs(Case):
             self.assertIn(row["exit_status"], (0, 3), row)
             if row["exit_status"] == 0:
                 solved = [c for c in row.get("components", [row]) if c["class"] != "none"]
-                self.assertEqual((row["poles"], row["index_sum"]), (0, sum(4 - 4 * c["mesh"]["genus"] - c["mesh"]["marked"] for c in solved)))
+                self.assertEqual(row["poles"], 0)
                 for c in solved:
-                    self.assertEqual(c["class"], "checked" if c["mesh"]["marked"] else "proven")
+                    genus, marked, boundaries = (c["mesh"][key] for key in ("genus", "marked", "boundaries"))
+                    if boundaries == 0:
+                        self.assertEqual(c["index_sum"], 4 - 4 * genus - marked)
+                    else: # of the double; marks inside count twice
+                        twice = 8 - 8 * genus - 4 * boundaries - c["index_sum"] - marked
+                        self.assertTrue(0 <= twice <= marked, c["mesh"])
+                    self.assertEqual(c["class"], "checked" if marked else "proven")
                 self.assertLess(row["residual_max"], 1e-8)
             else:
                 self.assertRegex(row["errors"][0], "genus 0|boundary")

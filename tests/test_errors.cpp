@@ -619,8 +619,11 @@ TEST(BadMesh, Triangles) {
 
 TEST(BadMesh, Topology) {
     TriMesh mesh = small_torus();
-    mesh.triangles.resize(mesh.triangles.size() - 3);
-    expect_build(mesh, HMF_ERROR_MESH_BOUNDARY);
+    mesh.triangles = {0, 1, 9}; // two disks
+    expect_build(mesh, HMF_ERROR_MESH_UNUSED_VERTEX);
+    mesh.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    mesh.triangles = {0, 1, 2, 2, 1, 3};
+    expect_build(mesh, HMF_ERROR_MESH_GENUS);
 
     mesh = small_torus();
     std::swap(mesh.triangles[60], mesh.triangles[61]);

@@ -228,7 +228,14 @@ TEST(Hpp, Errors) {
     const std::vector<double> short_positions(m.positions.begin(), m.positions.end() - 1);
     EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(short_positions, m.triangles); }).status());
     const std::vector<uint32_t> hole(m.triangles.begin(), m.triangles.end() - 3);
-    EXPECT_EQ(HMF_ERROR_MESH_BOUNDARY, error_of([&] { hmf::Hierarchy(m.positions, hole); }).status());
+    const hmf::Hierarchy open(m.positions, hole);
+    EXPECT_EQ(1u, open.boundary_count());
+    EXPECT_EQ(HMF_ERROR_MESH_BOUNDARY, error_of([&] { open.loops(0, hmf::LoopsKind::handle); }).status());
+    hmf::Loops loops = open.loops(0);
+    EXPECT_EQ(loops.size(), loops.arcs.size());
+    EXPECT_EQ(HMF_OK, open.solve(loops).status);
+    loops.add_arc({0}, 1);
+    EXPECT_NE(HMF_OK, error_of([&] { open.solve(loops); }).status());
     const std::vector<uint32_t> rest(m.triangles.begin(), m.triangles.end() - 2);
     EXPECT_EQ(HMF_ERROR_CAPACITY, error_of([&] { hmf::Hierarchy(m.positions, rest); }).status());
     m.positions[30] = std::nan("");

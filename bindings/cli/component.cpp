@@ -71,9 +71,12 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
         status = hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
                            part_.mesh.triangle_count(), &options, control, &raw, &error);
     hierarchy_.reset(raw);
+    // A sheet may be one of many that only have to be joined.
+    const bool is_sheet = status == HMF_ERROR_MESH_GENUS && readers::boundary_count(part_.mesh) > 0;
+    const std::string advice =
+        repair_advice(is_sheet ? HMF_ERROR_MESH_BOUNDARY : status, request.repairs, request.joins);
     build_seconds_ = seconds_since(start);
-    if (status != HMF_OK && (alone_ || status < 300 || status >= 400))
-        fail_with(status, error, subject_, repair_advice(status, request.repairs, request.joins));
+    if (status != HMF_OK && (alone_ || status < 300 || status >= 400)) fail_with(status, error, subject_, advice);
     if (status != HMF_OK) {
         // The sentence of the library has the numbers of this component.
         std::string reason = hmf_status_string(status);
@@ -82,9 +85,9 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
         if (error.element == HMF_ELEMENT_VERTEX)
             reason += " (vertex " + std::to_string(whole_vertex(static_cast<uint32_t>(error.index))) + ")";
         if (status == HMF_ERROR_MESH_GENUS)
-            reason += request.marks == "auto" ? "; it has no four vertices to mark"
+            reason += request.marks == "auto" ? "; there are too few vertices to mark"
                                               : "; --marks auto marks vertices of a sphere";
-        return refuse(status, reason + repair_advice(status, request.repairs, request.joins));
+        return refuse(status, reason + advice);
     }
     check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
 }
@@ -115,6 +118,8 @@ std::vector<double> Component::log_scale(const hmf_control* control) const {
 
 size_t Component::genus() const { return hmf_genus(hierarchy_.get()); }
 
+size_t Component::boundaries() const { return hmf_boundary_count(hierarchy_.get()); }
+
 void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) {
     // Loops of the caller are drawn on the input mesh, and the single-level method knows no other; the library's
     // own are cheapest where it is coarse.
@@ -125,11 +130,13 @@ void Component::make_loops(int32_t kind, bool fine, const hmf_control* control) 
         return;
     }
     try {
-        made_ = library_loops(fine ? 0 : hmf_level_count(hierarchy_.get()) - 1, control);
+        made_ = library_loops(fine || boundaries() > 0 ? 0 : hmf_level_count(hierarchy_.get()) - 1, control);
         loops_ = *made_;
     } catch (const Failure& failure) {
         if (alone_ || failure.exit_status != EXIT_BAD_INPUT) throw;
-        refuse(genus() == 0 ? HMF_ERROR_MESH_GENUS : HMF_ERROR_MESH_NOT_EMBEDDED,
+        refuse(boundaries() > 0 ? HMF_ERROR_MESH_BOUNDARY
+               : genus() == 0   ? HMF_ERROR_MESH_GENUS
+                                : HMF_ERROR_MESH_NOT_EMBEDDED,
                std::string(failure.what()).substr(subject_.size() + 2));
     }
     loops_seconds_ = seconds_since(start);
@@ -281,7 +288,7 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                                  {"triangles", finest_.triangle_count},
                                  {"genus", genus()},
                                  {"marked", marks_.size()},
-                                 {"boundaries", 0}}},
+                                 {"boundaries", boundaries()}}},
                    {"method", method_name(r.method)},
                    {"class", class_name(r.class_state)},
                    {"class_repeats", r.class_repeats},

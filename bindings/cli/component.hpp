@@ -72,6 +72,7 @@ public:
     uint32_t whole_vertex(uint32_t v) const { return alone_ ? v : part_.vertices[v]; }
     uint32_t whole_triangle(uint32_t t) const { return alone_ ? t : part_.triangles[t]; }
     size_t genus() const;
+    size_t boundaries() const;
     const std::vector<uint32_t>& marks() const { return marks_; }
     const hmf_design* design() const { return design_.get(); } // of --loops even
     uint64_t edge_count() const { return finest_.edge_count; }

@@ -21,7 +21,7 @@ namespace {
 struct Finding {
     hmf_status status = HMF_OK;
     hmf_error error{};
-    size_t genus = 0;
+    size_t genus = 0, boundaries = 0;
     uint64_t edges = 0, negative = 0; // negative: edges that are not Delaunay
     std::vector<uint32_t> marks;      // that the library suggests
 };
@@ -51,6 +51,7 @@ Finding look_at(const TriangleMesh& mesh, const std::string& mesh_name, const hm
     check(hmf_level_weights(hierarchy.get(), 0, weights.data(), weights.size(), &error), error, mesh_name);
     found.edges = counts.edge_count;
     found.genus = hmf_genus(hierarchy.get());
+    found.boundaries = hmf_boundary_count(hierarchy.get());
     found.negative =
         static_cast<uint64_t>(std::count_if(weights.begin(), weights.end(), [](double w) { return w < 0; }));
     return found;
@@ -117,8 +118,9 @@ void info(const InfoRequest& request) {
         const Finding found = look_at(part, mesh_name, progress.part("check", from, to));
         if (alone) total = found;
         const uint64_t edges = found.status == HMF_OK ? found.edges : readers::edges_of(part).count();
-        const size_t open = found.status == HMF_OK ? 0 : readers::boundary_count(part);
-        memory += hmf_memory_estimate(part.vertex_count(), part.triangle_count(), nullptr);
+        const size_t open = found.status == HMF_OK ? found.boundaries : readers::boundary_count(part);
+        const size_t copies = open > 0 ? 2 : 1; // with boundary the double is built
+        memory += hmf_memory_estimate(copies * part.vertex_count(), copies * part.triangle_count(), nullptr);
         Json row = {{"valid", found.status == HMF_OK},
                     {"vertices", part.vertex_count()},
                     {"edges", edges},
@@ -179,15 +181,17 @@ void info(const InfoRequest& request) {
     if (total.status != HMF_OK)
         fail_with(total.status, total.error, mesh_name, repair_advice(total.status, request.repairs, request.joins));
     if (!request.json) {
-        if (alone) std::printf("%s: closed oriented manifold, genus %zu\n", mesh_name.c_str(), total.genus);
+        if (alone)
+            std::printf("%s: %s oriented manifold, genus %zu\n", mesh_name.c_str(), boundaries > 0 ? "open" : "closed",
+                        total.genus);
         else
-            std::printf("%s: %zu components, %zu of them closed oriented manifolds, genus %zu\n", mesh_name.c_str(),
-                        parts.size(), good, total.genus);
+            std::printf("%s: %zu components, %zu of them %s oriented manifolds, genus %zu\n", mesh_name.c_str(),
+                        parts.size(), good, boundaries > 0 ? "closed or open" : "closed", total.genus);
         if (!total.marks.empty())
             std::printf(
-                "  to mark        %zu vertices, two at each of %zu tips; hmf solve marks them unless it is told "
-                "others\n",
-                total.marks.size(), total.marks.size() / 2);
+                "  to mark        %zu vertices%s; hmf solve marks them unless it is told others\n", total.marks.size(),
+                boundaries == 0 ? (", two at each of " + std::to_string(total.marks.size() / 2) + " tips").c_str()
+                                : "");
         std::printf("  vertices       %zu\n", vertices);
         std::printf("  edges          %llu\n", static_cast<unsigned long long>(total.edges));
         std::printf("  triangles      %zu\n", triangles);

@@ -139,10 +139,22 @@ std::vector<Line> loop_lines(const Foliation& f, const hmf_loop_set& loops) {
     std::vector<Line> lines;
     for (size_t c = 0; c < loops.count; ++c) {
         const size_t first = loops.offsets[c], count = loops.offsets[c + 1] - first;
+        const bool is_arc = loops.arcs && loops.arcs[c];
         const auto element = [&](size_t i) { return loops.elements[first + i % count]; };
         Line line;
         if (loops.element_kind == HMF_LOOP_VERTICES) {
             for (size_t i = 0; i < count; ++i) line.push_back(place(f, element(i)));
+            if (is_arc) // there and back
+                for (size_t i = count - 1; i-- > 1;) line.push_back(place(f, element(i)));
+            lines.push_back(line);
+            continue;
+        }
+        if (is_arc) { // through the middles of its triangles, there and back
+            for (size_t i = 0; i < 2 * count - 1; ++i) {
+                const uint32_t* const corner = &f.triangles[3 * size_t(element(i < count ? i : 2 * count - 2 - i))];
+                const Point side = between(place(f, corner[0]), place(f, corner[1]), 0.5);
+                line.push_back(between(side, place(f, corner[2]), 1.0 / 3));
+            }
             lines.push_back(line);
             continue;
         }

@@ -150,7 +150,7 @@ int completion_command(const Words& words, const Describe* help) {
 }
 
 void print_commands() {
-    std::printf("Harmonic measured foliations on closed triangle meshes\n\nusage: hmf COMMAND ...\n\n");
+    std::printf("Harmonic measured foliations on triangle meshes\n\nusage: hmf COMMAND ...\n\n");
     for (const Command& command : commands) std::printf("  %-12s%s\n", command.name, command.help);
     std::printf("\nhmf COMMAND --help lists the options of a command, hmf --version tells the version.\n\n"
                 "exit status: 0 solved; 2 usage; 3 bad input, or not supported for it; 4 limit reached before\n"

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <unordered_map>
 
+#include "../readers/components.hpp"
 #include "library.hpp"
 #include "output.hpp"
 
@@ -48,10 +49,14 @@ std::vector<uint32_t> read_marks(const std::string& path, size_t vertex_count) {
 
 hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& options, const hmf_control* control,
                          std::vector<uint32_t>& marks, hmf_error& error) {
-    // By its numbers of vertices and triangles; what else is wrong with a mesh the library tells.
-    const bool may_be_sphere = mesh.triangle_count() + 4 == 2 * mesh.vertex_count();
-    // Two triangles back to back are one as well, but have no four vertices to mark.
-    if (!may_be_sphere || mesh.vertex_count() < 4) return HMF_OK;
+    // By its numbers of vertices, edges and triangles; what else is wrong with a mesh the library tells.
+    const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
+    const bool may_be_sphere = triangles + 4 == 2 * vertices;
+    // Closed surfaces with handles have too few vertices.
+    const bool may_be_disk =
+        !may_be_sphere && 2 * vertices >= triangles + 2 && vertices + triangles == readers::edges_of(mesh).count() + 1;
+    // Two triangles back to back are a sphere as well, but have no four vertices to mark.
+    if ((!may_be_sphere && !may_be_disk) || vertices < 4) return HMF_OK;
     hmf_mark_set* raw = nullptr;
     const hmf_status status = hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                                 mesh.triangle_count(), &options, control, &raw, &error);
@@ -60,9 +65,10 @@ hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& opti
     return status;
 }
 
-std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components) {
-    std::string text = "marked " + std::to_string(suggested.size()) + " vertices, two at each of "
-                     + std::to_string(suggested.size() / 2) + " tips";
+std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components, bool tips) {
+    const size_t count = suggested.size();
+    std::string text = "marked " + std::to_string(count) + " vertices";
+    if (tips) text += ", two at each of " + std::to_string(count / 2) + " tips";
     if (components > 1)
         return text + " of " + std::to_string(components)
              + " components (--save-marks FILE for all, --marks FILE for others)";

@@ -18,7 +18,7 @@ hmf_status suggest_marks(const TriangleMesh& mesh, const hmf_build_options& opti
                          std::vector<uint32_t>& marks, hmf_error& error);
 
 // What the library has chosen on so many components, in a sentence.
-std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components);
+std::string sentence_of(const std::vector<uint32_t>& suggested, size_t components, bool tips);
 
 void write_marks(const std::string& path, const std::vector<uint32_t>& marks);
 

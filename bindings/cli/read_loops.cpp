@@ -1,5 +1,6 @@
 #include "read_loops.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include "failure.hpp"
@@ -54,9 +55,18 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         skip_blanks();
         if (at == stop) continue;
         int32_t kind = HMF_LOOP_VERTICES;
-        if (stop - at >= 2 && at[1] == ':' && (at[0] == 't' || at[0] == 'v')) {
-            kind = at[0] == 't' ? HMF_LOOP_TRIANGLES : HMF_LOOP_VERTICES;
-            at += 2;
+        const char* const colon = std::find(at, stop, ':');
+        const std::string prefix(at, colon);
+        const auto is_side = [](char c) { return c >= '0' && c <= '2'; };
+        const bool has_sides =
+            prefix.size() == 4 && prefix.compare(0, 2, "at") == 0 && is_side(prefix[2]) && is_side(prefix[3]);
+        const bool is_arc = prefix == "a" || prefix == "at" || has_sides;
+        const bool is_named = colon != stop && (is_arc || prefix == "t" || prefix == "v");
+        // As in hmf_loop_set.
+        const int arc = !is_named || !is_arc ? 0 : has_sides ? 1 + 2 * (prefix[2] - '/') + 8 * (prefix[3] - '/') : 1;
+        if (is_named) {
+            kind = prefix == "a" || prefix == "v" ? HMF_LOOP_VERTICES : HMF_LOOP_TRIANGLES;
+            at = colon + 1;
         }
         if (loops.count() > 0 && kind != loops.element_kind)
             throw Failure(EXIT_BAD_INPUT,
@@ -84,10 +94,11 @@ LoopList read_loops(const std::string& path, size_t vertex_count, size_t triangl
         if (loops.elements.size() == loops.offsets.back())
             throw Failure(EXIT_BAD_INPUT, where + "a loop without elements");
         // A path that repeats its first element at the end means the same loop.
-        if (loops.elements.size() > loops.offsets.back() + 1
+        if (arc == 0 && loops.elements.size() > loops.offsets.back() + 1
             && loops.elements.back() == loops.elements[loops.offsets.back()])
             loops.elements.pop_back();
         loops.offsets.push_back(loops.elements.size());
+        loops.arcs.push_back(static_cast<uint8_t>(arc));
         loops.lines.push_back(line);
     }
     if (loops.weights.size() != loops.count()) loops.weights.clear(); // of other loops

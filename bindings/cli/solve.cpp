@@ -178,6 +178,7 @@ private:
             if (r_.marks != "auto" || kind_ == LOOPS_EVEN) continue;
             for (const uint32_t v : c.marks()) marks_.push_back(c.whole_vertex(v));
             tipped_ += !c.marks().empty();
+            has_tips_ = has_tips_ || (!c.marks().empty() && c.boundaries() == 0);
         }
         r_.coarsest = coarsest;
         if (kind_ == LOOPS_EVEN) marks_ = designed;
@@ -227,6 +228,7 @@ private:
                 list.elements.push_back(number);
             }
             list.offsets.push_back(list.elements.size());
+            list.arcs.push_back(read_.arcs[loop]);
             list.lines.push_back(read_.lines[loop]);
             loop_numbers_[component].push_back(loop);
         }
@@ -288,6 +290,7 @@ private:
                     for (uint64_t i = own.offsets[n]; i < own.offsets[n + 1]; ++i)
                         read_.elements.push_back(c.whole_triangle(own.elements[i]));
                     read_.offsets.push_back(read_.elements.size());
+                    read_.arcs.push_back(own.arcs ? own.arcs[n] : 0);
                 }
             }
         return read_.view();
@@ -615,7 +618,7 @@ private:
                               + std::to_string(irregular_) + " irregular vertices, " + std::to_string(inverted_)
                               + " inverted quads";
         if (kind_ == LOOPS_EVEN) outcome_.summary += "\n" + design_sentence();
-        else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_);
+        else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
     }
 
     std::string design_sentence() const {
@@ -723,6 +726,7 @@ private:
     LoopList read_;               // loops of the caller
     std::vector<uint32_t> marks_; // in the whole mesh
     size_t tipped_ = 0;           // components with marks that the library chose
+    bool has_tips_ = false;       // some of them at tips
     std::vector<Component> components_;
     std::vector<std::vector<size_t>> loop_numbers_; // of the loops of each component, among all
     size_t loop_count_ = 0;

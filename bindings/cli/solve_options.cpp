@@ -22,7 +22,8 @@ Option loops_option(SolveRequest& r) {
                   "pairs of marked vertices; handle, tunnel: such that bound inside, outside;\n"
                   "pants: 3 genus - 3 + marked vertices that leave pairs of pants;\n"
                   "even: loops, weights and marked vertices for which stripes and quads are as even as it gets;\n"
-                  "or FILE: one loop a line, vertex indices from 0 (closed edge path) or t: and triangle indices"}
+                  "or FILE: one loop a line, vertex indices from 0 (closed edge path), t: and triangle indices, or "
+                  "a: and the vertices of an arc from boundary to boundary"}
         .reads("");
 }
 

@@ -1,13 +1,14 @@
 /*
- * hmf - harmonic measured foliations on closed triangle meshes
+ * hmf - harmonic measured foliations on triangle meshes
  *
- * A measured foliation gives every edge of a closed triangle mesh one number
+ * A measured foliation gives every edge of a triangle mesh one number
  * F >= 0, the distance that its end points have in a metric tree.  The
  * harmonic one in its class minimises the Dirichlet energy
  *
  *     D(F) = sum over edges of  weight(edge) * F(edge)^2.
  *
- * The class is given by disjoint closed curves with positive weights.  From F
+ * The class is given by disjoint closed curves with positive weights, and by arcs
+ * from boundary to boundary where there is one.  From F
  * follow conformal parameterisations, quad meshes and stripe patterns.
  *
  * In five calls:
@@ -53,6 +54,14 @@
  *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
  *             triangle 1, and so on); vertices and triangles keep the
  *             caller's numbers.
+ *   boundary  A surface with boundary is solved as half of its closed double:
+ *             the surface and its mirror image, glued along the boundary.  On
+ *             level 0 the caller sees the surface only, and energies and areas
+ *             are those of the surface; the coarser levels are levels of the
+ *             double, and so are counts of poles, zeros and indices.  Leaves run
+ *             along the boundary or meet it at right angles.  The two halves
+ *             agree up to the residual, not in the last bits; what the caller
+ *             gets is one of them.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -118,13 +127,13 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_NOT_FINITE 302 /* a coordinate is infinite or not a number */
 #define HMF_ERROR_MESH_REPEATED_VERTEX 303 /* a triangle names one vertex twice */
 #define HMF_ERROR_MESH_DEGENERATE 304 /* a triangle without area (see mollify in hmf_build_options) */
-#define HMF_ERROR_MESH_BOUNDARY 305 /* an edge with one triangle */
+#define HMF_ERROR_MESH_BOUNDARY 305 /* a surface with boundary, where only closed ones have a meaning */
 #define HMF_ERROR_MESH_NON_MANIFOLD_EDGE 306 /* an edge with three or more triangles */
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
-#define HMF_ERROR_MESH_GENUS 311 /* genus 0 with fewer than four marked vertices: no measured foliation */
+#define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 
 /* loops and weights */
@@ -260,8 +269,9 @@ typedef struct hmf_build_options {
                                     edges of level 0 get longer by the least amount, the same for all, with which every
                                     triangle inequality holds by a margin of mollify * mean length (try 1e-5).  Only the
                                     weights of level 0 change; meshes that keep the margin anyway stay as they are */
-    const uint32_t *marked_vertices; /* vertices that may carry a pole; a sphere needs four or more.  They never move
-                                    and are no poles of the report; indices add up to 4 - 4 * genus - marked_count */
+    const uint32_t *marked_vertices; /* vertices that may carry a pole; a sphere needs four or more, a disk four on its
+                                    boundary, where one inside counts as two.  They never move and are no poles of the
+                                    report; indices add up to 4 - 4 * genus - marked_count */
     uint64_t marked_count;
 } hmf_build_options;
 
@@ -272,16 +282,17 @@ typedef struct hmf_hierarchy hmf_hierarchy;
 typedef struct hmf_foliation hmf_foliation;
 
 /*
- * Validates a closed, connected, oriented manifold mesh of genus 1 or more, or
- * of genus 0 with four or more marked vertices,
- * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).
+ * Validates a connected, oriented manifold mesh, with or without boundary,
+ * makes it intrinsically Delaunay and builds the hierarchy ([W] 4.1).  A sphere
+ * or a disk needs marked vertices; see hmf_build_options.
  *
  *   positions   vertex_count x 3, any unit; see options->position_stride
  *   triangles   triangle_count x 3 vertex indices, counter-clockwise or all
  *               clockwise
  *   out         the hierarchy, NULL on failure
  *
- * Inputs are copied.  Time is linear, about 0.3 s per million edges.
+ * Inputs are copied.  Time is linear, about 0.3 s per million edges, and twice
+ * as much with boundary.
  * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100, 200, 300.
  */
 HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const uint32_t *triangles,
@@ -299,7 +310,9 @@ typedef struct hmf_mark_set {
 /*
  * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
  * each limb, so that loops go round the limbs, at least four and at most 24.
- * None for genus 1 and more.  The same input gives the same marks.
+ * A disk gets four that divide its boundary into equal lengths or, where that is
+ * short (its square less than twice the area), tips as a sphere.
+ * None where none are needed.  The same input gives the same marks.
  *
  * Of the options, position_stride, mollify and the memory count.  Free with
  * hmf_free.  Errors: as hmf_build.
@@ -313,7 +326,8 @@ HMF_API hmf_status hmf_suggest_marks(const double *positions, size_t vertex_coun
 HMF_API void hmf_destroy(hmf_hierarchy *hierarchy);
 
 /* Upper bound of the bytes that hmf_build will use at its peak with the given
-   options (NULL = defaults); 0 if the counts are unusable. */
+   options (NULL = defaults); 0 if the counts are unusable.  For a mesh with
+   boundary: with twice the counts, as its double is built. */
 HMF_API uint64_t hmf_memory_estimate(size_t vertex_count, size_t triangle_count, const hmf_build_options *options);
 
 /* Bytes held by the hierarchy; 0 for NULL. */
@@ -334,8 +348,11 @@ typedef struct hmf_level_info {
 /* Number of levels, at least 1; 0 for NULL. */
 HMF_API size_t hmf_level_count(const hmf_hierarchy *hierarchy);
 
-/* Genus of the surface; 0 for NULL. */
+/* Genus of the surface, without its boundary; 0 for NULL. */
 HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
+
+/* Number of closed curves that the boundary consists of; 0 for NULL. */
+HMF_API size_t hmf_boundary_count(const hmf_hierarchy *hierarchy);
 
 /* Counts of one level. */
 HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out,
@@ -354,8 +371,8 @@ HMF_API hmf_status hmf_level_triangle_edges(const hmf_hierarchy *hierarchy, size
 HMF_API hmf_status hmf_level_triangle_vertices(const hmf_hierarchy *hierarchy, size_t level,
                                                uint32_t *triangle_vertices, size_t capacity, hmf_error *error);
 
-/* weights: edge_count, half the sum of the two opposite cotangents, without
-   unit.  Level 0: of the caller's triangulation, may be negative there (the
+/* weights: edge_count, half the sum of the two opposite cotangents (on the
+   boundary there is one), without unit.  Level 0: of the caller's triangulation, may be negative there (the
    solver uses the intrinsic Delaunay triangulation instead). */
 HMF_API hmf_status hmf_level_weights(const hmf_hierarchy *hierarchy, size_t level,
                                      double *weights, size_t capacity, hmf_error *error);
@@ -379,8 +396,16 @@ HMF_API hmf_status hmf_level_positions(const hmf_hierarchy *hierarchy, size_t le
 #define HMF_LOOPS_TUNNEL 3       /* a cut system whose loops bound outside: they go round the holes */
 #define HMF_LOOPS_PANTS 4        /* 3 genus - 3 + marked vertices (genus 1 without those: one), together they cut the
                                     surface into pairs of pants */
+/* With boundary: CUT has genus many loops (genus 0 with marked vertices inside: round pairs of those, or of one and a
+   boundary) and one along each boundary (an annulus: one); a disk with fewer than two marked vertices inside has arcs
+   instead, each round two neighbouring marked vertices of the boundary.  PANTS has, together with the mirror images,
+   the most loops that the double can have.  There is no HANDLE and no TUNNEL: HMF_ERROR_MESH_BOUNDARY. */
 
-/* A set of closed curves on a level, as flat arrays. */
+/* A set of closed curves on a level, as flat arrays.  With boundary they lie on
+   level 0; loops that can be pushed into the boundary make leaves run along it,
+   arcs make them meet it at right angles.  An arc leads along edges from a vertex
+   of the boundary to another one, or through triangles from one with a side on the
+   boundary to another one, whose side on the boundary it crosses. */
 typedef struct hmf_loop_set {
     uint32_t struct_size;
     int32_t element_kind;        /* HMF_LOOP_TRIANGLES or HMF_LOOP_VERTICES */
@@ -389,13 +414,17 @@ typedef struct hmf_loop_set {
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
     const double *weights;       /* count, > 0; NULL = all 1 */
+    const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
+                                    at the boundary; NULL = all are closed.  1 + 2 * a + 8 * b: an arc of triangles
+                                    that begins at side a - 1 of its first triangle and ends at side b - 1 of the last
+                                    one; a, b = 0: at the first side on the boundary */
 } hmf_loop_set;
 
 /*
  * Loops made by the library on a level, as triangle loops: simple, disjoint,
  * essential, pairwise not freely homotopic, and short.  They are found on the
  * coarsest level and carried to the finer ones, shortened on each, so that
- * loop c is in the same class on every level.
+ * loop c is in the same class on every level.  With boundary: level 0 only.
  *
  *   kind           HMF_LOOPS_*.  HANDLE and TUNNEL are decided by linking
  *                  numbers in space on level 0, exactly, with positions
@@ -416,7 +445,8 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  * Closed initial foliation of the loops on their level ([W] 3.3): the value of
  * an edge is the sum of the weights of the loops that cross it.
  *
- *   loops      NULL = those of hmf_loops on the coarsest level
+ *   loops      NULL = those of hmf_loops on the coarsest level (with boundary: on
+ *              level 0)
  *
  * Checks that every loop is closed, simple and essential, that they are
  * disjoint and pairwise not freely homotopic (class 400; error->index is the
@@ -488,7 +518,9 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
  * Other numbers cannot be rounded edge by edge, for that breaks triangle
  * inequalities that hold with equality; start from loops instead.  Values with
  * poles are accepted for hmf_singularities and hmf_energy; all other calls
- * refuse them with HMF_ERROR_VALUE_POLE.
+ * refuse them with HMF_ERROR_VALUE_POLE.  With boundary the values of the mirror
+ * image are the same; where leaves run along the boundary but only up to the
+ * residual, this may be a foliation with poles.
  */
 HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
                                         size_t count, const hmf_control *control, hmf_foliation **out,
@@ -575,7 +607,8 @@ typedef struct hmf_report {
     double residual_mean;
     uint64_t poles;              /* of the result, each as often as its index says; see hmf_singularities */
     uint64_t zeros;              /* likewise: a zero of index -2 counts twice */
-    int64_t index_sum;           /* 4 - 4 * genus - marked vertices */
+    int64_t index_sum;           /* 4 - 4 * genus - marked vertices; with boundary that of the double, 8 - 8 * genus
+                                    - 4 * boundaries - marked vertices, those inside counted twice */
     uint64_t bad_flips;          /* flips of "case 4" of [W] 4.2.2 that would have made a pole */
     uint64_t bad_flips_left;     /* and did */
     double solve_seconds;
@@ -697,6 +730,7 @@ typedef struct hmf_singularity_set {
  * Zeros and poles ([W] Eq. 1 and 3; a cluster has twice its Euler
  * characteristic minus the number of its closed corners; a marked vertex counts
  * as a closed corner).  The indices add up to 4 - 4 * genus - marked vertices.
+ * With boundary: those of the double that lie on the surface or on its boundary.
  * Free with hmf_free.
  */
 HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,

@@ -178,6 +178,7 @@ struct Loops {
     std::vector<uint64_t> offsets = {0}; /* size() + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     std::vector<uint32_t> elements;
     std::vector<double> weights; /* size() */
+    std::vector<uint8_t> arcs;   /* size(), not 0 = from boundary to boundary; or empty: all are closed */
 
     std::size_t size() const noexcept { return offsets.empty() ? 0 : offsets.size() - 1; }
     Span<uint32_t> operator[](std::size_t loop) const {
@@ -188,6 +189,16 @@ struct Loops {
         elements.insert(elements.end(), loop.begin(), loop.end());
         offsets.push_back(elements.size());
         weights.push_back(weight);
+        if (!arcs.empty()) arcs.push_back(0);
+    }
+    void add_arc(std::initializer_list<uint32_t> arc, double weight = 1) {
+        add_arc(Span<uint32_t>(arc.begin(), arc.size()), weight);
+    }
+    void add_arc(Span<uint32_t> arc, double weight = 1) {
+        arcs.resize(size(), 0);
+        add(arc, weight);
+        arcs.resize(size(), 1);
+        arcs.back() = 1;
     }
     void add(std::initializer_list<uint32_t> loop, double weight = 1) {
         add(Span<uint32_t>(loop.begin(), loop.size()), weight);
@@ -329,6 +340,10 @@ inline hmf_loop_set raw(const Loops& loops) {
         throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
                     "There are " + std::to_string(loops.weights.size()) + " weights for " + std::to_string(loops.size())
                         + " loops. Give one for each.");
+    if (!loops.arcs.empty() && loops.arcs.size() != loops.size())
+        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+                    "There are " + std::to_string(loops.arcs.size()) + " entries of arcs for "
+                        + std::to_string(loops.size()) + " loops. Use Loops::add_arc.");
     if (!loops.offsets.empty() && loops.offsets.back() != loops.elements.size())
         throw Error(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_NONE, 0,
                     "The last offset of the loops is " + std::to_string(loops.offsets.back()) + ", but there are "
@@ -341,6 +356,7 @@ inline hmf_loop_set raw(const Loops& loops) {
     set.offsets = loops.offsets.data();
     set.elements = loops.elements.data();
     set.weights = loops.weights.data();
+    if (!loops.arcs.empty()) set.arcs = loops.arcs.data();
     return set;
 }
 
@@ -353,6 +369,7 @@ inline Loops own(const hmf_loop_set& set) {
     loops.elements.assign(set.elements, set.elements + set.offsets[set.count]);
     loops.weights.assign(static_cast<std::size_t>(set.count), 1.0);
     if (set.weights) loops.weights.assign(set.weights, set.weights + set.count);
+    if (set.arcs) loops.arcs.assign(set.arcs, set.arcs + set.count);
     return loops;
 }
 
@@ -581,8 +598,8 @@ public:
         const hmf_build_options all = detail::raw(options);
         const auto set =
             detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
-                return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(),
-                                         triangles.size() / 3, &all, control, out, error);
+                return hmf_suggest_marks(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3,
+                                         &all, control, out, error);
             });
         return {set->vertices, set->vertices + set->count};
     }
@@ -624,6 +641,7 @@ public:
     std::size_t level_count() const noexcept { return hmf_level_count(get()); }
     std::size_t coarsest_level() const noexcept { return level_count() - 1; }
     std::size_t genus() const noexcept { return hmf_genus(get()); }
+    std::size_t boundary_count() const noexcept { return hmf_boundary_count(get()); }
     LevelInfo level(std::size_t level) const {
         LevelInfo info = {};
         detail::check([&](hmf_error* error) { return hmf_level_counts(get(), level, &info, error); });

@@ -69,13 +69,15 @@ typedef struct hmf_parameterization {
  *     (u', v') = sign * (u, v) + (du, dv),      sign = +1 or -1,
  *
  * exactly: all are multiples of one power of two below 2^53 of it.  Edges off
- * the seams have (1, 0, 0).  The linear parts are +-1, so (du + i dv)^2 has no
+ * the seams and on the boundary have (1, 0, 0).  The linear parts are +-1, so (du + i dv)^2 has no
  * seams: it is the holomorphic quadratic differential, given per triangle as the
  * square of d(u + i v) / dz with z = x + i y in the frame of the triangle: x
  * along its side 0, y to the left of it.
  *
  * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
- * vertices, and the sum of (2 - cone) is 4 - 4 * genus.
+ * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  At a vertex of the
+ * boundary it is the angle in the double: 2 where the boundary is straight, and 1
+ * at a corner of 90 degrees.
  * A marked vertex that is a pole has the cone angle pi.  Near the zeros u differs
  * from the foliation by that much.  Where the foliation is 0 (limbs that no loop
  * goes round) triangles are degenerate.

@@ -105,6 +105,17 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     return HMF_OK;
 }
 
+// Values of the front of a double, and the same on its back.
+static hmf_status mirror_values(const hmf_hierarchy& h, const double* values, Array<double>& both, Call& call) {
+    if (!both.allocate(call.memory, h.input.edge_count)) return call.out_of_memory();
+    const size_t m = h.surface_triangles;
+    for (size_t e = 0; e < h.surface_edges; ++e) both[e] = values[e];
+    for (size_t t = 0; t < m; ++t)
+        for (size_t s = 0; s < 3; ++s)
+            both[h.triangle_edges[3 * (m + t) + 2 - s]] = values[h.triangle_edges[3 * t + s]];
+    return HMF_OK;
+}
+
 hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles, Call& call) {
     Foliation& f = state.foliation;
     if (!values)
@@ -200,6 +211,14 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
     state.load(level, Side::input);
     if (!call.tick(0.1)) return call.was_cancelled();
+    Array<double> both;
+    if (values && level == 0 && hierarchy->is_double()) {
+        if (check_count(count, hierarchy->surface_edges, "values", call)
+            || mirror_values(*hierarchy, values, both, call))
+            return call.status();
+        values = both.data();
+        count = both.size();
+    }
     if (read_values(state, values, count, making.unit, making.poles, call)) return call.status();
     if (!call.tick(0.9)) return call.was_cancelled();
     return make_foliation(state, making, call, out) ? call.status() : entry.end();
@@ -214,7 +233,7 @@ void hmf_foliation_destroy(hmf_foliation* foliation) {
 }
 
 const double* hmf_foliation_values(const hmf_foliation* foliation, size_t* count) {
-    if (count) *count = foliation ? static_cast<size_t>(foliation->count) : 0;
+    if (count) *count = foliation ? foliation->hierarchy->shown_edges(foliation->level) : 0;
     return foliation ? foliation->values : nullptr;
 }
 

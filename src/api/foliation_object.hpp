@@ -23,7 +23,7 @@ struct hmf_foliation {
     const hmf_hierarchy* hierarchy;
     size_t level;
     double unit;           // a power of two; values are integers of it below 2^53
-    uint64_t count;        // edges of the level
+    uint64_t count;        // edges of the level; of a double with its back, which the caller does not see
     const double* values;  // count, in the caller's order
     const int64_t* solved; // count, internal order, intrinsic side of level 0; NULL: the same as the values
     uint64_t solved_bits;  // the unit of `solved` is that of the values / 2^solved_bits; heights are multiples of

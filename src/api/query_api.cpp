@@ -105,7 +105,7 @@ hmf_status hmf_energy(const hmf_foliation* foliation, const hmf_control* control
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
     const double* weight = foliation->hierarchy->levels[foliation->level].weight;
-    *out = energy(state.foliation, weight, call.parallel) * unit * unit;
+    *out = energy(state.foliation, weight, call.parallel) * unit * unit * foliation->hierarchy->share();
     return entry.end();
 }
 
@@ -117,7 +117,7 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
         return call.status();
     const hmf_hierarchy& h = *foliation->hierarchy;
     const Level& level = h.levels[foliation->level];
-    const uint32_t n = level.mesh.vertex_count;
+    const uint32_t n = h.shown_vertices(foliation->level);
     if (check_capacity(capacity, n, "residuals", call)) return call.status();
     State state;
     Rings rings;
@@ -126,7 +126,7 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
     if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
-        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, n))
+        || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, level.mesh.vertex_count))
         return call.out_of_memory();
     residuals(state.foliation, rings, level.weight, star, residual.data(), call);
     if (call.cancelled()) return call.was_cancelled();
@@ -169,14 +169,16 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
     if (!call.tick(0.3)) return call.was_cancelled();
     if (indices.count(state, call)) return call.status();
     if (!call.tick(0.6)) return call.was_cancelled();
-    const uint32_t n = state.foliation.mesh.vertex_count, m = state.foliation.mesh.face_count;
-    if (!place.allocate_filled(call.memory, n, NONE)
+    // Of a double only what touches its front.
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    const uint32_t n = h.shown_vertices(foliation->level), m = h.shown_triangles(foliation->level);
+    if (!place.allocate_filled(call.memory, state.foliation.mesh.vertex_count, NONE)
         || !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
         return call.out_of_memory();
     if (!call.tick(0.7)) return call.was_cancelled();
     uint64_t found = 0;
     for (uint32_t v = 0; v < n; ++v) found += indices.index_at(v) != 0;
-    for (uint32_t t = 0; t < m; ++t) found += indices.at_face[t] != 0;
+    for (uint32_t t = 0; t < m; ++t) found += indices.at_face[indices.face[t]] != 0;
     const Mesh& mesh = state.foliation.mesh;
     const auto is_single_mark = [&](uint32_t v) { // in no zero
         return mesh.is_marked(indices.internal(v)) && indices.at_vertex[indices.cluster[indices.internal(v)]] == 0;

@@ -11,6 +11,9 @@ struct WeightedLoops {
     Loops loops;            // on loop_mesh(level), pulled tight
     Array<int64_t> weights; // per loop, in units
     double unit = 1;
+    Array<uint32_t> of; // of a double: the caller's loop of each; else empty
+
+    uint32_t callers(uint32_t loop) const { return loop < of.size() ? of[loop] : loop; }
 };
 
 // set NULL: the library's cut system on level `own`, weights 1.

@@ -2,6 +2,7 @@
 #include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
 #include "read_loop_set.hpp"
+#include "surface_loops.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -92,7 +93,9 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
         certificate = {true, energy(state.foliation, level.weight, call.parallel), residual.max, residual.mean};
         if (call.cancelled()) certificate.residual_max = certificate.residual_mean = -1; // it is unfinished
     }
-    recorder.report.energy = certificate.energy * recorder.unit() * recorder.unit();
+    const double share = state.hierarchy->share();
+    recorder.report.energy = certificate.energy * recorder.unit() * recorder.unit() * share;
+    for (hmf_history_entry& entry : recorder.history) entry.energy *= share;
     recorder.report.residual_max = certificate.residual_max;
     recorder.report.residual_mean = certificate.residual_mean;
     return HMF_OK;
@@ -220,6 +223,24 @@ hmf_status load_start(const hmf_hierarchy& h, const hmf_foliation& start, size_t
     return refuse_poles(poles, call);
 }
 
+// hmf_loops on a surface with boundary.
+hmf_status loops_of_surface(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, hmf_loop_set** out) {
+    if (level > 0)
+        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, level,
+                         "Level %llu is one of the closed double of the surface. Ask for loops of a surface with "
+                         "boundary on level 0.",
+                         static_cast<unsigned long long>(level));
+    FoundLoops found;
+    if (surface_loops(h, kind, call, found)) return call.status();
+    hmf_loop_set made{sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, 0, found.count(), nullptr, nullptr, nullptr, nullptr};
+    ResultBlock block;
+    block.array(made, made.offsets, found.offsets.size(), found.offsets.data());
+    block.array(made, made.elements, found.triangles.size(), found.triangles.data());
+    block.array(made, made.arcs, found.arcs.size(), found.arcs.data());
+    *out = block.make(made, h, call);
+    return call.status();
+}
+
 } // namespace
 
 extern "C" {
@@ -229,6 +250,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     Entry entry(hierarchy, control, error);
     Call& call = entry.call;
     if (entry.check(hierarchy, out) || check_level(*hierarchy, level, call)) return call.status();
+    if (hierarchy->is_double())
+        return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
     Array<uint32_t> faces, triangle;
     if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces))
@@ -240,7 +263,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
             return call.status();
         for (size_t i = 0; i < faces.size(); ++i) faces[i] = triangle[faces[i]];
     }
-    hmf_loop_set made{sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr};
+    hmf_loop_set made{
+        sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(made, made.offsets, loops.offsets.size(), loops.offsets.data());
     block.array(made, made.elements, faces.size(), faces.data());

@@ -57,6 +57,13 @@ struct Leaves {
 constexpr double FEWEST_TO_REFINE = 8000; // quads
 constexpr int STEPS_ON_FINER = 4;         // of relaxation
 
+// What is not made of surfaces with boundary.
+hmf_status refuse_boundary(const hmf_foliation& foliation, const char* what, Call& call) {
+    if (!foliation.hierarchy->is_double()) return HMF_OK;
+    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                     "%s are not available on surfaces with boundary in this version.", what);
+}
+
 hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_count, Call& call) {
     if (options.point_count > 0 && (!options.point_triangles || !options.point_barycentrics))
         return call.fail(
@@ -103,8 +110,8 @@ private:
     FlatSurface own_;
 };
 
-hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, hmf_trace_options& all,
-                              Call& call) {
+hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, uint32_t shown_triangles,
+                              hmf_trace_options& all, Call& call) {
     if (read_options(options, all, "hmf_trace_options", call)) return call.status();
     if (!(all.spacing >= 0) || !(all.length_limit >= 0) || !std::isfinite(all.spacing)
         || !std::isfinite(all.length_limit))
@@ -113,7 +120,7 @@ hmf_status read_trace_options(const hmf_trace_options* options, const Level& lev
     if (all.leaves < HMF_LEAVES_DEFAULT || all.leaves > HMF_LEAVES_CONJUGATE)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are no leaves %d. Use HMF_LEAVES_*.",
                          static_cast<int>(all.leaves));
-    if (check_points(all, level.mesh.face_count, call)) return call.status();
+    if (check_points(all, shown_triangles, call)) return call.status();
     if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
     if (all.leaves == HMF_LEAVES_CONJUGATE && all.length_limit == 0)
         all.length_limit = 10 * std::sqrt(surface_area(level.mesh, level.position));
@@ -159,10 +166,11 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
     for (size_t i = 0; i < internal.size(); ++i) {
         assert(all.seam_edges); // there is a count only with an array
         const uint32_t e = all.seam_edges[i];
-        if (e >= foliation.count)
+        const uint32_t edges = foliation.hierarchy->shown_edges(foliation.level);
+        if (e >= edges)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_EDGE, e,
-                             "seam_edges names edge %u; the level has %llu edges.", static_cast<unsigned>(e),
-                             static_cast<unsigned long long>(foliation.count));
+                             "seam_edges names edge %u; the level has %u edges.", static_cast<unsigned>(e),
+                             static_cast<unsigned>(edges));
         internal[i] = internal_edge(*foliation.hierarchy, foliation.level, e);
     }
     return HMF_OK;
@@ -172,7 +180,7 @@ hmf_status read_seam_edges(const hmf_foliation& foliation, const hmf_parameteriz
 hmf_status write_triangles(const Parameterization& from, const Mesh& mesh, const Array<uint32_t>& side, double unit,
                            hmf_parameterization& to, Call& call) {
     double* uv = fill(to.corner_uv);
-    for (size_t t = 0; t < side.size(); ++t) {
+    for (size_t t = 0; t < to.triangle_count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
         const AffineMap& map = from.map[t];
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
@@ -192,9 +200,13 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
                        const Array<uint32_t>& side, hmf_parameterization& to, Call& call) {
     const hmf_hierarchy& h = *foliation.hierarchy;
     const Mesh& mesh = loop_mesh(h, foliation.level);
-    Array<uint8_t> met;
-    if (!met.allocate_filled(call.memory, mesh.edge_count, 0)) return call.out_of_memory();
-    for (size_t t = 0; t < side.size(); ++t) {
+    Array<uint8_t> met, outer; // outer: on the boundary of the surface, beyond which nothing lies
+    if (!met.allocate_filled(call.memory, mesh.edge_count, 0)
+        || !outer.allocate_filled(call.memory, to.edge_count, uint8_t{0}))
+        return call.out_of_memory();
+    const bool has_boundary = foliation.level == 0 && h.is_double();
+    for (size_t c = 0; has_boundary && c < 3 * to.triangle_count; ++c) outer[h.triangle_edges[c]] ^= 1;
+    for (size_t t = 0; t < to.triangle_count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
         uint32_t g = side[t];
         for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
@@ -203,13 +215,13 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
             met[internal] = 1;
             const size_t e = foliation.level == 0 ? h.triangle_edges[3 * t + s] : internal;
             const Transition map = from.transition(mesh, flat.flat->bundle, g);
-            const bool seam = from.is_seam(internal, map);
+            const bool seam = from.is_seam(internal, map) && !outer[e];
             to.seam_edge_count += seam;
             if (seam) to.seam_length += from.length[internal];
             fill(to.seam)[e] = seam;
-            fill(to.transition)[3 * e] = map.sign;
-            fill(to.transition)[3 * e + 1] = static_cast<double>(map.u) * flat.unit;
-            fill(to.transition)[3 * e + 2] = static_cast<double>(map.v) * flat.unit;
+            fill(to.transition)[3 * e] = outer[e] ? 1 : map.sign;
+            fill(to.transition)[3 * e + 1] = outer[e] ? 0 : static_cast<double>(map.u) * flat.unit;
+            fill(to.transition)[3 * e + 2] = outer[e] ? 0 : static_cast<double>(map.v) * flat.unit;
         }
     }
     return HMF_OK;
@@ -244,18 +256,18 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
 
     hmf_parameterization counts{};
     counts.struct_size = sizeof counts;
-    counts.vertex_count = mesh.vertex_count;
-    counts.edge_count = mesh.edge_count;
-    counts.triangle_count = mesh.face_count;
     counts.linear_iterations = flat.flat->iterations;
-    if (made.measure(counts, call)) return call.status();
+    if (made.measure(h.shown_triangles(level), counts, call)) return call.status();
+    counts.vertex_count = h.shown_vertices(level);
+    counts.edge_count = h.shown_edges(level);
+    counts.triangle_count = h.shown_triangles(level);
     ResultBlock block;
-    block.room(counts, counts.corner_uv, size_t{6} * mesh.face_count);
-    block.room(counts, counts.transition, size_t{3} * mesh.edge_count);
-    block.room(counts, counts.seam, mesh.edge_count);
-    block.room(counts, counts.cone, mesh.vertex_count);
-    block.room(counts, counts.dilatation, mesh.face_count);
-    block.room(counts, counts.differential, size_t{2} * mesh.face_count);
+    block.room(counts, counts.corner_uv, 6 * counts.triangle_count);
+    block.room(counts, counts.transition, 3 * counts.edge_count);
+    block.room(counts, counts.seam, counts.edge_count);
+    block.room(counts, counts.cone, counts.vertex_count);
+    block.room(counts, counts.dilatation, counts.triangle_count);
+    block.room(counts, counts.differential, 2 * counts.triangle_count);
     hmf_parameterization* result = block.make(counts, h, call);
     if (!result) return call.status();
     if (write_triangles(made, mesh, side, flat.unit, *result, call)
@@ -263,7 +275,7 @@ hmf_status hmf_parameterize(const hmf_foliation* foliation, const hmf_parameteri
         free_block(result);
         return call.status();
     }
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+    for (uint32_t v = 0; v < counts.vertex_count; ++v)
         fill(result->cone)[v] = made.cone[level == 0 ? h.vertex_internal[v] : v];
     result->seconds = call.seconds();
     *out = result;
@@ -277,7 +289,9 @@ hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* op
     if (entry.check(out)) return call.status();
     const Level& level = foliation->hierarchy->levels[foliation->level];
     hmf_trace_options all;
-    if (read_trace_options(options, level, all, call)) return call.status();
+    if (refuse_boundary(*foliation, "Leaves", call)
+        || read_trace_options(options, level, foliation->hierarchy->shown_triangles(foliation->level), all, call))
+        return call.status();
     Array<uint32_t> side;
     if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call.memory))
         return call.out_of_memory();
@@ -314,6 +328,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     Call& call = entry.call;
     if (entry.check(out)) return call.status();
     const hmf_hierarchy& h = *foliation->hierarchy;
+    if (refuse_boundary(*foliation, "Cylinders", call)) return call.status();
     WeightedLoops given;
     if (loops && read_loop_set(h, loops, 0, given, call)) return call.status();
     Leaves leaves;
@@ -345,7 +360,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         hmf_cylinder_set set;
         hmf_loop_set leaves;
     } made{{sizeof(hmf_cylinder_set), 0, n, nullptr, nullptr},
-           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr}};
+           {sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, foliation->level, n, nullptr, nullptr, nullptr, nullptr}};
     ResultBlock block;
     block.array(made, made.set.list, n, list.data());
     block.array(made, made.leaves.offsets, n + 1, curves.offsets.data());
@@ -373,6 +388,7 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "count must be at most %llu, relax at most %llu.",
                          static_cast<unsigned long long>(MOST_QUADS),
                          static_cast<unsigned long long>(MOST_RELAX_STEPS));
+    if (refuse_boundary(*foliation, "Quad meshes", call)) return call.status();
     Leaves leaves;
     FlatMetric metric;
     QuadMesh made;

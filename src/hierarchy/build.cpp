@@ -1,6 +1,7 @@
 // Build of the hierarchy ([W] 4.1): arrays in -> validated mesh -> levels.
 //
 //   1  order in space, validate                             (mesh/spatial_order.cpp, mesh/validate.cpp)
+//      a surface with boundary: its double, once more       (mesh/double_surface.cpp)
 //   2  collapse and flip, level by level, keeping a log     (simplify.cpp, delaunay.cpp)
 //   3  number everything by level                           (renumber.cpp)
 //   4  replay the log backwards from the coarsest level and copy each level on
@@ -79,7 +80,10 @@ public:
     hmf_status run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
 
 private:
-    hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
+    hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count, Array<uint32_t>& boundary);
+    hmf_status load_double(size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
+                           const Array<uint32_t>& boundary);
+    hmf_status check_genus();
     hmf_status coarsen();
     hmf_status keep_geometry(Level& level, double fraction);
     hmf_status number();
@@ -90,8 +94,9 @@ private:
     hmf_hierarchy& h_;
     const double* positions_;
     size_t stride_;
-    const BuildOptions& options_;
+    BuildOptions options_; // marked vertices: those of the double
     Call& call_;
+    Doubling doubling_;
     uint32_t vertex_count_ = 0, edge_count_ = 0, face_count_ = 0;
     double scale_ = 1;
     double* input_position_ = nullptr; // of the working mesh; in the end, the caller's in internal order
@@ -106,19 +111,23 @@ private:
     size_t collapse_count_ = 0;
 };
 
-hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+// Sides with one triangle are left in `boundary`: then the double is to be loaded.
+hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
+                         Array<uint32_t>& boundary) {
     Arena& arena = h_.arena;
     vertex_count_ = static_cast<uint32_t>(vertex_count);
     face_count_ = static_cast<uint32_t>(triangle_count);
     edge_count_ = static_cast<uint32_t>(3 * triangle_count / 2);
-    if (!(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count))
+    const bool is_double = h_.mirror.triangle_count > 0; // its triangles and mirror are there
+    if ((!is_double && !(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)))
         || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
         || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count))
         || !(input_position_ = arena.take<double>(3 * vertex_count)))
         return call_.out_of_memory();
-    std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
+    if (!is_double) std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
-    const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0};
+    const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0, h_.mirror,
+                               doubling_.boundary_side.data()};
     hmf_status status =
         order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
     if (!status)
@@ -133,16 +142,15 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         || !work_.allocate(h_.memory, h_.input, options_.collapse == HMF_COLLAPSE_QSLIM))
         return call_.out_of_memory();
     work_.position = input_position_;
-    status = link_triangles(ordered, work_.position, caller, work_.mesh, work_.degree, work_.link.data(), call_);
+    work_.has_double_edges = is_double;
+    status =
+        link_triangles(ordered, work_.position, caller, work_.mesh, work_.degree, work_.link.data(), boundary, call_);
+    if (!status && !boundary.empty()) return HMF_OK;
     if (!status) status = check_connection(work_.mesh, work_.degree, caller, work_.link.data(), call_);
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
-    if (h_.genus == 0 && options_.marked_count < 4 && !options_.sphere_allowed)
-        return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
-                          "The surface is a sphere (genus 0) with %u marked vertices, which carries no measured "
-                          "foliation. Mark four vertices or more, or use a surface of genus 1 or more.",
-                          static_cast<unsigned>(options_.marked_count));
+    if (check_genus()) return call_.status();
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
     status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, work_.link.data(), call_);
     if (status) return status;
@@ -155,6 +163,42 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (is_delaunay_) metric_ = Metric();
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
+}
+
+hmf_status Builder::check_genus() {
+    if (h_.genus > 0 || options_.marked_count >= 4 || options_.sphere_allowed) return HMF_OK;
+    if (h_.mirror.triangle_count > 0)
+        return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
+                          "The surface is a disk (genus 0, one boundary) with too few marked vertices to carry a "
+                          "measured foliation. Mark four vertices of the boundary or two inside; one inside counts as "
+                          "two of the boundary.");
+    return call_.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
+                      "The surface is a sphere (genus 0) with %u marked vertices, which carries no measured "
+                      "foliation. Mark four vertices or more, or use a surface of genus 1 or more.",
+                      static_cast<unsigned>(options_.marked_count));
+}
+
+// From the surface to its double, once all that is wrong with its edges has been found.
+hmf_status Builder::load_double(size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
+                                const Array<uint32_t>& boundary) {
+    work_ = WorkMesh();
+    h_.arena.clear();
+    uint32_t* const mirror = h_.arena.take<uint32_t>(vertex_count);
+    if (!mirror || !(h_.triangle_vertices = h_.arena.take<uint32_t>(6 * triangle_count))) return call_.out_of_memory();
+    std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
+    const hmf_status status =
+        double_surface(positions_, vertex_count, stride_, h_.triangle_vertices, triangle_count, boundary,
+                       options_.marked_vertices, options_.marked_count, mirror, doubling_, call_);
+    if (status) return status;
+    h_.mirror = {static_cast<uint32_t>(vertex_count), static_cast<uint32_t>(triangle_count), mirror};
+    positions_ = doubling_.positions.data();
+    stride_ = 0;
+    options_.marked_vertices = doubling_.marked.data();
+    options_.marked_count = doubling_.marked_count;
+    Array<uint32_t> none;
+    if (load(doubling_.vertex_count, nullptr, 2 * triangle_count, none)) return call_.status();
+    doubling_.boundary_side.release();
+    return HMF_OK;
 }
 
 // Metric of the input, and sums of cotangents for the weights of level 0.
@@ -348,7 +392,16 @@ hmf_status Builder::make_delaunay() {
 }
 
 hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
-    hmf_status status = load(vertex_count, triangles, triangle_count);
+    Array<uint32_t> boundary;
+    hmf_status status = load(vertex_count, triangles, triangle_count, boundary);
+    const size_t sides = boundary.size();
+    if (!status && sides > 0) status = load_double(vertex_count, triangles, triangle_count, boundary);
+    boundary.release();
+    h_.surface_vertices = static_cast<uint32_t>(vertex_count);
+    h_.surface_triangles = static_cast<uint32_t>(triangle_count);
+    h_.surface_edges = static_cast<uint32_t>((3 * triangle_count + sides) / 2);
+    h_.boundary_count = doubling_.boundary_count;
+    h_.surface_genus = sides == 0 ? h_.genus : (h_.genus + 1 - h_.boundary_count) / 2;
     if (!status) status = coarsen();
     if (!status) status = number();
     if (!status) status = replay();

@@ -31,6 +31,20 @@ bool neighbours(const WorkMesh& work, uint32_t k_out, uint32_t l) {
     return false;
 }
 
+// Do the two triangles at edge ij lie on each other, as on the boundary of a surface that was doubled?  After a
+// flip there the positions would say nothing of the lengths.
+bool is_folded(const double* i, const double* j, const double* k, const double* l) {
+    double e[3], u[3], v[3];
+    for (int c = 0; c < 3; ++c) {
+        e[c] = j[c] - i[c];
+        u[c] = k[c] - i[c];
+        v[c] = l[c] - i[c];
+    }
+    // Scalar product of e x u and v x e.
+    const auto dot = [](const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    return dot(e, v) * dot(u, e) < dot(e, e) * dot(u, v);
+}
+
 bool flip_if_needed(WorkMesh& work, uint32_t edge) {
     Mesh& mesh = work.mesh;
     const uint32_t h = 2 * edge, t = twin(h), ki = mesh.prev(h), lj = mesh.prev(t);
@@ -39,6 +53,7 @@ bool flip_if_needed(WorkMesh& work, uint32_t edge) {
     if (!obtuse(x_k, x_i, x_j) && !obtuse(x_l, x_i, x_j)) return false; // most edges
     if (!(cotangent(x_k, x_i, x_j) + cotangent(x_l, x_j, x_i) < TOLERANCE)) return false;
     if (k == l || work.degree[i] <= 3 || work.degree[j] <= 3) return false;
+    if (work.has_double_edges && is_folded(x_i, x_j, x_k, x_l)) return false;
     if (work.degree[k] < work.degree[l] ? neighbours(work, ki, l) : neighbours(work, lj, k)) return false;
     flip(mesh, edge);
     --work.degree[i];

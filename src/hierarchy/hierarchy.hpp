@@ -10,6 +10,10 @@
 //
 // Marked vertices come first in every level: no collapse removes or moves them.
 //
+// A surface with boundary is doubled first (double_surface.hpp): everything here
+// is about the closed double, and on level 0 the caller sees its front, which has
+// the lowest of the caller's numbers.
+//
 // Level 0 stores the intrinsic triangulation; Hierarchy::input is the mesh of
 // the caller in the same (internal) numbering.  Applying intrinsic_flips to
 // it in order gives levels[0].mesh; unflipping backwards returns.
@@ -18,6 +22,7 @@
 #include <atomic>
 
 #include "../base/memory.hpp"
+#include "../mesh/double_surface.hpp"
 #include "../mesh/mesh.hpp"
 
 namespace hmf {
@@ -77,6 +82,22 @@ struct hmf_hierarchy {
     uint32_t* triangle_edges = nullptr;    // 3 * face_count, caller's edge numbers
     uint32_t* edge_internal = nullptr;     // caller's edge -> internal edge
     uint32_t* vertex_internal = nullptr;   // caller's vertex -> internal vertex
+
+    // What the caller sees of level 0: all, or the front of a double.
+    uint32_t surface_vertices = 0, surface_edges = 0, surface_triangles = 0;
+    uint32_t surface_genus = 0, boundary_count = 0;
+    hmf::Mirror mirror; // empty: the surface is closed
+
+    bool is_double() const { return boundary_count > 0; }
+    // Energies and areas of the surface are this part of those inside.
+    double share() const { return is_double() ? 0.5 : 1; }
+    uint32_t shown_vertices(size_t level) const {
+        return level == 0 ? surface_vertices : levels[level].mesh.vertex_count;
+    }
+    uint32_t shown_edges(size_t level) const { return level == 0 ? surface_edges : levels[level].mesh.edge_count; }
+    uint32_t shown_triangles(size_t level) const {
+        return level == 0 ? surface_triangles : levels[level].mesh.face_count;
+    }
 };
 
 namespace hmf {

@@ -207,6 +207,8 @@ bool keeps_shape(WorkMesh& work, uint32_t h, const double* p) {
     if (turns_over(work, i, round_i + 1, degree_i - 1, p, others_i)
         || turns_over(work, j, round_j + 1, degree_j - 1, p, others_j))
         return false;
+    // A second edge from i to j would be left with one end.
+    if (work.has_double_edges) others_i |= uint64_t{1} << i % 64;
     // Without a common bit, k and l are the only common neighbours.
     return mesh.target(mesh.next[h]) != mesh.target(mesh.next[twin(h)])
         && ((others_i & others_j) == 0 || can_collapse(mesh, h, work.marks.data()));

@@ -59,6 +59,7 @@ struct WorkMesh {
     Array<Quadric> quadrics;      // per vertex, with HMF_COLLAPSE_QSLIM only
     double centre[3] = {0, 0, 0}; // that the quadrics are about
     BucketQueue queue;
+    bool has_double_edges = false; // two vertices may have several edges
 
     // For a mesh with room for all its elements.
     Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);

@@ -58,6 +58,10 @@ hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
 hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
                       const uint32_t* elements, Call& call, Loops& out);
 
+// The second half of it: paths are closed sequences of half-edges, along edges
+// (along_edges) or crossed already.
+[[nodiscard]] hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out);
+
 // Removes neighbours of a cyclic sequence that cancel; what is left is
 // sequence[begin], .., sequence[end - 1].
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end);

@@ -147,7 +147,55 @@ uint32_t shared_edge(const Mesh& mesh, uint32_t i, uint32_t j) {
     return found;
 }
 
+// Paths become loops one after the other.
+class PushedPaths {
+public:
+    PushedPaths(const Mesh& mesh, Call& call, Loops& out) : mesh_(mesh), out_(out) {
+        strip_.start(call.memory);
+        out.offsets.start(call.memory);
+        out.crossings.start(call.memory);
+    }
+    Done start() { return out_.offsets.push(0); }
+
+    // False: out of memory.  The path is used up.
+    Done add(Array<uint32_t>& path, bool along_edges) {
+        size_t from = 0, to = 0;
+        if (along_edges) {
+            pull_straight(mesh_, path, from, to);
+            strip_.clear();
+            for (size_t i = from; i < to; ++i)
+                if (!push_off(mesh_, twin(path[i]), path[i + 1 < to ? i + 1 : from], strip_)) return false;
+            path.swap(strip_);
+        }
+        remove_backtracking(path, from, to);
+        for (size_t i = from; i < to; ++i)
+            if (!out_.crossings.push(path[i])) return false;
+        return out_.offsets.push(out_.crossings.size());
+    }
+
+private:
+    const Mesh& mesh_;
+    Loops& out_;
+    Array<uint32_t> strip_;
+};
+
 } // namespace
+
+hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges, Call& call, Loops& out) {
+    Array<uint32_t> path;
+    PushedPaths pushed(mesh, call, out);
+    path.start(call.memory);
+    if (!pushed.start()) return call.out_of_memory();
+    for (size_t c = 0; c < paths.count(); ++c) {
+        if (c % 256 == 0 && !call.tick(0, true))
+            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        path.clear();
+        for (uint64_t i = paths.offsets[c]; i < paths.offsets[c + 1]; ++i)
+            if (!path.push(paths.crossings[i])) return call.out_of_memory();
+        if (!pushed.add(path, along_edges)) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
 
 hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
                       const uint32_t* elements, Call& call, Loops& out) {
@@ -164,12 +212,10 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
     // Elements are named by their place: the caller may number them otherwise.
     const char* const word = triangles ? "triangle" : "vertex";
     const uint32_t limit = triangles ? mesh.face_count : mesh.vertex_count;
-    Array<uint32_t> side, path, strip;
+    Array<uint32_t> side, path;
+    PushedPaths pushed(mesh, call, out);
     path.start(call.memory);
-    strip.start(call.memory);
-    out.offsets.start(call.memory);
-    out.crossings.start(call.memory);
-    if (!out.offsets.push(0)) return call.out_of_memory();
+    if (!pushed.start()) return call.out_of_memory();
     if (triangles) {
         if (!side.allocate_filled(call.memory, mesh.face_count, NONE)) return call.out_of_memory();
         for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
@@ -202,19 +248,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                                  static_cast<Long>(c), word);
             if (!path.push(h)) return call.out_of_memory();
         }
-        if (!triangles) {
-            size_t from = 0, to = 0;
-            pull_straight(mesh, path, from, to);
-            strip.clear();
-            for (size_t i = from; i < to; ++i)
-                if (!push_off(mesh, twin(path[i]), path[i + 1 < to ? i + 1 : from], strip)) return call.out_of_memory();
-            path.swap(strip);
-        }
-        size_t from = 0, to = 0;
-        remove_backtracking(path, from, to);
-        for (size_t i = from; i < to; ++i)
-            if (!out.crossings.push(path[i])) return call.out_of_memory();
-        if (!out.offsets.push(out.crossings.size())) return call.out_of_memory();
+        if (!pushed.add(path, !triangles)) return call.out_of_memory();
     }
     return HMF_OK;
 }

@@ -38,9 +38,11 @@ bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks) {
     if (i == j || k == l) return false;
     uint32_t shared = 0;
     for (const uint32_t g : mesh.clockwise_from(h)) marks[mesh.target(g)] = 1;
+    marks[i] = 1; // a second edge from j to i counts
     for (const uint32_t g : mesh.clockwise_from(jk)) shared += marks[mesh.target(g)];
     for (const uint32_t g : mesh.clockwise_from(h)) marks[mesh.target(g)] = 0;
-    return shared == 2;
+    marks[i] = 0;
+    return shared == 3; // k, l, and i itself
 }
 
 Collapse collapse(Mesh& mesh, uint32_t h) {

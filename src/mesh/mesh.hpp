@@ -95,9 +95,9 @@ struct Collapse {
     uint32_t vertex, face_left, face_right; // removed
 };
 
-// Link condition for a mesh where the ends of h have no other edge between
-// them and a common neighbour only through single edges: exactly the two
-// opposite vertices are shared.  marks: vertex_count zeros, left as found.
+// Link condition: the ends of h have no other edge between them, and exactly the
+// two opposite vertices are common neighbours, through single edges.  marks:
+// vertex_count zeros, left as found.
 bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks);
 
 //          k                     k

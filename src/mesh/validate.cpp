@@ -66,6 +66,25 @@ struct FaceSide {
     uint32_t place;
 };
 
+// Sides with the same lower vertex and the same key belong together.  In a double
+// the two vertices are not enough: they may have one edge in front and one behind.
+struct PlainKeys {
+    static constexpr uint32_t per_vertex = 1;
+    uint32_t operator()(FaceSide side) const { return side.high; }
+};
+struct DoubleKeys {
+    static constexpr uint32_t per_vertex = 2;
+    const OrderedTriangles& ordered;
+    const CallerMesh& caller;
+    uint32_t vertex_count;
+    uint32_t operator()(FaceSide side) const {
+        const uint32_t triangle = ordered.number(side.place / 4), m = caller.mirror.triangle_count;
+        if (triangle < m) return side.high;
+        const uint32_t front = 3 * (triangle - m) + (2 - side.place % 4); // the side that it is the image of
+        return caller.boundary_side[front] ? side.high : side.high + vertex_count;
+    }
+};
+
 struct Mark {
     uint32_t low;   // the bucket that the vertex was seen in
     uint32_t place; // the side seen there; NONE: it has found its other side
@@ -128,13 +147,6 @@ public:
                           "mollify in the build options.",
                           triangle, corner[0], corner[1], corner[2]);
     }
-    hmf_status alone(uint32_t side) const {
-        return call_.fail(
-            HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_TRIANGLE, number(side),
-            "Triangle %u has no neighbour at the edge between the vertices %u and %u. The mesh must be closed: fill "
-            "the hole, or join duplicate vertices.",
-            number(side), from(side), to(side));
-    }
     hmf_status turned(uint32_t a, uint32_t b) const {
         return call_.fail(
             HMF_ERROR_MESH_ORIENTATION, HMF_ELEMENT_TRIANGLE, number(a),
@@ -152,6 +164,10 @@ private:
     const CallerMesh& caller_;
     Call& call_;
 };
+
+template <class Keys>
+hmf_status link(OrderedTriangles& ordered, const Keys& keys, const Report& report, Mesh& mesh, uint32_t largest,
+                uint32_t* part, Array<uint32_t>& boundary, Call& call);
 
 } // namespace
 
@@ -178,7 +194,7 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
 }
 
 hmf_status link_triangles(OrderedTriangles& ordered, const double* position, const CallerMesh& caller, Mesh& mesh,
-                          Array<uint32_t>& degree, uint32_t* part, Call& call) {
+                          Array<uint32_t>& degree, uint32_t* part, Array<uint32_t>& boundary, Call& call) {
     uint32_t* const words = ordered.words.data();
     const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
     const Report report(ordered, caller, call);
@@ -193,11 +209,25 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
             flat = v[3];
     }
     if (flat != NONE) return report.flat(flat);
+    uint32_t largest = 0;
+    for (const uint32_t d : degree) largest = d > largest ? d : largest;
+    boundary.start(call.memory);
+    if (caller.mirror.triangle_count == 0)
+        return link(ordered, PlainKeys{}, report, mesh, largest, part, boundary, call);
+    return link(ordered, DoubleKeys{ordered, caller, vertex_count}, report, mesh, largest, part, boundary, call);
+}
+
+namespace {
+
+// Matches the sides and makes the half-edges.  largest: degree.
+template <class Keys>
+hmf_status link(OrderedTriangles& ordered, const Keys& keys, const Report& report, Mesh& mesh, uint32_t largest,
+                uint32_t* part, Array<uint32_t>& boundary, Call& call) {
+    uint32_t* const words = ordered.words.data();
+    const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
     Array<Mark> marks;
     Array<FaceSide> bucket;
-    uint32_t largest = 0;
-    for (const uint32_t d : degree) largest = std::max(largest, d);
-    if (!marks.allocate_filled(call.memory, vertex_count, Mark{NONE, NONE})
+    if (!marks.allocate_filled(call.memory, size_t{Keys::per_vertex} * vertex_count, Mark{NONE, NONE})
         || !bucket.allocate(call.memory, size_t{2} * largest))
         return call.out_of_memory();
     const Waiting waiting = {mesh.out, mesh.next, mesh.face};
@@ -227,7 +257,7 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
         uint32_t matched = 0, turned[2] = {NONE, NONE};
         for (uint32_t n = 0; n < size; ++n) {
             const FaceSide side = bucket[n];
-            Mark& mark = marks[side.high];
+            Mark& mark = marks[keys(side)];
             const bool second = mark.low == low;
             const uint32_t first = second ? mark.place : side.place;
             if (first == NONE) return report.third(bucket.data(), size, side.high);
@@ -243,10 +273,14 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
             if (pairs.count == Pairs::ROOM) pairs.make_edges(words, mesh, edges);
         }
         if (matched < size)
-            for (uint32_t n = 0; n < size; ++n)
-                if (marks[bucket[n].high].place == bucket[n].place) return report.alone(bucket[n].place);
+            for (uint32_t n = 0; n < size; ++n) {
+                const uint32_t side = bucket[n].place;
+                if (marks[keys(bucket[n])].place == side && !boundary.push(3 * ordered.number(side / 4) + side % 4))
+                    return call.out_of_memory();
+            }
         if (turned[0] != NONE) return report.turned(turned[0], turned[1]);
     }
+    if (!boundary.empty()) return HMF_OK;
     pairs.make_edges(words, mesh, edges);
     // A mark still tells a lower neighbour: trees that cover almost everything.
     for (uint32_t v = 0; v < vertex_count; ++v) part[v] = marks[v].low == NONE ? v : part[marks[v].low];
@@ -262,12 +296,14 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
     return HMF_OK;
 }
 
+} // namespace
+
 hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, const CallerMesh& caller, uint32_t* part,
                             Call& call) {
     const auto callers_vertex = [&](uint32_t internal) {
         uint32_t v = 0;
         while (caller.vertex_internal[v] != internal) ++v;
-        return v;
+        return caller.mirror.front(v);
     };
     uint32_t parts = 0;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {

@@ -177,10 +177,10 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
     return HMF_OK;
 }
 
-hmf_status Parameterization::measure(hmf_parameterization& out, Call& call) const {
+hmf_status Parameterization::measure(size_t count, hmf_parameterization& out, Call& call) const {
     Measure measure;
-    if (!measure.allocate(map.size(), call.memory)) return call.out_of_memory();
-    for (uint32_t t = 0; t < map.size(); ++t) {
+    if (!measure.allocate(count, call.memory)) return call.out_of_memory();
+    for (uint32_t t = 0; t < count; ++t) {
         if (t % 65536 == 0 && !call.tick(0.96)) return call.was_cancelled();
         measure.add(t, map[t]);
     }

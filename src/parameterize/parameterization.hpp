@@ -39,8 +39,8 @@ struct Parameterization {
     bool is_seam(uint32_t edge, const Transition& t) const {
         return seams.on[edge] || t.sign < 0 || t.u != 0 || t.v != 0;
     }
-    // Statistics of the dilatation, flipped and degenerate triangles, area.
-    [[nodiscard]] hmf_status measure(hmf_parameterization& out, Call& call) const;
+    // Statistics of the dilatation, flipped and degenerate triangles, area: of the first `count` triangles.
+    [[nodiscard]] hmf_status measure(size_t count, hmf_parameterization& out, Call& call) const;
 };
 
 } // namespace hmf

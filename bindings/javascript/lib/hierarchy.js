@@ -119,6 +119,7 @@ export class Hierarchy {
                     return new Level(this, index, frame.plain('hmf_level_info', out));
                 }));
             });
+            Object.defineProperty(this, 'boundaryCount', { value: module.invoke('hmf_boundary_count', this.#held.address), enumerable: true });
             Object.defineProperty(this, 'genus', { value: module.invoke('hmf_genus', this.#held.address), enumerable: true });
         } catch (error) {
             this.dispose();

@@ -110,15 +110,17 @@ export interface BuildOptions extends ProgressOptions {
 }
 
 /**
- * A closed, connected, oriented triangle mesh of genus 1 or more, or of genus 0
- * with four or more marked vertices, with its coarser levels.  It may be used for
- * any number of solves.
+ * A connected, oriented triangle mesh with its coarser levels; a sphere with four
+ * or more marked vertices, a disk with four on its boundary or two inside.  It may
+ * be used for any number of solves.
  *
  * It and its foliations hold memory of WebAssembly until `dispose()`; `using`
  * works as well.  A hierarchy that is forgotten is freed at some later time.
  */
 export interface Hierarchy extends Disposable {
     readonly genus: number;
+    /** Number of closed curves that the boundary consists of. */
+    readonly boundaryCount: number;
     /** Level 0 is the mesh of the caller, higher levels are coarser. */
     readonly levels: readonly Level[];
     readonly memoryBytes: number;
@@ -186,6 +188,8 @@ export interface LoopSet {
     loops: Numbers[];
     /** Positive, one for each loop; default all 1. */
     weights?: Numbers;
+    /** One for each loop, with boundary: not 0 for an arc from boundary to boundary; default none. */
+    arcs?: Numbers;
 }
 
 export interface OptimizeOptions extends ProgressOptions {

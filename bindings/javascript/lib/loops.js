@@ -1,4 +1,4 @@
-// Sets of loops between JavaScript, { elementKind, level, loops, weights },
+// Sets of loops between JavaScript, { elementKind, level, loops, weights, arcs },
 // and the flat arrays of hmf_loop_set.
 import { namesOf } from './error.js';
 import { choice, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
@@ -9,7 +9,7 @@ const loopKinds = namesOf('HMF_LOOPS_');
 /** An hmf_loop_set in the memory of the call; 0 (NULL) for undefined. */
 export function writeLoops(frame, set) {
     if (set === undefined) return 0;
-    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights']);
+    const given = optionsOf(set, 'loops', ['elementKind', 'level', 'loops', 'weights', 'arcs']);
     if (!Array.isArray(given.loops)) throw new TypeError('loops.loops is missing or not an array; give one array of indices for each loop.');
     const parts = given.loops.map((loop, i) => indices(loop, `loops.loops[${i}]`)), offsets = [0n];
     let total = 0;
@@ -28,17 +28,24 @@ export function writeLoops(frame, set) {
         if (weights.length !== parts.length) throw new TypeError(`loops.weights has ${weights.length} entries; give ${parts.length}, one for each loop.`);
         fields.weights = frame.copy(Float64Array, weights);
     }
+    if (given.arcs !== undefined) {
+        const arcs = indices(given.arcs, 'loops.arcs');
+        if (arcs.length !== parts.length) throw new TypeError(`loops.arcs has ${arcs.length} entries; give ${parts.length}, one for each loop.`);
+        fields.arcs = frame.copy(Uint8Array, Uint8Array.from(arcs));
+    }
     return frame.structure('hmf_loop_set', fields);
 }
 
 /** Loops of the library. */
 export function readLoops(frame, address) {
-    const { element_kind, level, count, weights } = frame.read('hmf_loop_set', address);
+    const { element_kind, level, count, weights, arcs } = frame.read('hmf_loop_set', address);
     const { offsets } = frame.arrays('hmf_loop_set', address, { offsets: count + 1 });
     const { elements } = frame.arrays('hmf_loop_set', address, { elements: Number(offsets[count]) });
     const loops = Array.from({ length: count }, (_, i) => elements.slice(Number(offsets[i]), Number(offsets[i + 1])));
     const set = { elementKind: elementKinds.byValue.get(element_kind), level, loops };
-    return weights === 0 ? set : { ...set, ...frame.arrays('hmf_loop_set', address, { weights: count }) };
+    if (weights !== 0) Object.assign(set, frame.arrays('hmf_loop_set', address, { weights: count }));
+    if (arcs !== 0) Object.assign(set, frame.arrays('hmf_loop_set', address, { arcs: count }));
+    return set;
 }
 
 /** Loops that the library makes. */

@@ -28,8 +28,9 @@ test('defects of meshes', () => {
         const changed = change(mesh) ?? mesh;
         new hmf.Hierarchy(changed.positions, changed.triangles);
     };
-    const defect = refused(build(mesh => ({ ...mesh, triangles: mesh.triangles.slice(0, -3) })), 'HMF_ERROR_MESH_BOUNDARY', 'triangle');
-    assert.equal(defect.status, 305);
+    const twice = mesh => ({ ...mesh, triangles: [...mesh.triangles, ...mesh.triangles.slice(0, 3)] });
+    const defect = refused(build(twice), 'HMF_ERROR_MESH_NON_MANIFOLD_EDGE', 'triangle');
+    assert.equal(defect.status, 306);
     refused(build(() => octahedron()), 'HMF_ERROR_MESH_GENUS', null);
     const marked = markedVertices => () => { const { positions, triangles } = octahedron(); new hmf.Hierarchy(positions, triangles, { markedVertices }); };
     refused(marked([0, 1, 2]), 'HMF_ERROR_MESH_GENUS', null);

@@ -184,6 +184,18 @@ test('a foliation of the same triangles elsewhere is a start', () => {
     second.dispose();
 });
 
+test('a rectangle with an arc across', () => {
+    const positions = [0, 0, 0, 3, 0, 0, 3, 2, 0, 0, 2, 0, 1.5, 0, 0, 1.5, 2, 0];
+    const triangles = [0, 4, 5, 0, 5, 3, 4, 1, 2, 4, 2, 5];
+    const hierarchy = new hmf.Hierarchy(positions, triangles, { markedVertices: [0, 1, 2, 3] });
+    assert.deepEqual([hierarchy.genus, hierarchy.boundaryCount], [0, 1]);
+    const foliation = hierarchy.solve({ loops: { elementKind: 'vertices', loops: [[4, 5]], arcs: [1] } });
+    assert.ok(Math.abs(foliation.report.energy - 2 / 3) < 1e-8);
+    const own = hierarchy.loops(0, 'cut');
+    assert.deepEqual([own.loops.length, own.arcs.length, own.arcs[0] > 1], [1, 1, true]);
+    hierarchy.dispose();
+});
+
 test('spheres have marked vertices', () => {
     const { positions, triangles } = octahedron();
     positions.forEach((x, i) => { if (i % 3 === 2) positions[i] = 3 * x; });

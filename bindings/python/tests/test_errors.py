@@ -41,8 +41,6 @@ def changed(mesh: Mesh, which: str) -> Mesh:
         positions[3, 1] = np.inf
     elif which == "MESH_REPEATED_VERTEX":
         triangles[4, 1] = triangles[4, 0]
-    elif which == "MESH_BOUNDARY":
-        triangles = np.delete(triangles, 6, axis=0)
     elif which == "MESH_NON_MANIFOLD_EDGE":
         triangles = np.vstack([triangles, triangles[:1]])
     elif which == "MESH_ORIENTATION":
@@ -63,7 +61,7 @@ def changed(mesh: Mesh, which: str) -> Mesh:
 
 
 MESH_DEFECTS = [
-    *["MESH_COUNTS", "MESH_INDEX", "MESH_NOT_FINITE", "MESH_REPEATED_VERTEX", "MESH_BOUNDARY"],
+    *["MESH_COUNTS", "MESH_INDEX", "MESH_NOT_FINITE", "MESH_REPEATED_VERTEX"],
     *["MESH_ORIENTATION", "MESH_UNUSED_VERTEX", "MESH_COMPONENTS", "MESH_GENUS", "MESH_NON_MANIFOLD_VERTEX"],
     "MESH_NON_MANIFOLD_EDGE",
 ]
@@ -83,7 +81,7 @@ def test_mesh(torus: Mesh, defect: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("defect", "word"), [("MESH_BOUNDARY", "hole"), ("MESH_COMPONENTS", "component|one"), ("MESH_GENUS", "genus")]
+    ("defect", "word"), [("MESH_COMPONENTS", "component|one"), ("MESH_GENUS", "genus")]
 )
 def test_the_advice_helps(torus: Mesh, defect: str, word: str) -> None:
     with pytest.raises(foliations.MeshError, match=word):
@@ -143,7 +141,7 @@ def test_memory_limit(pretzel: Mesh) -> None:
 
 def test_errors_can_be_pickled_and_copied(torus: Mesh) -> None:
     with pytest.raises(foliations.MeshError) as caught:
-        foliations.solve(*changed(torus, "MESH_BOUNDARY"))
+        foliations.solve(*changed(torus, "MESH_ORIENTATION"))
     for again in (pickle.loads(pickle.dumps(caught.value)), copy.copy(caught.value)):
         assert type(again) is foliations.MeshError and str(again) == str(caught.value)
         assert vars(again) == vars(caught.value)
@@ -280,3 +278,33 @@ def test_a_status_of_a_newer_library() -> None:
     error = errors.error_class(599)("New. Do this.", 599, 0, 0)
     assert isinstance(error, foliations.FoliationError)
     assert error.status == 599 and "STATUS_599" in str(error) and error.status not in list(foliations.Status)
+
+
+def test_a_hole_is_no_defect(torus: Mesh) -> None:
+    hierarchy = foliations.Hierarchy(torus[0], np.delete(torus[1], 6, axis=0))
+    assert (hierarchy.genus, hierarchy.boundary_count) == (1, 1)
+    loops = hierarchy.loops()
+    assert loops.level == 0 and not loops.arcs.any() and len(loops) == 2
+    with pytest.raises(foliations.MeshError) as caught:
+        hierarchy.loops("handle")
+    assert caught.value.status == foliations.Status.ERROR_MESH_BOUNDARY
+    foliation = hierarchy.solve(loops)
+    assert foliation.report is not None and foliation.report.poles == 0
+    assert len(foliation.values) == hierarchy.levels[0].edge_count
+
+
+def test_arcs(tmp_path: Path) -> None:
+    points = [[0.0, 0, 0], [3, 0, 0], [3, 2, 0], [0, 2, 0], [1.5, 0, 0], [1.5, 2, 0]]
+    triangles = [[0, 4, 5], [0, 5, 3], [4, 1, 2], [4, 2, 5]]
+    hierarchy = foliations.Hierarchy(points, triangles, marked_vertices=[0, 1, 2, 3])
+    across = foliations.Loops([[4, 5]], arcs=[True])
+    across.save(tmp_path / "arcs.txt")
+    assert foliations.Loops.load(tmp_path / "arcs.txt").arcs.tolist() == [1]
+    assert abs(hierarchy.solve(across).energy - 2 / 3) < 1e-8
+    own = hierarchy.loops()
+    own.save(tmp_path / "own.txt")
+    again = foliations.Loops.load(tmp_path / "own.txt")
+    assert again.arcs.tolist() == own.arcs.tolist() and own.arcs[0] > 1
+    assert hierarchy.solve(again).energy == hierarchy.solve(own).energy
+    with pytest.raises(ValueError, match="arcs has the shape"):
+        foliations.Loops([[4, 5]], arcs=[True, False])

@@ -23,10 +23,10 @@ TIMES = ("build_seconds", "solve_seconds")
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
-    """Five meshes, of which the last is a file that does not exist, and the one before has a hole."""
+    """Five meshes, of which the last is a file that does not exist, and the one before has a triangle twice."""
     folder = tmp_path_factory.mktemp("meshes")
     meshes = [sample.pretzel(genus, side=4) for genus in (1, 2, 3)]
-    meshes.append((meshes[0][0], meshes[0][1][1:]))
+    meshes.append((meshes[0][0], np.vstack([meshes[0][1], meshes[0][1][:1]])))
     result = []
     for number, mesh in enumerate(meshes):
         save(folder / f"{number}.off", Drawing(*mesh))
@@ -49,7 +49,7 @@ def test_columns(rows: list[dict[str, Any]]) -> None:
     assert [result["genus"] for result in results] == [1, 2, 3, -1, -1]
     assert [result["zeros"] for result in results] == [0, 4, 8, -1, -1]
     assert [result["error"] for result in results] == ["", "", "", "MeshError", "FileNotFoundError"]
-    assert [result["status"] for result in results] == ["OK", "OK", "OK", "ERROR_MESH_BOUNDARY", ""]
+    assert [result["status"] for result in results] == ["OK", "OK", "OK", "ERROR_MESH_NON_MANIFOLD_EDGE", ""]
     assert "no_such.off" in results[4]["message"]
     expected = foliations.solve(rows[1]["mesh"])
     assert results[1]["energy"] == expected.energy and results[1]["converged"]

@@ -142,7 +142,7 @@ class OutOfMemoryError(Error, MemoryError):
 
 
 class MeshError(Error, ValueError):
-    """The mesh is not closed, connected, oriented and manifold, or of genus 0 without four marked vertices."""
+    """The mesh is not connected, oriented and manifold, or a sphere or disk with too few marked vertices."""
 
 
 class LoopError(Error, ValueError):

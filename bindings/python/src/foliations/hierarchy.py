@@ -153,7 +153,7 @@ class Hierarchy:
         mollify * mean length.
     marked_vertices : sequence of int, optional
         Vertices that may carry a pole, such as those of :func:`suggest_marks`;
-        a sphere needs four or more.  They stay where they are on every level.
+        a sphere needs four or more, a disk four on its boundary or two inside.  They stay where they are on every level.
     progress : bool or function, optional
         True shows a bar on standard error (of tqdm if it is installed).  A
         function gets the fraction done, 0 to 1, at most every 10 ms, and may
@@ -164,7 +164,7 @@ class Hierarchy:
     Raises
     ------
     MeshError
-        The mesh is not closed, connected, oriented, manifold, of genus 1 or more (0 with four marked vertices).
+        The mesh is not connected, oriented and manifold, or it is a sphere or a disk with too few marked vertices.
     OptionsError, OutOfMemoryError, Cancelled
         See there.
     KeyboardInterrupt
@@ -227,6 +227,11 @@ class Hierarchy:
         return int(lib.hmf_genus(self._pointer))
 
     @property
+    def boundary_count(self) -> int:
+        """Number of closed curves that the boundary consists of."""
+        return int(lib.hmf_boundary_count(self._pointer))
+
+    @property
     def memory(self) -> int:
         """Bytes held by the hierarchy."""
         return int(lib.hmf_hierarchy_memory(self._pointer))
@@ -241,13 +246,15 @@ class Hierarchy:
             those of "handle" bound inside the surface, those of "tunnel" outside.
             Genus 0: "cut" goes round pairs of marked vertices.
             "pants": 3 genus - 3 + marked vertices (genus 1 without those: one),
-            which leave pairs of pants.
+            which leave pairs of pants.  With boundary "cut" has also one loop
+            along each boundary and, on a disk, arcs; there is no "handle" and "tunnel".
         level : int, optional
-            Default: the coarsest, where they are found fastest.
+            Default: the coarsest, where they are found fastest; 0 with boundary.
         progress : bool or function, optional
             As for :class:`Hierarchy`.
         """
-        number = len(self.levels) - 1 if level is None else as_count(level, "level")
+        default = 0 if self.boundary_count else len(self.levels) - 1
+        number = default if level is None else as_count(level, "level")
         value = constant("LOOPS", kind, "kind of loops")
         made = call(lib.hmf_loops, self._pointer, number, value, progress=progress)
         return Loops._of(made, made)

@@ -49,6 +49,9 @@ class Loops(Sequence[Indices]):
         Of the hierarchy; 0 is your mesh.
     weights : (number of loops,) floats, optional
         Positive; None means 1 each.  They set the unit of the values.
+    arcs : (number of loops,) bools, optional
+        Which ones are arcs from boundary to boundary, on a surface that has
+        one; None means none.  They are not closed.
 
     Whether the loops are closed, simple, disjoint, essential and not parallel
     is checked by the call that uses them (:class:`foliations.LoopError`).
@@ -61,12 +64,17 @@ class Loops(Sequence[Indices]):
         kind: LoopKind = "vertices",
         level: int = 0,
         weights: ArrayLike | None = None,
+        arcs: ArrayLike | None = None,
     ) -> None:
-        arrays = [_open(as_indices(path, f"loop {number}")) for number, path in enumerate(paths)]
+        codes = None if arcs is None else _as_arcs(arcs, len(paths))
+        arrays = [
+            array if codes is not None and codes[number] else _open(array)
+            for number, array in enumerate(as_indices(path, f"loop {number}") for number, path in enumerate(paths))
+        ]
         offsets = np.zeros(len(arrays) + 1, dtype=np.uint64)
         np.cumsum([len(array) for array in arrays], out=offsets[1:])
         elements = np.concatenate(arrays) if arrays else np.empty(0, dtype=np.uint32)
-        self._set(offsets, elements, kind, level, weights)
+        self._set(offsets, elements, kind, level, weights, codes)
 
     def _set(
         self,
@@ -75,7 +83,9 @@ class Loops(Sequence[Indices]):
         kind: LoopKind,
         level: int,
         weights: ArrayLike | None,
+        arcs: NDArray[np.uint8] | None,
     ) -> Loops:
+        self._arcs = None if arcs is None else frozen(arcs)
         self._element_kind = constant("LOOP", kind, "kind of a loop")
         self._kind: LoopKind = kind
         self._offsets = frozen(offsets)
@@ -92,7 +102,8 @@ class Loops(Sequence[Indices]):
         offsets = view(owner, given.offsets, given.count + 1)
         elements = view(owner, given.elements, int(offsets[-1]))
         weights = None if given.weights == ffi.NULL else view(owner, given.weights, given.count)
-        return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights)
+        arcs = None if given.arcs == ffi.NULL else view(owner, given.arcs, given.count)
+        return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights, arcs)
 
     @classmethod
     def through(cls, hierarchy: Hierarchy, *picked: ArrayLike, weights: ArrayLike | None = None) -> Loops:
@@ -125,10 +136,12 @@ class Loops(Sequence[Indices]):
         """Loops of your mesh from a text file, as the tool reads and writes them (``hmf solve --loops``).
 
         One loop a line: vertices along edges, or ``t:`` and triangles that
-        follow each other across edges.  What follows ``#`` is a comment, but
+        follow each other across edges; ``a:`` and vertices of an arc from
+        boundary to boundary, or ``at:`` and its triangles.  What follows ``#`` is a comment, but
         for ``# --weights 1,2``, which gives weights where none are given here.
         """
         paths: list[list[int]] = []
+        arcs: list[int] = []
         kinds = set()
         for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
             content, _, comment = line.partition("#")
@@ -138,8 +151,9 @@ class Loops(Sequence[Indices]):
                     weights = [float(word) for word in comment.split(None, 1)[1].split(",")]
                 if not words:
                     continue
-                kind = words.pop(0) if words[0] in ("t:", "v:") else "v:"
+                kind, arc = _kind_of_line(words.pop(0) if words[0].endswith(":") else "v:")
                 paths.append([int(word) for word in words])
+                arcs.append(arc)
             except (ValueError, IndexError) as error:
                 raise ValueError(f"{path}, line {number}: write numbers from 0, or t: and numbers.") from error
             kinds.add(kind)
@@ -147,14 +161,14 @@ class Loops(Sequence[Indices]):
             raise ValueError(f"{path}: loops of vertices and loops of triangles; write all of them in one way.")
         if not paths or [] in paths:
             raise ValueError(f"{path}: no loops, or a line without numbers; write one loop a line.")
-        return cls(paths, kind="triangles" if kinds == {"t:"} else "vertices", weights=weights)
+        return cls(paths, kind=kinds.pop(), weights=weights, arcs=arcs if any(arcs) else None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes loops of your mesh, level 0, as :meth:`load` and the tool read them."""
         if self._level != 0:
             raise ValueError(f"loops of level {self._level} mean nothing to others: save those of level 0.")
         lines = ["# --weights " + ",".join(repr(weight) for weight in self.weights.tolist())]
-        lines += [f"{self._kind[0]}: " + " ".join(map(str, loop.tolist())) for loop in self]
+        lines += [_line_of(self._kind, arc) + " ".join(map(str, loop.tolist())) for loop, arc in zip(self, self.arcs)]
         Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     def positions(self, hierarchy: Hierarchy) -> tuple[Floats, ...]:
@@ -200,10 +214,15 @@ class Loops(Sequence[Indices]):
         """All elements, one loop after the other."""
         return self._elements
 
+    @property
+    def arcs(self) -> NDArray[np.uint8]:
+        """(number of loops,): not 0 for arcs from boundary to boundary, with the sides where they end as in C."""
+        return np.zeros(len(self), dtype=np.uint8) if self._arcs is None else self._arcs
+
     def with_weights(self, weights: ArrayLike | None) -> Loops:
         """The same loops with other weights; None means 1 each."""
         loops = type(self).__new__(type(self))
-        return loops._set(self._offsets, self._elements, self._kind, self._level, weights)
+        return loops._set(self._offsets, self._elements, self._kind, self._level, weights, self._arcs)
 
     def __len__(self) -> int:
         return len(self._offsets) - 1
@@ -217,7 +236,8 @@ class Loops(Sequence[Indices]):
         if isinstance(which, slice):
             chosen = range(len(self))[which]
             weights = None if self._weights is None else self._weights[which]
-            return Loops([self[i] for i in chosen], kind=self._kind, level=self._level, weights=weights)
+            arcs = None if self._arcs is None else self._arcs[which]
+            return Loops([self[i] for i in chosen], kind=self._kind, level=self._level, weights=weights, arcs=arcs)
         number = range(len(self))[which]
         return self._elements[int(self._offsets[number]) : int(self._offsets[number + 1])]
 
@@ -234,7 +254,35 @@ class Loops(Sequence[Indices]):
             offsets=pointer(self._offsets, "uint64_t *"),
             elements=pointer(self._elements, "uint32_t *"),
             weights=None if self._weights is None else pointer(self._weights, "double *"),
+            arcs=None if self._arcs is None else pointer(self._arcs, "uint8_t *"),
         )
+
+
+def _kind_of_line(word: str) -> tuple[LoopKind, int]:
+    """What the first word of a line of a file says: the kind of elements, and the entry of arcs."""
+    if word in ("v:", "a:"):
+        return "vertices", int(word == "a:")
+    if word in ("t:", "at:"):
+        return "triangles", int(word == "at:")
+    if len(word) == 5 and word.startswith("at") and set(word[2:4]) <= set("012"):
+        return "triangles", 1 + 2 * (int(word[2]) + 1) + 8 * (int(word[3]) + 1)
+    raise ValueError(word)
+
+
+def _line_of(kind: LoopKind, arc: int) -> str:
+    """The beginning of a line of a file."""
+    if arc > 1 and kind == "triangles":
+        return f"at{(arc >> 1 & 3) - 1}{(arc >> 3 & 3) - 1}: "
+    if arc:
+        return "at: " if kind == "triangles" else "a: "
+    return "t: " if kind == "triangles" else "v: "
+
+
+def _as_arcs(arcs: ArrayLike, count: int) -> NDArray[np.uint8]:
+    codes = np.array(arcs, dtype=np.uint8)
+    if codes.shape != (count,):
+        raise ValueError(f"arcs has the shape {codes.shape}; give one entry for each of the {count} loops.")
+    return codes
 
 
 def _open(path: Indices) -> Indices:

@@ -220,6 +220,7 @@ pub struct hmf_loop_set {
     pub offsets: *const u64,
     pub elements: *const u32,
     pub weights: *const f64,
+    pub arcs: *const u8,
 }
 impl Default for hmf_loop_set {
     fn default() -> Self {
@@ -578,6 +579,7 @@ extern "C" {
     pub fn hmf_hierarchy_memory(hierarchy: *const hmf_hierarchy) -> u64;
     pub fn hmf_level_count(hierarchy: *const hmf_hierarchy) -> usize;
     pub fn hmf_genus(hierarchy: *const hmf_hierarchy) -> usize;
+    pub fn hmf_boundary_count(hierarchy: *const hmf_hierarchy) -> usize;
     pub fn hmf_level_counts(
         hierarchy: *const hmf_hierarchy,
         level: usize,

@@ -169,9 +169,9 @@ codes! {
 /// ```
 /// use foliations::{Element, Hierarchy, Status};
 ///
-/// // A single triangle is not closed.
-/// let error = Hierarchy::build(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], &[[0, 1, 2]]).unwrap_err();
-/// assert_eq!(error.status(), Status::ERROR_MESH_BOUNDARY);
+/// // A vertex that does not exist.
+/// let error = Hierarchy::build(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], &[[0, 1, 3]]).unwrap_err();
+/// assert_eq!(error.status(), Status::ERROR_MESH_INDEX);
 /// assert_eq!(error.element(), Some(Element::Triangle));
 /// println!("{error}");
 /// ```

@@ -103,8 +103,8 @@ impl<'a> Builder<'a> {
     /// * `positions`: one point for each vertex, in any unit
     /// * `triangles`: three vertices each, all counter-clockwise or all clockwise
     ///
-    /// The mesh must be closed, connected, oriented and manifold, of genus 1 or
-    /// more, or of genus 0 with four or more [marked vertices](Builder::marked_vertices).
+    /// The mesh must be connected, oriented and manifold; a sphere needs four or more
+    /// [marked vertices](Builder::marked_vertices), a disk four on its boundary or two inside.
     /// Both arrays are copied. Time is linear, about 0.3 s per million edges.
     ///
     /// # Errors
@@ -265,6 +265,12 @@ fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
 }
 
 record! {
+    /// Number of closed curves that the boundary consists of.
+    pub fn boundary_count(&self) -> usize {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_boundary_count(self.as_ptr()) }
+    }
+
     /// Counts of one level.
     #[derive(Copy, Eq, Hash)]
     LevelInfo from hmf_level_info {

@@ -21,7 +21,8 @@ codes! {
     #[derive(Default)]
     LoopsKind: i32 {
         /// As many as the genus; together they cut the surface into one planar piece.
-        /// On a sphere round pairs of marked vertices.
+        /// On a sphere round pairs of marked vertices. With boundary also one along each boundary,
+        /// and arcs on a disk.
         #[default]
         Cut = sys::HMF_LOOPS_CUT,
         /// The same, and they bound inside the surface: they go round the handles.
@@ -50,6 +51,7 @@ pub struct Loops {
     offsets: Vec<u64>, // one more than loops; the first is 0, and they never decrease
     elements: Vec<u32>,
     weights: Vec<f64>,
+    arcs: Vec<u8>,
 }
 
 impl Loops {
@@ -64,7 +66,7 @@ impl Loops {
     }
 
     fn empty(level: usize, element_kind: LoopElements) -> Loops {
-        Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new() }
+        Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new(), arcs: Vec::new() }
     }
 
     /// A copy of loops of the library.
@@ -77,6 +79,8 @@ impl Loops {
         // SAFETY: the header gives each array so many elements.
         let (offsets, weights) = unsafe { (slice(set.offsets, set.count + 1), slice(set.weights, set.count)) };
         // SAFETY: as above.
+        let arcs = unsafe { slice(set.arcs, set.count) };
+        // SAFETY: as above.
         let elements = unsafe { slice(set.elements, offsets[count]) };
         Loops {
             level: set.level.read(),
@@ -84,6 +88,7 @@ impl Loops {
             offsets: offsets.to_vec(),
             elements: elements.to_vec(),
             weights: if set.weights.is_null() { vec![1.0; count] } else { weights.to_vec() },
+            arcs: if set.arcs.is_null() { vec![0; count] } else { arcs.to_vec() },
         }
     }
 
@@ -92,6 +97,13 @@ impl Loops {
         self.elements.extend_from_slice(elements);
         self.offsets.push(self.elements.len() as u64);
         self.weights.push(weight);
+        self.arcs.push(0);
+    }
+
+    /// Adds an arc from boundary to boundary with its weight, on a surface that has one.
+    pub fn push_arc(&mut self, elements: &[u32], weight: f64) {
+        self.push(elements, weight);
+        self.arcs[self.weights.len() - 1] = 1;
     }
 
     /// The same loops and one more, with its weight.
@@ -152,6 +164,11 @@ impl Loops {
         &self.weights
     }
 
+    /// For each loop 0, or not 0 if it is an arc from boundary to boundary, as in the C header.
+    pub fn arcs(&self) -> &[u8] {
+        &self.arcs
+    }
+
     /// For calls during which `self` is borrowed.
     pub(crate) fn as_raw(&self) -> sys::hmf_loop_set {
         sys::hmf_loop_set {
@@ -162,6 +179,7 @@ impl Loops {
             offsets: self.offsets.as_ptr(),
             elements: self.elements.as_ptr(),
             weights: self.weights.as_ptr(),
+            arcs: self.arcs.as_ptr(),
         }
     }
 }

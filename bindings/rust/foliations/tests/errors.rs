@@ -40,8 +40,15 @@ fn bad_meshes() {
     let n = positions.len() as u32;
 
     expect(Hierarchy::build(&[], &[]), Status::ERROR_MESH_COUNTS, None);
-    let hole = Hierarchy::build(&positions, &triangles[1..]);
-    expect(hole, Status::ERROR_MESH_BOUNDARY, Some(Element::Triangle));
+    let hole = Hierarchy::build(&positions, &triangles[1..]).unwrap();
+    assert_eq!((hole.genus(), hole.boundary_count()), (1, 1));
+    expect(hole.loops(0, LoopsKind::Handle), Status::ERROR_MESH_BOUNDARY, None);
+    let loops = hole.loops(0, LoopsKind::Cut).unwrap();
+    assert_eq!(loops.arcs(), [0, 0]);
+    let mut arcs = loops.clone();
+    arcs.push_arc(&[0], 1.0);
+    assert_eq!(arcs.arcs(), [0, 0, 1]);
+    assert!(hole.solver().loops(&loops).solve().is_ok());
 
     let twice: Vec<_> = positions.iter().chain(&positions).copied().collect();
     let two: Vec<_> = triangles.iter().copied().chain(triangles.iter().map(|t| t.map(|v| v + n))).collect();

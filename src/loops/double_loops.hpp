@@ -1,0 +1,42 @@
+// Loops and arcs of a surface with boundary, as loops of its double:
+//
+//     closed loop c         ->  c and its mirror image, or, if these two bound an
+//                               annulus (c goes round one boundary), c alone with
+//                               twice the weight: leaves run along that boundary
+//     arc a, boundary to    ->  a and back along its mirror image: leaves meet
+//     boundary                  the boundary at right angles
+//
+// The first loops of the result are those of the caller, in their order; behind
+// them are the mirror images.
+#pragma once
+
+#include "../hierarchy/hierarchy.hpp"
+#include "loops.hpp"
+
+namespace hmf {
+
+struct SurfaceLoops {
+    int32_t element_kind; // HMF_LOOP_*
+    size_t count;
+    const uint64_t* offsets;
+    const uint32_t* elements; // in the caller's numbers of level 0
+    const uint8_t* arcs;      // per loop, or NULL: none is an arc
+};
+
+// hmf_loop_set::arcs of an arc of triangles that begins and ends at these sides of its first and last triangle.
+inline uint8_t arc_between_sides(uint8_t first, uint8_t last) {
+    return static_cast<uint8_t>(1 + 2 * (first + 1) + 8 * (last + 1));
+}
+
+struct DoubledLoops {
+    Loops loops;             // on the input side of level 0
+    Array<uint32_t> of;      // per loop of the double: that of the caller
+    Array<int64_t> factor;   // likewise, of its weight: 1 or 2
+    Array<uint64_t> offsets; // with `elements` what a message may name: the caller's elements
+    Array<uint32_t> elements;
+};
+
+[[nodiscard]] hmf_status double_loops(const hmf_hierarchy& hierarchy, const SurfaceLoops& given, Call& call,
+                                      DoubledLoops& out);
+
+} // namespace hmf

@@ -1,0 +1,339 @@
+// Surfaces with boundary: closed forms, the linear problem, what the double is made of, loops and arcs.
+#include "../src/hierarchy/hierarchy.hpp"
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Sparse>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+using namespace test;
+
+namespace {
+
+const double pi = std::acos(-1.0);
+
+using Path = std::vector<uint32_t>;
+
+// Paths of vertices on level 0.
+struct Curves {
+    Loops loops;
+    std::vector<uint8_t> arcs;
+
+    Curves() { loops.kind = HMF_LOOP_VERTICES; }
+    void add(const Path& path, bool is_arc, double weight = 1) {
+        loops.add(path);
+        loops.weights.push_back(weight);
+        arcs.push_back(is_arc);
+    }
+    hmf_loop_set view() const {
+        hmf_loop_set set = loops.view();
+        set.arcs = arcs.data();
+        return set;
+    }
+};
+
+Solution solve_curves(const Hierarchy& hierarchy, const Curves& curves,
+                      hmf_solve_options options = solve_options(0, 0)) {
+    const hmf_loop_set set = curves.view();
+    Solution s;
+    hmf_foliation* raw = nullptr;
+    s.status = hmf_solve(hierarchy.get(), &set, &options, nullptr, &raw, &s.error);
+    s.foliation.reset(raw);
+    if (!raw) return s;
+    s.values = values_of(s.foliation);
+    s.report = *hmf_foliation_report(raw);
+    return s;
+}
+
+// Part of a disk with a hole: n round, m across; vertex i * (m + 1) + j at radius j.
+TriMesh annulus(size_t n, size_t m, double R, double jitter, uint64_t seed) {
+    TriMesh mesh;
+    Random random(seed);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j <= m; ++j) {
+            const bool inner = j > 0 && j < m;
+            const double a =
+                2 * pi * (static_cast<double>(i) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(n);
+            const double t = (static_cast<double>(j) + (inner ? jitter * (random.unit() - 0.5) : 0)) / double(m);
+            const double r = std::pow(R, t);
+            mesh.positions.insert(mesh.positions.end(), {r * std::cos(a), r * std::sin(a), 0});
+        }
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < m; ++j) {
+            const uint32_t a = uint32_t(i * (m + 1) + j), b = a + 1, c = uint32_t((i + 1) % n * (m + 1) + j), d = c + 1;
+            mesh.triangles.insert(mesh.triangles.end(), {a, b, d, a, d, c});
+        }
+    return mesh;
+}
+
+// A rectangle of a x b with n x m cells, with jittered vertices inside.
+TriMesh rectangle(size_t n, size_t m, double a, double b, double jitter, uint64_t seed) {
+    TriMesh mesh;
+    Random random(seed);
+    for (size_t i = 0; i <= n; ++i)
+        for (size_t j = 0; j <= m; ++j) {
+            const double dx = i > 0 && i < n ? jitter * (random.unit() - 0.5) : 0;
+            const double dy = j > 0 && j < m ? jitter * (random.unit() - 0.5) : 0;
+            mesh.positions.insert(mesh.positions.end(),
+                                  {a * (double(i) + dx) / double(n), b * (double(j) + dy) / double(m), 0});
+        }
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < m; ++j) {
+            const uint32_t p = uint32_t(i * (m + 1) + j), q = p + 1, r = uint32_t((i + 1) * (m + 1) + j), s = r + 1;
+            if (random.below(2)) mesh.triangles.insert(mesh.triangles.end(), {p, r, s, p, s, q});
+            else mesh.triangles.insert(mesh.triangles.end(), {p, r, q, r, s, q});
+        }
+    return mesh;
+}
+
+hmf_build_options with_marks(const Path& marks) {
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
+    options.marked_vertices = marks.data();
+    options.marked_count = marks.size();
+    return options;
+}
+
+// Number of triangles of each edge.
+std::vector<int> triangles_of_edges(const LevelMesh& mesh) {
+    std::vector<int> count(mesh.edge_count, 0);
+    for (const uint32_t e : mesh.triangle_edges) ++count[e];
+    return count;
+}
+
+// Energy of the function that is harmonic on the caller's triangles and has the values 0 and 1 where fixed tells.
+double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fixed) {
+    std::vector<int> unknown(mesh.vertex_count, -1);
+    int n = 0;
+    for (size_t v = 0; v < mesh.vertex_count; ++v)
+        if (!fixed.count(uint32_t(v))) unknown[v] = n++;
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        for (size_t k = 0; k < 2; ++k) {
+            const uint32_t v = mesh.edge_vertices[2 * e + k], w = mesh.edge_vertices[2 * e + 1 - k];
+            if (unknown[v] < 0) continue;
+            entries.emplace_back(unknown[v], unknown[v], mesh.weights[e]);
+            if (unknown[w] >= 0) entries.emplace_back(unknown[v], unknown[w], -mesh.weights[e]);
+            else right[unknown[v]] += mesh.weights[e] * fixed.at(w);
+        }
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+    const Eigen::VectorXd x = solver.solve(right);
+    double sum = 0;
+    for (size_t e = 0; e < mesh.edge_count; ++e) {
+        double u[2];
+        for (size_t k = 0; k < 2; ++k) {
+            const uint32_t v = mesh.edge_vertices[2 * e + k];
+            u[k] = unknown[v] < 0 ? fixed.at(v) : x[unknown[v]];
+        }
+        sum += mesh.weights[e] * (u[0] - u[1]) * (u[0] - u[1]);
+    }
+    return sum;
+}
+
+// What holds for every result on a surface with boundary.
+void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t boundaries, int64_t marks_inside = 0,
+                   int64_t marks_on_boundary = 0) {
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    const LevelMesh mesh = read_level(hierarchy, 0);
+    ASSERT_EQ(s.values.size(), mesh.edge_count);
+    EXPECT_EQ(closedness_defect(mesh, s.values), "");
+    EXPECT_LE(s.report.residual_max, 1e-8);
+    EXPECT_EQ(s.report.poles, 0u);
+    EXPECT_EQ(s.report.bad_flips_left, 0u);
+    const int64_t genus = static_cast<int64_t>(hmf_genus(hierarchy.get()));
+    EXPECT_EQ(s.report.index_sum, 8 - 8 * genus - 4 * boundaries - 2 * marks_inside - marks_on_boundary);
+    EXPECT_NE(s.report.class_state, HMF_CLASS_LOST);
+    EXPECT_NE(s.report.class_state, HMF_CLASS_UNKNOWN);
+    const auto set = singularities(s.foliation);
+    ASSERT_TRUE(set);
+    EXPECT_EQ(set->vertex_count, mesh.vertex_count);
+    EXPECT_EQ(set->triangle_count, mesh.triangle_count);
+    for (size_t v = 0; v < mesh.vertex_count; ++v) EXPECT_LE(set->vertex_index[v], 0);
+    EXPECT_EQ(residuals(s.foliation, mesh.vertex_count).size(), mesh.vertex_count);
+}
+
+} // namespace
+
+TEST(Boundary, LevelZeroIsTheCallersMesh) {
+    const TriMesh mesh = annulus(12, 4, 3, 0.3, 1);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    EXPECT_EQ(hmf_genus(hierarchy.get()), 0u);
+    const LevelMesh level = read_level(hierarchy, 0);
+    EXPECT_EQ(level.vertex_count, mesh.vertex_count());
+    EXPECT_EQ(level.triangle_vertices, mesh.triangles);
+    EXPECT_EQ(level.positions, mesh.positions);
+    EXPECT_EQ(level.vertex_count + level.triangle_count, level.edge_count); // Euler characteristic 0
+    std::map<std::set<uint32_t>, uint32_t> first;
+    for (size_t c = 0; c < mesh.triangles.size(); ++c) {
+        const std::set<uint32_t> ends{mesh.triangles[c], mesh.triangles[c - c % 3 + (c + 1) % 3]};
+        const uint32_t e = first.insert({ends, uint32_t(first.size())}).first->second;
+        EXPECT_EQ(level.triangle_edges[c], e);
+        EXPECT_EQ((std::set<uint32_t>{level.edge_vertices[2 * e], level.edge_vertices[2 * e + 1]}), ends);
+    }
+}
+
+TEST(Boundary, AnnulusRoundAndAcross) {
+    const double R = 3;
+    for (const double jitter : {0.0, 0.5}) {
+        const size_t n = 40, m = 12;
+        const TriMesh mesh = annulus(n, m, R, jitter, 5);
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        const LevelMesh level = read_level(hierarchy, 0);
+        std::map<uint32_t, double> fixed;
+        Path inner, outer, middle;
+        for (size_t i = 0; i < n; ++i) {
+            inner.push_back(uint32_t(i * (m + 1)));
+            outer.push_back(uint32_t(i * (m + 1) + m));
+            middle.push_back(uint32_t(i * (m + 1) + m / 2));
+            fixed[inner.back()] = 0;
+            fixed[outer.back()] = 1;
+        }
+        const double linear = linear_energy(level, fixed);
+        for (const Path& round : {inner, outer, middle}) {
+            Curves curves;
+            curves.add(round, false);
+            const Solution s = solve_curves(hierarchy, curves);
+            expect_result(hierarchy, s, 2);
+            // Diagonals of the regular mesh have the weight 0, which is raised to the floor of 1e-9.
+            EXPECT_NEAR(s.report.energy, linear, jitter == 0 ? 1e-8 : 0.02) << jitter;
+            EXPECT_LE(s.report.energy, linear + 1e-8);
+            EXPECT_NEAR(s.report.energy, 2 * pi / std::log(R), 0.1);
+        }
+        Curves across;
+        Path arc;
+        for (size_t j = 0; j <= m; ++j) arc.push_back(uint32_t(j));
+        across.add(arc, true);
+        const Solution s = solve_curves(hierarchy, across);
+        expect_result(hierarchy, s, 2);
+        EXPECT_NEAR(s.report.energy, std::log(R) / (2 * pi), 0.003);
+        EXPECT_NEAR(energy(s.foliation), s.report.energy, 1e-12);
+    }
+}
+
+TEST(Boundary, RectangleIsExact) {
+    const double a = 3, b = 1.25;
+    const size_t n = 24, m = 10;
+    for (const double jitter : {0.0, 0.6}) {
+        const TriMesh mesh = rectangle(n, m, a, b, jitter, 7);
+        const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+        const Hierarchy hierarchy(mesh, with_marks(corners));
+        ASSERT_TRUE(hierarchy);
+        Path along, across; // from side to side
+        for (size_t i = 0; i <= n; ++i) along.push_back(uint32_t(i * (m + 1) + m / 2));
+        for (size_t j = 0; j <= m; ++j) across.push_back(uint32_t(n / 2 * (m + 1) + j));
+        for (int way = 0; way < 2; ++way) {
+            Curves curves;
+            curves.add(way == 0 ? along : across, true);
+            const Solution s = solve_curves(hierarchy, curves);
+            expect_result(hierarchy, s, 1, 0, 4);
+            EXPECT_NEAR(s.report.energy, way == 0 ? a / b : b / a, jitter == 0 ? 1e-8 : 1e-12); // the floor of weights
+            const LevelMesh level = read_level(hierarchy, 0);
+            for (size_t e = 0; e < level.edge_count; ++e) {
+                const size_t c = way == 0 ? 1 : 0;
+                const double d = level.positions[3 * level.edge_vertices[2 * e] + c]
+                               - level.positions[3 * level.edge_vertices[2 * e + 1] + c];
+                EXPECT_NEAR(s.values[e], std::fabs(d) / (way == 0 ? b : a), 1e-9);
+            }
+        }
+    }
+}
+
+namespace {
+
+// Removes the triangles near some places; keeps the largest part, without unused vertices.
+TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t seed) {
+    Random random(seed);
+    std::vector<char> gone(mesh.triangle_count(), 0);
+    for (size_t k = 0; k < holes; ++k) {
+        std::set<uint32_t> vertices{uint32_t(random.below(mesh.vertex_count()))};
+        for (size_t r = 0; r < rings; ++r) {
+            std::set<uint32_t> more = vertices;
+            for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+                bool touches = false;
+                for (size_t s = 0; s < 3; ++s) touches = touches || vertices.count(mesh.triangles[3 * t + s]);
+                if (!touches) continue;
+                gone[t] = 1;
+                for (size_t s = 0; s < 3; ++s) more.insert(mesh.triangles[3 * t + s]);
+            }
+            vertices = more;
+        }
+    }
+    TriMesh out;
+    out.genus = mesh.genus;
+    std::vector<uint32_t> number(mesh.vertex_count(), HMF_NONE);
+    for (size_t t = 0; t < mesh.triangle_count(); ++t)
+        for (size_t s = 0; s < 3 && !gone[t]; ++s) {
+            const uint32_t v = mesh.triangles[3 * t + s];
+            if (number[v] == HMF_NONE) {
+                number[v] = uint32_t(out.vertex_count());
+                for (size_t c = 0; c < 3; ++c) out.positions.push_back(mesh.positions[3 * v + c]);
+            }
+            out.triangles.push_back(number[v]);
+        }
+    return out;
+}
+
+int64_t boundary_count(const TriMesh& mesh) {
+    std::map<uint32_t, uint32_t> next;
+    std::set<std::pair<uint32_t, uint32_t>> sides;
+    for (size_t c = 0; c < mesh.triangles.size(); ++c)
+        sides.insert({mesh.triangles[c], mesh.triangles[c - c % 3 + (c + 1) % 3]});
+    for (const auto& s : sides)
+        if (!sides.count({s.second, s.first})) next[s.first] = s.second;
+    int64_t count = 0;
+    while (!next.empty()) {
+        ++count;
+        for (uint32_t v = next.begin()->first; next.count(v);) {
+            const uint32_t to = next[v];
+            next.erase(v);
+            v = to;
+        }
+    }
+    return count;
+}
+
+} // namespace
+
+TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
+    size_t solved = 0;
+    for (uint64_t seed = 1; seed <= 24; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
+        hmf_hierarchy* raw = nullptr;
+        hmf_error error{};
+        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                            mesh.triangle_count(), nullptr, nullptr, &raw, &error);
+        hmf_destroy(raw);
+        if (status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS) continue; // bad luck
+        ASSERT_EQ(status, HMF_OK) << error.message;
+        const Hierarchy hierarchy(mesh);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            const auto set = make<hmf_loop_set>(
+                [&](hmf_loop_set** out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, kind, nullptr, out, e); });
+            ASSERT_TRUE(set);
+            Solution s;
+            hmf_foliation* made = nullptr;
+            s.status = hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, &made, &s.error);
+            s.foliation.reset(made);
+            ASSERT_TRUE(made) << s.error.message;
+            s.values = values_of(s.foliation);
+            s.report = *hmf_foliation_report(made);
+            expect_result(hierarchy, s, boundary_count(mesh));
+            const int64_t genus = int64_t(hmf_genus(hierarchy.get())), b = boundary_count(mesh);
+            EXPECT_EQ(int64_t(set->count), kind == HMF_LOOPS_CUT ? genus + b : 3 * genus - 3 + 2 * b);
+        }
+        ++solved;
+    }
+    EXPECT_GE(solved, 12u);
+}
