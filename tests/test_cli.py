@@ -199,8 +199,8 @@ class Usage(Case):
         self.refused(2, "info", self.write("mesh.xyz", "0 0 0"), says=[".xyz", ".stl"])
 
     def test_names(self):
-        self.refused(2, says=["demo, info, solve, batch"])
-        self.refused(2, "foo", says=["\"foo\"", "demo, info, solve, batch"])
+        self.refused(2, says=["demo, info, solve, quads, batch"])
+        self.refused(2, "foo", says=["\"foo\"", "demo, info, solve, quads, batch"])
         self.refused(2, "solve", self.mesh, "--imagine", "i.png", says=["--imagine", "hmf solve --help"])
         self.refused(2, "solve", self.mesh, self.mesh, says=["nothing is expected here"])
         self.refused(2, "solve", self.mesh, "--values", says=["--values", "value is missing"])

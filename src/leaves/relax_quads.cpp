@@ -20,7 +20,7 @@ namespace {
 
 constexpr uint32_t SLICE = 16384; // vertices between ticks
 constexpr double WELL = 0.1;      // sine of a corner that needs no care
-constexpr int RINGS = 4, ROUNDS = 3, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
+constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
 
 struct Point {
     double x = 0, y = 0, z = 0;
