@@ -261,7 +261,7 @@ private:
         const SignedMatrix matrix = model_.matrix();
         const LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
-            multigrid_.refresh(matrix, w_.call.parallel);
+            if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                                                          with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;

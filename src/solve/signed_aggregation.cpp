@@ -283,9 +283,9 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
 // P^T into the level.
 bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel& level, Memory& memory) {
     const uint32_t n = level.n, total = rows.offset[n];
-    Array<uint32_t>& start = level.restriction_start;
-    if (!start.allocate_filled(memory, columns + size_t{1}, 0) || !level.restriction_row.allocate(memory, total)
-        || !level.restriction_entry.allocate(memory, total))
+    Array<uint32_t>& start = level.prolongation_start;
+    if (!start.allocate_filled(memory, columns + size_t{1}, 0) || !level.prolongation_row.allocate(memory, total)
+        || !level.prolongation_entry.allocate(memory, total))
         return false;
     for (uint32_t k = 0; k < total; ++k) ++start[rows.column[k]];
     uint32_t sum = 0;
@@ -296,8 +296,8 @@ bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel&
     for (uint32_t i = n; i-- > 0;)
         for (uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k) {
             const uint32_t at = --start[rows.column[k]];
-            level.restriction_row[at] = i;
-            level.restriction_entry[at] = rows.entry[k];
+            level.prolongation_row[at] = i;
+            level.prolongation_entry[at] = rows.entry[k];
         }
     return true;
 }
@@ -353,14 +353,14 @@ bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const Gro
     if (!fine.allocate(matrix.n, memory) || !sum.allocate(count, memory) || !coarse.diagonal.allocate(memory, count)
         || !rows.begin(count, size_t{11} * count, memory))
         return false;
-    const uint32_t* row = level.restriction_row.data();
-    const uint32_t total = level.restriction_start[count];
+    const uint32_t* row = level.prolongation_row.data();
+    const uint32_t total = level.prolongation_start[count];
     // The rows of A are met in no order: their memory is asked for ahead.
     constexpr uint32_t ahead = 16;
     for (uint32_t c = 0; c < count; ++c) {
         if (c % rows_between_ticks == 0 && !continues(call)) return false;
         fine.begin(c);
-        for (uint32_t t = level.restriction_start[c], end = level.restriction_start[c + 1]; t < end; ++t) {
+        for (uint32_t t = level.prolongation_start[c], end = level.prolongation_start[c + 1]; t < end; ++t) {
             if (total - t > 2 * ahead) prefetch(&matrix.offset[row[t + 2 * ahead]]);
             if (total - t > ahead) {
                 const uint32_t soon = row[t + ahead], at = matrix.offset[soon];
@@ -369,7 +369,7 @@ bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const Gro
                 prefetch(&matrix.entry[at]);
             }
             const uint32_t j = row[t];
-            const double factor = static_cast<double>(level.restriction_entry[t]);
+            const double factor = static_cast<double>(level.prolongation_entry[t]);
             fine.add(j, factor * matrix.diagonal[j]);
             for (uint32_t k = matrix.offset[j], last = matrix.offset[j + 1]; k < last; ++k)
                 fine.add(matrix.column[k], factor * matrix.entry[k]);
@@ -403,212 +403,52 @@ bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<flo
     return true;
 }
 
-bool order_rows(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel, Memory& memory) {
+bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory) {
+    constexpr uint32_t block = MultigridLevel::block;
     const uint32_t n = matrix.n;
-    if (n <= MultigridLevel::rows_of_block) return true;
-    Array<uint32_t> next;
-    if (!level.place.allocate(memory, n) || !level.unknown.allocate(memory, n) || !next.allocate_filled(memory, n, 0))
-        return false;
-    uint32_t* const place = level.place.data();
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            uint32_t last = static_cast<uint32_t>(i);
-            for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k)
-                if (matrix.column[k] > last) last = matrix.column[k];
-            place[i] = last;
-        }
-    });
-    for (uint32_t i = 0; i < n; ++i) ++next[place[i]];
-    uint32_t sum = 0;
+    size_t total = 0;
     for (uint32_t i = 0; i < n; ++i) {
-        const uint32_t here = next[i];
-        next[i] = sum;
-        sum += here;
+        uint32_t below = 0;
+        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) below += matrix.column[k] < i;
+        total += (below + block - (below > 0)) / block * block;
     }
-    for (uint32_t i = 0; i < n; ++i) level.unknown[place[i] = next[place[i]]++] = i;
-    return true;
-}
-
-namespace {
-
-// Room that a block of rows takes.
-struct BlockRoom {
-    uint32_t inner = 0, outer_rows = 0, outer_entries = 0;
-};
-
-uint32_t filled_up(uint32_t entries) {
-    constexpr uint32_t group = MultigridLevel::group;
-    return (entries + group - (entries > 0)) / group * group;
-}
-
-// Also damped_scale of these rows.
-BlockRoom look_at_block(const SignedMatrix& matrix, MultigridLevel& level, uint32_t begin, uint32_t end) {
-    BlockRoom room;
-    const uint32_t* const place = level.place.empty() ? nullptr : level.place.data();
-    const bool damped = !level.damped_scale.empty();
-    for (uint32_t row = begin; row < end; ++row) {
-        const uint32_t i = level.unknown_of(row);
-        uint32_t below = 0, outside = 0;
-        double outer = 0;
-        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
-            const uint32_t column = place ? place[matrix.column[k]] : matrix.column[k];
-            below += (column >= begin) & (column < row);
-            if (column - begin < end - begin) continue;
-            ++outside;
-            outer += std::fabs(matrix.entry[k]) * static_cast<double>(level.scale[matrix.column[k]]);
-        }
-        room.inner += filled_up(below);
-        room.outer_rows += outside > 0;
-        room.outer_entries += outside + (outside > 0);
-        if (!damped) continue;
-        const double own = static_cast<double>(level.scale[i]);
-        level.damped_scale[i] =
-            outside > 0 ? static_cast<float>(own / std::sqrt(1 + 0.5 * own * outer)) : level.scale[i];
-    }
-    room.inner += MultigridLevel::group; // written to, but not used
-    return room;
-}
-
-// at: where the block begins in each array.
-void fill_block(const SignedMatrix& matrix, MultigridLevel& level, uint32_t begin, uint32_t end, BlockRoom at,
-                uint32_t inner_end) {
-    constexpr uint32_t group = MultigridLevel::group;
-    const uint32_t* const place = level.place.empty() ? nullptr : level.place.data();
-    const float* scale = level.cycle_scale();
-    uint32_t* column = level.column.data();
-    float* entry = level.entry.data();
-    MultigridLevel::Outer& outer = level.outer;
-    const uint32_t first_row = at.outer_rows;
-    for (uint32_t row = begin; row < end; ++row) {
-        const uint32_t i = level.unknown_of(row), first = at.inner, first_outer = at.outer_entries;
-        if (row > begin) level.start[row] = first; // that of the first row is there, and read by the block before
-        const double own = static_cast<double>(scale[i]);
-        // All are written, and the next one over those that are not below.
-        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
-            const uint32_t j = matrix.column[k], c = place ? place[j] : j;
-            const double value = matrix.entry[k] * own * static_cast<double>(scale[j]);
-            // Smaller ones would only make slow subnormal numbers.
-            const float e = std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
-            column[at.inner] = c;
-            entry[at.inner] = e;
-            at.inner += (c >= begin) & (c < row);
-            if (c - begin < end - begin) continue;
-            outer.column[at.outer_entries] = c;
-            outer.entry[at.outer_entries++] = e;
-        }
-        for (uint32_t t = 0; t < group; ++t) {
-            column[at.inner + t] = row;
-            entry[at.inner + t] = 0;
-        }
-        at.inner = first + filled_up(at.inner - first);
-        if (at.outer_entries == first_outer) continue;
-        outer.column[at.outer_entries] = row;
-        outer.entry[at.outer_entries++] = own > 0 ? static_cast<float>(matrix.diagonal[i] * own * own - 1) : 0.0f;
-        outer.row[at.outer_rows] = row;
-        if (at.outer_rows > first_row) outer.start[at.outer_rows] = first_outer; // the same
-        ++at.outer_rows;
-    }
-    for (; at.inner < inner_end; ++at.inner) {
-        column[at.inner] = end - 1;
-        entry[at.inner] = 0;
-    }
-}
-
-template <class T>
-bool resize(Array<T>& array, size_t n, Memory& memory) {
-    return (array.size() == n && n > 0) || array.allocate(memory, n);
-}
-
-} // namespace
-
-bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel, Memory& memory) {
-    constexpr uint32_t size = MultigridLevel::rows_of_block;
-    const uint32_t n = matrix.n, blocks = (n + size - 1) / size;
-    const auto end_of = [&](uint32_t block) { return n - block * size < size ? n : (block + 1) * size; };
-    Array<BlockRoom> room;
-    if (!room.allocate(memory, blocks + size_t{1}) || (blocks > 1 && !resize(level.damped_scale, n, memory)))
-        return false;
-    parallel.for_each(blocks, [&](uint32_t block, uint32_t) {
-        room[block] = look_at_block(matrix, level, block * size, end_of(block));
-    });
-    BlockRoom sum;
-    uint64_t total = 0;
-    for (uint32_t block = 0; block <= blocks; ++block) {
-        const BlockRoom here = block < blocks ? room[block] : BlockRoom{};
-        room[block] = sum;
-        sum = {sum.inner + here.inner, sum.outer_rows + here.outer_rows, sum.outer_entries + here.outer_entries};
-        total += uint64_t{here.inner} + here.outer_entries;
-    }
+    total += block; // written to, but not used
     if (total > 0xf0000000u) {
         memory.take(SIZE_MAX);
         return false;
     }
-    MultigridLevel::Outer& outer = level.outer;
-    level.n = n;
-    if (!resize(level.start, n + size_t{1}, memory) || !resize(level.b, n, memory) || !resize(level.x, n, memory)
-        || !resize(level.r, n, memory) || !resize(level.column, sum.inner, memory)
-        || !resize(level.entry, sum.inner, memory) || !resize(outer.begin, blocks + size_t{1}, memory)
-        || !resize(outer.row, sum.outer_rows, memory) || !resize(outer.start, sum.outer_rows + size_t{1}, memory)
-        || !resize(outer.column, sum.outer_entries, memory) || !resize(outer.entry, sum.outer_entries, memory))
-        return false;
-    // Where each block begins.
-    for (uint32_t block = 0; block <= blocks; ++block) {
-        level.start[block < blocks ? block * size : n] = room[block].inner;
-        outer.begin[block] = room[block].outer_rows;
-        outer.start[room[block].outer_rows] = room[block].outer_entries;
+    if (level.n != n || level.start.empty()) {
+        level.n = n;
+        if (!level.start.allocate(memory, n + size_t{1}) || !level.b.allocate(memory, n) || !level.x.allocate(memory, n)
+            || !level.r.allocate(memory, n))
+            return false;
     }
-    scale_matrix_again(matrix, level, parallel);
-    return true;
-}
-
-void scale_matrix_again(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel) {
-    constexpr uint32_t size = MultigridLevel::rows_of_block;
-    const uint32_t n = matrix.n;
-    const MultigridLevel::Outer& outer = level.outer;
-    parallel.for_each((n + size - 1) / size, [&](uint32_t block, uint32_t) {
-        const uint32_t begin = block * size, end = n - begin < size ? n : begin + size;
-        const BlockRoom at{level.start[begin], outer.begin[block], outer.start[outer.begin[block]]};
-        fill_block(matrix, level, begin, end, at, level.start[end]);
-    });
-}
-
-// Prolongation and restriction by the rows of the level instead of its unknowns.
-static bool put_in_order(const GrowingRows<float>& rows, MultigridLevel& level, const Parallel& parallel,
-                         Memory& memory) {
-    constexpr uint32_t group = MultigridLevel::prolongation_group;
-    const uint32_t n = level.n;
-    if (rows.used == 0) return true; // all unknowns are left out
-    Array<uint32_t>& start = level.prolongation_start;
-    if (!start.allocate(memory, n + size_t{1})) return false;
-    uint32_t sum = 0;
-    for (uint32_t row = 0; row < n; ++row) {
-        const uint32_t i = level.unknown_of(row), count = rows.offset[i + 1] - rows.offset[i];
-        start[row] = sum;
-        sum += (count + group - (count > 0)) / group * group;
-    }
-    start[n] = sum;
-    if (!level.prolongation_column.allocate(memory, sum) || !level.prolongation_entry.allocate(memory, sum))
+    if (level.column.size() != total && (!level.column.allocate(memory, total) || !level.entry.allocate(memory, total)))
         return false;
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t row = begin; row < end; ++row) {
-            uint32_t at = start[row];
-            const uint32_t i = level.unknown_of(static_cast<uint32_t>(row));
-            for (uint32_t k = rows.offset[i]; k < rows.offset[i + 1]; ++k, ++at) {
-                level.prolongation_column[at] = rows.column[k];
-                level.prolongation_entry[at] = rows.entry[k];
-            }
-            const uint32_t any = at > start[row] ? level.prolongation_column[at - 1] : 0;
-            for (; at < start[row + 1]; ++at) {
-                level.prolongation_column[at] = any;
-                level.prolongation_entry[at] = 0;
-            }
+    const float* scale = level.scale.data();
+    uint32_t* column = level.column.data();
+    float* entry = level.entry.data();
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        level.start[i] = at;
+        const double own = static_cast<double>(scale[i]);
+        // All are written, and the next one over those that are not below.
+        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
+            const uint32_t j = matrix.column[k];
+            const double value = matrix.entry[k] * own * static_cast<double>(scale[j]);
+            column[at] = j;
+            // Smaller ones would only make slow subnormal numbers.
+            entry[at] = std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
+            at += j < i;
         }
-    });
-    if (level.place.empty()) return true;
-    const uint32_t total = rows.used;
-    parallel.for_blocks(total, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) level.restriction_row[k] = level.place[level.restriction_row[k]];
-    });
+        for (uint32_t t = 0; t < block; ++t) {
+            column[at + t] = i;
+            entry[at + t] = 0;
+        }
+        const uint32_t used = at - level.start[i];
+        at = level.start[i] + (used + block - (used > 0)) / block * block;
+    }
+    level.start[n] = at;
     return true;
 }
 
@@ -630,8 +470,7 @@ bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, 
     if (!build_prolongation(matrix, near_kernel, a, norm, rows, memory, call)) return false;
     a = Aggregates{};
     near_kernel = static_cast<Array<double>&&>(norm);
-    return transpose(rows, count, level, memory) && galerkin(matrix, level, rows, count, coarse, memory, call)
-        && put_in_order(rows, level, call ? call->parallel : Parallel(), memory);
+    return transpose(rows, count, level, memory) && galerkin(matrix, level, rows, count, coarse, memory, call);
 }
 
 } // namespace hmf

@@ -21,16 +21,9 @@ struct CoarseMatrix {
 // 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.
 bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
 
-// An order of the rows in which neighbours are near each other: each unknown goes to its last
-// neighbour.  The finest half of a hierarchy comes last, in an order in space.  Nothing for one block.
-bool order_rows(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel, Memory& memory);
-
-// The scaled matrix in single precision and damped_scale, into level (scale and order
-// are already there).  Takes no large memory where there is a matrix of the same pattern.
-bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel, Memory& memory);
-
-// The values of another matrix with the same columns.
-void scale_matrix_again(const SignedMatrix& matrix, MultigridLevel& level, const Parallel& parallel);
+// The scaled matrix in single precision, into level (scale is already there).
+// Takes no memory where there is a matrix of the same pattern.
+bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
 
 // Aggregates, prolongation and Galerkin product.
 //   near_kernel   n values, the smooth vector up to signs (constant 1 for a

@@ -26,10 +26,9 @@ constexpr double dense_shift = 1e-3;
 // sweeps would decay into subnormal numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
-constexpr uint32_t group = MultigridLevel::group;
-constexpr size_t rows_of_block = MultigridLevel::rows_of_block;
+constexpr uint32_t block = MultigridLevel::block;
 
-// What a block has of a level's matrix below the diagonal.
+// The part of a level's matrix below the diagonal.
 struct LowerRows {
     const uint32_t* start;
     const uint32_t* column;
@@ -39,7 +38,7 @@ struct LowerRows {
         start(level.start.data()), column(level.column.data()), entry(level.entry.data()) {}
     // Sum of entry * x over row i.
     float product(size_t i, const float* x) const {
-        static_assert(group == 5, "written out here");
+        static_assert(block == 5, "written out here");
         float sum = 0;
         size_t k = start[i];
         const size_t end = start[i + 1];
@@ -47,7 +46,7 @@ struct LowerRows {
             const uint32_t* c = column + k;
             const float* e = entry + k;
             sum += ((e[0] * x[c[0]] + e[1] * x[c[1]]) + (e[2] * x[c[2]] + e[3] * x[c[3]])) + e[4] * x[c[4]];
-            k += group;
+            k += block;
         } while (k < end);
         return sum;
     }
@@ -58,55 +57,25 @@ struct LowerRows {
         do {
             const uint32_t* c = column + k;
             const float* e = entry + k;
-            for (size_t t = 0; t < group; ++t) y[c[t]] -= e[t] * value;
-            k += group;
+            for (size_t t = 0; t < block; ++t) y[c[t]] -= e[t] * value;
+            k += block;
         } while (k < end);
     }
 };
 
-// f(row, sum of entry * x over the entries of the row outside its block), for the
-// rows in [begin, end), whole blocks, that have some.
-template <class F>
-void for_outer_rows(const MultigridLevel& level, size_t begin, size_t end, const float* x, F f) {
-    const MultigridLevel::Outer& outer = level.outer;
-    const uint32_t* const start = outer.start.data();
-    const uint32_t* const column = outer.column.data();
-    const float* const entry = outer.entry.data();
-    const uint32_t last = outer.begin[(end + rows_of_block - 1) / rows_of_block];
-    for (uint32_t k = outer.begin[begin / rows_of_block]; k < last; ++k) {
-        float sum = 0;
-        for (uint32_t t = start[k]; t < start[k + 1]; ++t) sum += entry[t] * x[column[t]];
-        f(outer.row[k], sum);
-    }
-}
-
 } // namespace
 
 // From the unknowns of the matrices to those with unit diagonals.
-static void scale_prolongation(MultigridLevel& fine, const float* coarse_scale, size_t coarse_n,
-                               const Parallel& parallel) {
-    const float* const scale = fine.cycle_scale();
-    parallel.for_blocks(coarse_n, [&](size_t begin, size_t end) {
-        for (size_t c = begin; c < end; ++c)
-            for (uint32_t t = fine.restriction_start[c]; t < fine.restriction_start[c + 1]; ++t)
-                fine.restriction_entry[t] *= coarse_scale[c] / scale[fine.unknown_of(fine.restriction_row[t])];
-    });
-    if (fine.prolongation_start.empty()) return;
-    parallel.for_blocks(fine.n, [&](size_t begin, size_t end) {
-        for (size_t row = begin; row < end; ++row) {
-            const float own = scale[fine.unknown_of(static_cast<uint32_t>(row))];
-            if (!(own > 0)) continue; // only zeros
-            for (uint32_t t = fine.prolongation_start[row]; t < fine.prolongation_start[row + 1]; ++t)
-                fine.prolongation_entry[t] *= coarse_scale[fine.prolongation_column[t]] / own;
-        }
-    });
+static void scale_prolongation(MultigridLevel& fine, const Array<float>& coarse_scale) {
+    for (size_t c = 0; c < coarse_scale.size(); ++c)
+        for (uint32_t t = fine.prolongation_start[c]; t < fine.prolongation_start[c + 1]; ++t)
+            fine.prolongation_entry[t] *= coarse_scale[c] / fine.scale[fine.prolongation_row[t]];
 }
 
 bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
     level_count_ = 0;
     dense_n_ = 0;
-    const Parallel parallel = call ? call->parallel : Parallel();
     const size_t n = matrix.n;
     double largest = 0;
     for (uint32_t i = 0; i < matrix.n; ++i)
@@ -120,30 +89,21 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     float strength = 0.05f;
     for (uint32_t l = 0; l < max_levels; ++l) {
         MultigridLevel& level = level_[l];
-        if (!unit_diagonal_scale(current, threshold, level.scale, memory)
-            || (l == 0 && !order_rows(current, level, parallel, memory)))
-            return false;
-        const auto finish_finer = [&] {
-            if (l == 0) return;
-            MultigridLevel& finer = level_[l - 1];
-            scale_prolongation(finer, level.cycle_scale(), current.n, parallel);
-            if (l > 1) {
-                finer.scale.release();
-                finer.damped_scale.release();
-            }
-        };
+        if (!unit_diagonal_scale(current, threshold, level.scale, memory)) return false;
+        if (l > 0) {
+            scale_prolongation(level_[l - 1], level.scale);
+            if (l > 1) level_[l - 1].scale.release();
+        }
         if (current.n <= dense_limit) {
             if (!factorise(current, level.scale, memory)) return false;
-            finish_finer();
             break;
         }
         ++level_count_;
         const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
-            || !scale_matrix(current, level, parallel, memory))
+            || !scale_matrix(current, level, memory))
             return false;
-        finish_finer();
         if (last) break;
         storage = static_cast<CoarseMatrix&&>(coarse);
         current = storage.view();
@@ -161,18 +121,14 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
-void SignedMultigrid::refresh(const SignedMatrix& matrix, const Parallel& parallel) {
-    if (level_count_ > 0) scale_matrix_again(matrix, level_[0], parallel);
+bool SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
+    return level_count_ == 0 || scale_matrix(matrix, level_[0], memory);
 }
 
 double SignedMultigrid::operator_complexity() const {
     double all = 0;
-    const auto stored = [](const MultigridLevel& level) {
-        return level.n + static_cast<double>(level.start[level.n])
-             + 0.5 * static_cast<double>(level.outer.entry.size());
-    };
-    for (uint32_t l = 0; l < level_count_; ++l) all += stored(level_[l]);
-    return level_count_ ? all / stored(level_[0]) : 1;
+    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[level_[l].n]);
+    return level_count_ ? all / (level_[0].n + static_cast<double>(level_[0].start[level_[0].n])) : 1;
 }
 
 // --- Coarsest level ----------------------------------------------------------
@@ -235,75 +191,49 @@ void SignedMultigrid::descend(uint32_t l) {
     float* x = level.x.data();
     float* r = level.r.data();
     const LowerRows rows(level);
-    // After a sweep from zero the residual is that of the part above the diagonal, and between the blocks.
-    parallel_.for_blocks(level.n, rows_of_block, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const float value = b[i] - rows.product(i, x);
-            x[i] = value;
-            r[i] = 0;
-            rows.subtract(i, value, r);
-        }
-    });
-    if (level.restriction_start.empty()) return;
-    if (!level.outer.row.empty())
-        parallel_.for_blocks(level.n, rows_of_block, [&](size_t begin, size_t end) {
-            for_outer_rows(level, begin, end, x, [&](uint32_t row, float sum) { r[row] -= sum; });
-        });
+    // After a sweep from zero the residual is that of the part above the diagonal.
+    for (size_t i = 0; i < level.n; ++i) {
+        const float value = b[i] - rows.product(i, x);
+        x[i] = value;
+        r[i] = 0;
+        rows.subtract(i, value, r);
+    }
+    if (level.prolongation_start.empty()) return;
     const bool last = l + 1 == level_count_;
     float* coarse = last ? dense_b_.data() : level_[l + 1].b.data();
     const size_t m = last ? dense_n_ : level_[l + 1].n;
-    const uint32_t* start = level.restriction_start.data();
-    const uint32_t* row = level.restriction_row.data();
-    const float* entry = level.restriction_entry.data();
-    parallel_.for_blocks(m, [&](size_t begin, size_t end) {
-        for (size_t c = begin; c < end; ++c) {
-            float sum = floor_value;
-            for (uint32_t t = start[c]; t < start[c + 1]; ++t) sum += entry[t] * r[row[t]];
-            coarse[c] = sum;
-        }
-    });
+    const uint32_t* start = level.prolongation_start.data();
+    const uint32_t* row = level.prolongation_row.data();
+    const float* entry = level.prolongation_entry.data();
+    for (size_t c = 0; c < m; ++c) {
+        float sum = floor_value;
+        for (uint32_t t = start[c]; t < start[c + 1]; ++t) sum += entry[t] * r[row[t]];
+        coarse[c] = sum;
+    }
 }
 
 // Adds the correction of the next level, then a backward sweep.
 void SignedMultigrid::ascend(uint32_t l) {
     MultigridLevel& level = level_[l];
     float* x = level.x.data();
-    float* r = level.r.data();
-    const float* b = level.b.data();
     if (!level.prolongation_start.empty()) {
         const bool last = l + 1 == level_count_;
         const float* coarse = last ? dense_b_.data() : level_[l + 1].x.data();
+        const size_t m = last ? dense_n_ : level_[l + 1].n;
         const uint32_t* start = level.prolongation_start.data();
-        const uint32_t* column = level.prolongation_column.data();
+        const uint32_t* row = level.prolongation_row.data();
         const float* entry = level.prolongation_entry.data();
-        parallel_.for_blocks(level.n, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) {
-                static_assert(MultigridLevel::prolongation_group == 3, "written out here");
-                float sum = x[i];
-                uint32_t t = start[i];
-                const uint32_t row_end = start[i + 1];
-                do {
-                    const uint32_t* c = column + t;
-                    const float* e = entry + t;
-                    sum += (e[0] * coarse[c[0]] + e[1] * coarse[c[1]]) + e[2] * coarse[c[2]];
-                    t += 3;
-                } while (t < row_end);
-                x[i] = sum;
-            }
-        });
+        for (size_t c = 0; c < m; ++c)
+            for (uint32_t t = start[c]; t < start[c + 1]; ++t) x[row[t]] += entry[t] * coarse[c];
     }
-    parallel_.for_blocks(level.n, rows_of_block, [&](size_t begin, size_t end) {
-        std::memcpy(r + begin, b + begin, (end - begin) * sizeof(float));
-        for_outer_rows(level, begin, end, x, [&](uint32_t row, float sum) { r[row] -= sum; });
-    });
+    float* r = level.r.data();
     const LowerRows rows(level);
-    parallel_.for_blocks(level.n, rows_of_block, [&](size_t begin, size_t end) {
-        for (size_t i = end; i-- > begin;) {
-            const float value = r[i] - rows.product(i, x);
-            x[i] = value;
-            rows.subtract(i, value, r);
-        }
-    });
+    std::memcpy(r, level.b.data(), level.n * sizeof(float));
+    for (size_t i = level.n; i-- > 0;) {
+        const float value = r[i] - rows.product(i, x);
+        x[i] = value;
+        rows.subtract(i, value, r);
+    }
 }
 
 void SignedMultigrid::v_cycle(uint32_t first) {
@@ -315,51 +245,27 @@ void SignedMultigrid::v_cycle(uint32_t first) {
 namespace {
 
 // y = A x.
-void multiply(const MultigridLevel& level, const float* x, float* y, const Parallel& parallel) {
+void multiply(const MultigridLevel& level, const float* x, float* y) {
     const LowerRows rows(level);
-    parallel.for_blocks(level.n, rows_of_block, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            y[i] = x[i] + rows.product(i, x);
-            rows.subtract(i, -x[i], y);
-        }
-        for_outer_rows(level, begin, end, x, [&](uint32_t row, float sum) { y[row] += sum; });
-    });
+    for (size_t i = 0; i < level.n; ++i) {
+        y[i] = x[i] + rows.product(i, x);
+        rows.subtract(i, -x[i], y);
+    }
 }
 
 // x A x.
-double energy(const MultigridLevel& level, const float* x, const Parallel& parallel) {
+double energy(const MultigridLevel& level, const float* x) {
     const LowerRows rows(level);
-    return parallel.sum_blocks<double>(level.n, [&](size_t begin, size_t end) {
-        double sum = 0;
-        for (size_t i = begin; i < end; ++i) {
-            const double own = static_cast<double>(x[i]);
-            sum += own * (own + 2 * static_cast<double>(rows.product(i, x)));
-        }
-        for_outer_rows(level, begin, end, x, [&](uint32_t row, float outer) {
-            sum += static_cast<double>(x[row]) * static_cast<double>(outer);
-        });
-        return sum;
-    });
+    double sum = 0;
+    for (size_t i = 0; i < level.n; ++i)
+        sum += static_cast<double>(x[i]) * (static_cast<double>(x[i]) + 2 * static_cast<double>(rows.product(i, x)));
+    return sum;
 }
 
-// Of two pairs of vectors at once.
-struct TwoSums {
-    double first = 0, second = 0;
-    void operator+=(const TwoSums& other) {
-        first += other.first;
-        second += other.second;
-    }
-};
-
-TwoSums dots(const float* x, const float* y, const float* z, size_t n, const Parallel& parallel) {
-    return parallel.sum_blocks<TwoSums>(n, [&](size_t begin, size_t end) {
-        TwoSums sum;
-        for (size_t i = begin; i < end; ++i) {
-            const double own = static_cast<double>(x[i]);
-            sum += {own * static_cast<double>(y[i]), own * static_cast<double>(z[i])};
-        }
-        return sum;
-    });
+double dot(const float* x, const float* y, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) sum += static_cast<double>(x[i]) * static_cast<double>(y[i]);
+    return sum;
 }
 
 } // namespace
@@ -374,23 +280,20 @@ void SignedMultigrid::k_cycle() {
     float* v = image_.data();
     v_cycle(1);
     std::memcpy(c, x, n * sizeof(float));
-    multiply(level, c, v, parallel_);
-    const auto [cb, cv] = dots(c, b, v, n, parallel_);
+    const double cb = dot(c, b, n);
+    multiply(level, c, v);
+    const double cv = dot(c, v, n);
     if (!(cv > 0)) return;
     const float step = static_cast<float>(cb / cv);
-    parallel_.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) b[i] -= step * v[i];
-    });
+    for (size_t i = 0; i < n; ++i) b[i] -= step * v[i];
     v_cycle(1);
-    const auto [xb, xv] = dots(x, b, v, n, parallel_);
+    const double xb = dot(x, b, n), xv = dot(x, v, n);
     // What is left of the second direction once it is conjugate to the first.
-    const double xx = energy(level, x, parallel_);
+    const double xx = energy(level, x);
     const double rest = xx - xv * xv / cv;
     const double second = rest > 1e-6 * xx ? xb / rest : 0;
     const float along_x = static_cast<float>(second), along_c = static_cast<float>(cb / cv - xv / cv * second);
-    parallel_.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) x[i] = along_x * x[i] + along_c * c[i];
-    });
+    for (size_t i = 0; i < n; ++i) x[i] = along_x * x[i] + along_c * c[i];
 }
 
 void SignedMultigrid::precondition() {
@@ -408,48 +311,45 @@ void SignedMultigrid::precondition() {
 namespace {
 
 // y = A x; returns x * y.
-double multiply(const SignedMatrix& a, const double* x, double* y, const Parallel& parallel) {
-    return parallel.sum_blocks<double>(a.n, [&](size_t begin, size_t end) {
-        double sum = 0;
-        for (size_t i = begin; i < end; ++i) {
-            double v = a.diagonal[i] * x[i];
-            for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
-            y[i] = v;
-            sum += x[i] * v;
-        }
-        return sum;
-    });
+double multiply(const SignedMatrix& a, const double* x, double* y) {
+    double sum = 0;
+    for (size_t i = 0; i < a.n; ++i) {
+        double v = a.diagonal[i] * x[i];
+        for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
+        y[i] = v;
+        sum += x[i] * v;
+    }
+    return sum;
 }
 
-double scaled_norm(const float* scale, const double* r, size_t n, const Parallel& parallel) {
-    return std::sqrt(parallel.sum_blocks<double>(n, [&](size_t begin, size_t end) {
-        double sum = 0;
-        for (size_t i = begin; i < end; ++i) {
-            const double g = static_cast<double>(scale[i]) * r[i];
-            sum += g * g;
-        }
-        return sum;
-    }));
+double scaled_norm(const float* scale, const double* r, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const double g = static_cast<double>(scale[i]) * r[i];
+        sum += g * g;
+    }
+    return std::sqrt(sum);
 }
 
 // The two norms of a residual: 2-norm with the scaling to unit diagonal,
 // largest row with that of the caller.
-struct ResidualNorms {
-    double squares = 0, largest_row = 0;
+class ResidualNorms {
+public:
+    ResidualNorms(const float* scale, const float* row_scale) : scale_(scale), row_scale_(row_scale) {}
+    void add(size_t i, double r) {
+        const double g = static_cast<double>(scale_[i]) * r;
+        sum_ += g * g;
+        if (!row_scale_) return;
+        const double row = static_cast<double>(row_scale_[i]) * std::fabs(r);
+        if (row > largest_row_) largest_row_ = row;
+    }
+    double norm() const { return std::sqrt(sum_); }
+    double largest_row() const { return largest_row_; }
 
-    // row_scale may be null
-    void add(const float* scale, const float* row_scale, size_t i, double r) {
-        const double g = static_cast<double>(scale[i]) * r;
-        squares += g * g;
-        if (!row_scale) return;
-        const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
-        if (row > largest_row) largest_row = row;
-    }
-    void operator+=(const ResidualNorms& other) {
-        squares += other.squares;
-        if (other.largest_row > largest_row) largest_row = other.largest_row;
-    }
-    double norm() const { return std::sqrt(squares); }
+private:
+    const float* scale_;
+    const float* row_scale_; // may be null
+    double sum_ = 0, largest_row_ = 0;
 };
 
 } // namespace
@@ -457,18 +357,15 @@ struct ResidualNorms {
 LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
                                     uint32_t iteration_limit, Call& call, const LinearOptions& options) {
     LinearResult result;
-    const Parallel& parallel = parallel_ = call.parallel;
     const size_t n = matrix.n;
-    const uint32_t* const place = level_count_ && !level_[0].place.empty() ? level_[0].place.data() : nullptr;
     const float* scale = level_[0].scale.data();
-    const float* cycle_scale = level_[0].cycle_scale();
     float* input = level_count_ ? level_[0].b.data() : dense_b_.data();
     float* output = level_count_ ? level_[0].x.data() : dense_b_.data();
     double* r = residual_.data();
     double* p = direction_.data();
     double* q = product_.data();
 
-    const double reference = scaled_norm(scale, b, n, parallel);
+    const double reference = scaled_norm(scale, b, n);
     if (!(reference > 0) || !(reference < 1e300)) {
         for (size_t i = 0; i < n; ++i) x[i] = 0;
         result.converged = reference == 0;
@@ -477,7 +374,7 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     const double goal = relative_tolerance * reference;
     // Zero entries of the sweeps meet values that were not yet computed.
     for (uint32_t l = 0; l < level_count_; ++l) std::memset(level_[l].x.data(), 0, level_[l].n * sizeof(float));
-    const auto leave_out = [&](double* vector) {
+    const auto leave_out = [&](auto* vector) {
         for (size_t k = 0; k < options.fixed_count; ++k) vector[options.fixed[k]] = 0;
     };
 
@@ -485,22 +382,17 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     // true one decides, and if need be the search starts again from it.
     double before_restart = 1e300;
     for (uint32_t restart = 0; restart < 8; ++restart) {
-        multiply(matrix, x, r, parallel);
-        parallel.for_blocks(n, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) r[i] = b[i] - r[i];
-        });
+        multiply(matrix, x, r);
+        for (size_t i = 0; i < n; ++i) r[i] = b[i] - r[i];
         leave_out(r);
-        ResidualNorms norms = parallel.sum_blocks<ResidualNorms>(n, [&](size_t begin, size_t end) {
-            ResidualNorms here;
-            for (size_t i = begin; i < end; ++i) here.add(scale, options.row_scale, i, r[i]);
-            return here;
-        });
+        ResidualNorms norms(scale, options.row_scale);
+        for (size_t i = 0; i < n; ++i) norms.add(i, r[i]);
         double norm = norms.norm();
         const auto is_small = [&] {
-            return !(norm > goal) || (options.row_scale && norms.largest_row <= options.row_tolerance);
+            return !(norm > goal) || (options.row_scale && norms.largest_row() <= options.row_tolerance);
         };
         result.residual = norm / reference;
-        result.row_residual = norms.largest_row;
+        result.row_residual = norms.largest_row();
         result.converged = norm < 1e300 && is_small();
         if (result.converged || !(norm < 0.5 * before_restart) || result.iterations >= iteration_limit) return result;
         before_restart = norm;
@@ -510,48 +402,36 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
         while (!is_small() && result.iterations < iteration_limit) {
             if (!continues(&call) || call.out_of_time()) {
                 result.residual = norm / reference;
-                result.row_residual = norms.largest_row;
+                result.row_residual = norms.largest_row();
                 return result;
             }
             const double inverse = 1 / norm;
-            parallel.for_blocks(n, [&](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i)
-                    input[place ? place[i] : i] =
-                        static_cast<float>(static_cast<double>(cycle_scale[i]) * r[i] * inverse) + floor_value;
-            });
+            for (size_t i = 0; i < n; ++i)
+                input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
             precondition();
-            for (size_t k = 0; k < options.fixed_count; ++k)
-                output[place ? place[options.fixed[k]] : options.fixed[k]] = 0;
-            const auto corrected = [&](size_t i) {
-                return static_cast<double>(cycle_scale[i]) * static_cast<double>(output[place ? place[i] : i]);
-            };
-            const auto [zr, zq] = parallel.sum_blocks<TwoSums>(n, [&](size_t begin, size_t end) {
-                TwoSums sum;
-                for (size_t i = begin; i < end; ++i) {
-                    const double z = corrected(i);
-                    sum += {z * r[i], z * q[i]};
-                    q[i] = z; // the product is not needed any more
-                }
-                return sum;
-            });
+            leave_out(output);
+            double zr = 0, zq = 0;
+            for (size_t i = 0; i < n; ++i) {
+                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+                zr += z * r[i];
+                zq += z * q[i];
+            }
             const double beta = pq > 0 ? -zq / pq : 0;
-            parallel.for_blocks(n, [&](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i) p[i] = beta != 0 ? q[i] + beta * p[i] : q[i];
-            });
-            pq = multiply(matrix, p, q, parallel);
+            for (size_t i = 0; i < n; ++i) {
+                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+                p[i] = pq > 0 ? z + beta * p[i] : z;
+            }
+            pq = multiply(matrix, p, q);
             leave_out(q);
             ++result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            norms = parallel.sum_blocks<ResidualNorms>(n, [&](size_t begin, size_t end) {
-                ResidualNorms here;
-                for (size_t i = begin; i < end; ++i) {
-                    x[i] += alpha * p[i];
-                    r[i] -= alpha * q[i];
-                    here.add(scale, options.row_scale, i, r[i]);
-                }
-                return here;
-            });
+            norms = ResidualNorms(scale, options.row_scale);
+            for (size_t i = 0; i < n; ++i) {
+                x[i] += alpha * p[i];
+                r[i] -= alpha * q[i];
+                norms.add(i, r[i]);
+            }
             norm = norms.norm();
         }
     }

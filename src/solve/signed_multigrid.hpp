@@ -52,48 +52,20 @@ struct LinearResult {
 // from the next coarser level, and room for the cycle.
 struct MultigridLevel {
     uint32_t n = 0;
-    Array<float> scale; // n, 1 / root of the diagonal; 0: left out; after the setup of level 0 only
-    // Rows lie in blocks.  Sweeps go through each block by itself, so that blocks
-    // can be swept at the same time: between them the sweep is one of Jacobi.
-    // For that to smooth, whatever joins two blocks, a row divides by its diagonal
-    // and half of the sizes of its entries outside the block: those are the unit of
-    // the cycle, by damped_scale, so that the sweeps have nothing to divide by.
-    // Level 0 has an order of its own, in which few entries join two blocks; the
-    // others have it already.  What follows, and b, x and r, is in that order.
-    static constexpr uint32_t rows_of_block = Parallel::smallest;
-    Array<uint32_t> place;     // n: row of an unknown; empty: the unknowns are the rows
-    Array<uint32_t> unknown;   // n: of a row
-    Array<float> damped_scale; // n, by unknowns; empty: that is scale
-    // Row i: the entries of its block in columns below i, from start[i] to
-    // start[i+1]; what is above the diagonal is their transpose.  Filled up with
-    // zero entries to one group or more: most rows of a mesh have one, and where a
-    // loop ends that varies in length, nobody can predict.
-    static constexpr uint32_t group = 5;
+    Array<float> scale; // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
+    // Row i: the entries in columns below i, from start[i] to start[i+1]; what
+    // is above the diagonal is their transpose.  Filled up with zero entries to
+    // one block or more: most rows of a mesh have one, and where a loop ends
+    // that varies in length, nobody can predict.
+    static constexpr uint32_t block = 5;
     Array<uint32_t> start; // n + 1
     Array<uint32_t> column;
     Array<float> entry;
-    // The entries that join two blocks, in both their rows, and with each such row what its
-    // diagonal is more than 1.
-    struct Outer {
-        Array<uint32_t> begin; // blocks + 1: into row
-        Array<uint32_t> row;   // those that have some
-        Array<uint32_t> start; // one for each of them, and one more
-        Array<uint32_t> column;
-        Array<float> entry;
-    } outer;
-    // The prolongation by rows, filled up as above, and its transpose by coarse unknowns.
-    static constexpr uint32_t prolongation_group = 3;
-    Array<uint32_t> prolongation_start; // n + 1; empty where there is none, as on the last level
-    Array<uint32_t> prolongation_column;
+    // Transpose of the prolongation, by coarse unknowns: longer rows.
+    Array<uint32_t> prolongation_start; // coarse n + 1; empty on the last level
+    Array<uint32_t> prolongation_row;
     Array<float> prolongation_entry;
-    Array<uint32_t> restriction_start; // coarse n + 1
-    Array<uint32_t> restriction_row;
-    Array<float> restriction_entry;
     Array<float> b, x, r; // n
-
-    uint32_t row_of(uint32_t i) const { return place.empty() ? i : place[i]; }
-    const float* cycle_scale() const { return damped_scale.empty() ? scale.data() : damped_scale.data(); }
-    uint32_t unknown_of(uint32_t row) const { return unknown.empty() ? row : unknown[row]; }
 };
 
 class SignedMultigrid {
@@ -106,9 +78,9 @@ public:
     // the error has no long waves.
     bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
-    // Takes the values of a matrix with the columns of setup, and values that hardly
-    // differ, for the smoother of the finest level; the coarse levels stay.
-    void refresh(const SignedMatrix& matrix, const Parallel& parallel = Parallel());
+    // Takes the values of a matrix that hardly differs for the smoother of the
+    // finest level; the coarse levels stay.  false: out of memory.
+    bool refresh(const SignedMatrix& matrix, Memory& memory);
 
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities
@@ -133,7 +105,6 @@ private:
 
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
-    Parallel parallel_;          // of the call that solves
     uint32_t level_count_ = 0;   // sparse levels; at least one unless the matrix is small
     uint32_t dense_n_ = 0;       // unknowns of the coarsest level
     Array<float> dense_;         // Cholesky factor L below the diagonal by columns, its transpose above
