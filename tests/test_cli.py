@@ -289,6 +289,17 @@ class Meshes(Case):
             self.assertIn(says, self.refused(3, "info", path, says=[path]).stderr)
             self.assertFalse(json.loads(self.refused(3, "info", path, "--json").stdout)["valid"])
 
+    def test_a_hole_is_no_defect(self):
+        path = self.write("open.obj", obj_text(self.points, self.triangles[:-1]))
+        info = json.loads(self.run_tool("info", path, "--json").stdout)
+        self.assertTrue(info["valid"])
+        report = self.path("open.json")
+        self.run_tool("solve", path, "--report", report)
+        with open(report) as f:
+            r = json.load(f)
+        self.assertEqual((r["mesh"]["genus"], r["mesh"]["boundaries"], r["poles"], r["converged"]), (1, 1, 0, True))
+        self.assertLess(r["residual_max"], 1e-8)
+
     def test_even(self):
         """Loops, weights and marks of the even design, saved and taken again; a picture of the scale."""
         points, triangles = box(12, 3, 3)
@@ -479,7 +490,7 @@ class Meshes(Case):
         t, p = self.triangles, self.points
         n = len(p)
         for name, points, triangles, says in [
-                ("open", p, t[:-1], "edge"), ("triple", p + [(9, 9, 9)], t + [(0, 1, n)], "edge"), ("turned", p, t[:-1] + [t[-1][::-1]], "triangle"),
+                ("triple", p + [(9, 9, 9)], t + [(0, 1, n)], "edge"), ("turned", p, t[:-1] + [t[-1][::-1]], "triangle"),
                 ("repeated", p, t + [(0, 0, 1)], "triangle %d" % len(t)), ("unused", p + [(9, 9, 9)], t, "vertex %d" % n)]:
             path = self.write(name + ".obj", obj_text(points, triangles))
             self.refused(3, "info", path, says=[path, says, "--repair"])

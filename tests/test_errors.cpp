@@ -471,7 +471,8 @@ TEST_F(OnTorus, SolveOptions) {
         expect_failure<hmf_foliation>(
             expected, [&](auto out, hmf_error* e) { return hmf_relax(f.get(), &options, nullptr, out, e); });
     };
-    for (const int32_t method : {-1, HMF_METHOD_PAPER + 1, 99}) expect_options(solve_options(method, 0), HMF_ERROR_OPTIONS);
+    for (const int32_t method : {-1, HMF_METHOD_PAPER + 1, 99})
+        expect_options(solve_options(method, 0), HMF_ERROR_OPTIONS);
     for (const double tolerance : {-1e-6, static_cast<double>(NAN), static_cast<double>(INFINITY)})
         expect_options(solve_options(HMF_METHOD_WHITEHEAD, tolerance), HMF_ERROR_OPTIONS);
     hmf_solve_options options = solve_options(HMF_METHOD_WHITEHEAD, 0);

@@ -108,7 +108,8 @@ hmf_status match_loops_by_minima(const GivenCylinders& given, const GivenWeights
     return HMF_OK;
 }
 
-// Builds `measured`, with find_vertices done; found[c]: its cylinder that is cylinder c.  Fills out[c].loop unless loops is NULL.
+// Builds `measured`, with find_vertices done; found[c]: its cylinder that is cylinder c.  Fills out[c].loop, unless
+// loops is NULL.
 hmf_status match_by_labels(const GivenCylinders& given, const GivenWeights* loops, State& solved, double unit,
                            Cylinders& measured, Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
     const Foliation& f = given.state.foliation;

@@ -7,8 +7,9 @@
 // A link between two reached regions closes a cycle; the shortest with a
 // signature (signatures.hpp), with the way from the root to it and back, is the
 // answer, and for each other signature the shortest of those that are at most
-// SLACK times as long: lengths of strips are not those of the curves in them.  With labels the search runs in the covering where they add up to 0
-// round each loop: its nodes, states, are regions with a sum of labels.
+// SLACK times as long: lengths of strips are not those of the curves in them.
+// With labels the search runs in the covering where they add up to 0 round each
+// loop: its nodes, states, are regions with a sum of labels.
 //
 // What a search finds bounds the loops through all regions that it came to: if
 // none through the root is shorter than L, none through a region at distance d
