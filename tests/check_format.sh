@@ -11,8 +11,9 @@ if [ -z "$sources" ]; then
     exit 0
 fi
 
+failed=0
 long=$(awk 'length($0) > 120 && !/https?:\/\// { print FILENAME ":" FNR }' $sources include/hmf/*)
-if [ -z "$long" ]; then echo "ok columns"; else printf 'not ok columns: lines above 120\n%s\n' "$long"; fi
+if [ -z "$long" ]; then echo "ok columns"; else printf 'not ok columns: lines above 120\n%s\n' "$long" && failed=1; fi
 
 # Other versions break lines in other places.
 if ! clang-format --version 2> /dev/null | grep -q 'version 14\.'; then
@@ -21,4 +22,6 @@ elif differ=$(clang-format --dry-run -Werror $sources 2>&1); then
     echo "ok format"
 else
     printf 'not ok format: run clang-format -i on these\n%s\n' "$(grep -o '^[^:]*' <<< "$differ" | sort -u | head -20)"
+    failed=1
 fi
+exit $failed
