@@ -265,12 +265,6 @@ fn triples<'s, T>(flat: &'s [T], what: &str) -> Result<&'s [[T; 3]]> {
 }
 
 record! {
-    /// Number of closed curves that the boundary consists of.
-    pub fn boundary_count(&self) -> usize {
-        // SAFETY: the handle is valid.
-        unsafe { sys::hmf_boundary_count(self.as_ptr()) }
-    }
-
     /// Counts of one level.
     #[derive(Copy, Eq, Hash)]
     LevelInfo from hmf_level_info {
@@ -352,6 +346,12 @@ impl Hierarchy {
     pub fn genus(&self) -> usize {
         // SAFETY: the handle is valid.
         unsafe { sys::hmf_genus(self.as_ptr()) }
+    }
+
+    /// Number of closed curves that the boundary consists of.
+    pub fn boundary_count(&self) -> usize {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_boundary_count(self.as_ptr()) }
     }
 
     /// Counts of one level.

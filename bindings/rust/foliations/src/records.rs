@@ -93,13 +93,16 @@ macro_rules! record {
 
 /// The default options: a structure of zeros with its size and the given fields.
 macro_rules! options {
-    ($name:ident $($field:ident: $value:expr),*) => {
-        foliations_sys::$name {
+    ($name:ident $($field:ident: $value:expr),*) => {{
+        // Where all fields are named there is nothing left to take from the defaults.
+        #[allow(clippy::needless_update)]
+        let options = foliations_sys::$name {
             struct_size: std::mem::size_of::<foliations_sys::$name>() as u32,
             $($field: $value,)*
             ..Default::default()
-        }
-    };
+        };
+        options
+    }};
 }
 
 pub(crate) use {codes, options, record};
