@@ -384,9 +384,9 @@ export interface Line {
     kind: "level" | "critical" | "point";
     /** The last point joins the first, which is not repeated. */
     closed: boolean;
-    /** How it begins and ends: "critical" on a critical leaf, where the cylinder of a conjugate line ends; "nowhere" if the given point lies where the foliation is 0. */
-    begin: "closed" | "zero" | "limit" | "nowhere" | "critical";
-    end: "closed" | "zero" | "limit" | "nowhere" | "critical";
+    /** How it begins and ends: "critical" on a critical leaf, where the cylinder of a conjugate line ends; "nowhere" if the given point lies where the foliation is 0; "boundary" on the boundary of the surface. */
+    begin: "closed" | "zero" | "limit" | "nowhere" | "critical" | "boundary";
+    end: "closed" | "zero" | "limit" | "nowhere" | "critical" | "boundary";
     /** Which zero, in the list of `singularities()`. */
     beginZero: number | null;
     endZero: number | null;
