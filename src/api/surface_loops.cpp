@@ -161,8 +161,7 @@ hmf_status Finder::add_closed(int32_t kind) {
         }
     }
     number.release();
-    const uint64_t limit = h_.memory_limit, used = call_.memory.used();
-    hmf_hierarchy closed(h_.allocate, h_.release, h_.allocator_user, limit == 0 ? 0 : limit > used ? limit - used : 1);
+    hmf_hierarchy closed(h_, call_.memory);
     BuildOptions options;
     options.mollify = 1e-6;
     options.sphere_allowed = true;

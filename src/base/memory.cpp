@@ -29,9 +29,9 @@ void* Memory::take(size_t bytes) {
         if (!failure_) failure_ = HMF_ERROR_MEMORY_LIMIT;
         return nullptr;
     }
-    void* block = bytes > SIZE_MAX / 2 ? nullptr : allocate_(user_, bytes);
+    void* block = whole_ ? whole_->take(bytes) : bytes > SIZE_MAX / 2 ? nullptr : allocate_(user_, bytes);
     if (!block) {
-        if (!failure_) failure_ = HMF_ERROR_MEMORY;
+        if (!failure_) failure_ = whole_ ? whole_->failure() : HMF_ERROR_MEMORY;
         return nullptr;
     }
     used_ += bytes;
@@ -42,7 +42,8 @@ void* Memory::take(size_t bytes) {
 void Memory::give(void* block, size_t bytes) {
     if (!block) return;
     used_ -= bytes;
-    release_(user_, block, bytes);
+    if (whole_) whole_->give(block, bytes);
+    else release_(user_, block, bytes);
 }
 
 namespace {

@@ -34,6 +34,10 @@ private:
 class Memory {
 public:
     Memory(hmf_allocate_fn allocate, hmf_release_fn release, void* user, uint64_t limit, uint64_t used_before = 0);
+    // A part of another account: what is taken here counts there, and its limit holds.
+    explicit Memory(Memory& whole) :
+        allocate_(whole.allocate_), release_(whole.release_), user_(whole.user_), limit_(0), used_(0), peak_(0),
+        whole_(&whole) {}
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
 
@@ -48,6 +52,7 @@ private:
     hmf_release_fn release_;
     void* user_;
     uint64_t limit_, used_, peak_;
+    Memory* whole_ = nullptr;
     hmf_status failure_ = HMF_OK;
 };
 

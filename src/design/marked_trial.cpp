@@ -26,11 +26,6 @@ constexpr int64_t LARGEST = int64_t{1} << 40; // weight in integers
 constexpr double LINEAR_ACCURACY = 1e-2;
 constexpr uint32_t LINEAR_ITERATIONS = 12;
 
-uint64_t room_left(const hmf_hierarchy& like, const Call& call) {
-    if (like.memory_limit == 0) return 0;
-    return call.memory.used() < like.memory_limit ? like.memory_limit - call.memory.used() : 1;
-}
-
 } // namespace
 
 int32_t MarkedTrial::pass_on(void* user, double) {
@@ -39,9 +34,7 @@ int32_t MarkedTrial::pass_on(void* user, double) {
 }
 
 MarkedTrial::MarkedTrial(const hmf_hierarchy& like, Call& call, const double& fraction) :
-    outer_(call), progress_{call, fraction},
-    h_(like.allocate, like.release, like.allocator_user, room_left(like, call)),
-    call_(h_.memory, &error_, pass_on, &progress_) {}
+    outer_(call), progress_{call, fraction}, h_(like, call.memory), call_(h_.memory, &error_, pass_on, &progress_) {}
 
 hmf_status MarkedTrial::failed(Call& inner) {
     usable_ = false;

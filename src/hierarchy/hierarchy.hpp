@@ -58,6 +58,11 @@ struct hmf_hierarchy {
         memory(a, r, user, limit, sizeof(hmf_hierarchy)),
         arena(memory), allocate(a), release(r), allocator_user(user), memory_limit(limit) {}
 
+    // One that a call makes for itself, in the account of the call; not for callers.
+    hmf_hierarchy(const hmf_hierarchy& like, hmf::Memory& whole) :
+        memory(whole), arena(memory), allocate(like.allocate), release(like.release),
+        allocator_user(like.allocator_user), memory_limit(like.memory_limit) {}
+
     hmf::Memory memory;
     hmf::Arena arena;
     hmf_allocate_fn allocate;
