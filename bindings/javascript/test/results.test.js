@@ -191,7 +191,7 @@ test('a rectangle with an arc across', () => {
     assert.deepEqual([hierarchy.genus, hierarchy.boundaryCount], [0, 1]);
     const foliation = hierarchy.solve({ loops: { elementKind: 'vertices', loops: [[4, 5]], arcs: [1] } });
     assert.ok(Math.abs(foliation.report.energy - 2 / 3) < 1e-8);
-    const own = hierarchy.loops(0, 'cut');
+    const own = hierarchy.loops({ kind: 'cut', level: 0 });
     assert.deepEqual([own.loops.length, own.arcs.length, own.arcs[0] > 1], [1, 1, true]);
     hierarchy.dispose();
 });
