@@ -1,5 +1,5 @@
 // Surfaces with boundary: closed forms, the linear problem, what the double is made of, loops and arcs.
-#include "../src/hierarchy/hierarchy.hpp"
+#include "../src/api/foliation_object.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -138,6 +138,25 @@ double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fi
     return sum;
 }
 
+// The back has the values of the front, so that they can be read again: closed, without poles, the same.
+void expect_symmetric(const Solution& s) {
+    const hmf_foliation& f = *s.foliation.get();
+    const hmf_hierarchy& h = *f.hierarchy;
+    size_t wrong = 0;
+    for (size_t t = 0; t < h.surface_triangles; ++t)
+        for (size_t side = 0; side < 3; ++side)
+            wrong += f.values[h.triangle_edges[3 * t + side]]
+                  != f.values[h.triangle_edges[3 * (h.surface_triangles + t) + 2 - side]];
+    EXPECT_EQ(wrong, 0u);
+    hmf_foliation* raw = nullptr;
+    hmf_error error{};
+    ASSERT_EQ(hmf_foliation_create(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
+        << error.message;
+    const Foliation again(raw);
+    EXPECT_EQ(values_of(again), s.values);
+    EXPECT_EQ(raw->poles, 0u);
+}
+
 // What holds for every result on a surface with boundary.
 void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t boundaries, int64_t marks_inside = 0,
                    int64_t marks_on_boundary = 0) {
@@ -158,6 +177,7 @@ void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t bounda
     EXPECT_EQ(set->triangle_count, mesh.triangle_count);
     for (size_t v = 0; v < mesh.vertex_count; ++v) EXPECT_LE(set->vertex_index[v], 0);
     EXPECT_EQ(residuals(s.foliation, mesh.vertex_count).size(), mesh.vertex_count);
+    expect_symmetric(s);
 }
 
 } // namespace
@@ -330,6 +350,12 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
             s.values = values_of(s.foliation);
             s.report = *hmf_foliation_report(made);
             expect_result(hierarchy, s, boundary_count(mesh));
+            const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* e) {
+                return hmf_cylinders(s.foliation.get(), set.get(), nullptr, out, e);
+            });
+            ASSERT_TRUE(cylinders);
+            ASSERT_EQ(cylinders->count, set->count);
+            for (size_t c = 0; c < set->count; ++c) EXPECT_EQ(cylinders->list[c].height, 1); // exactly
             const int64_t genus = int64_t(hmf_genus(hierarchy.get())), b = boundary_count(mesh);
             EXPECT_EQ(int64_t(set->count), kind == HMF_LOOPS_CUT ? genus + b : 3 * genus - 3 + 2 * b);
         }
