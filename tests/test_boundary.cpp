@@ -303,6 +303,18 @@ TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t see
     return out;
 }
 
+// Holes may have met at a vertex, or cut off a part.
+bool is_sound(const TriMesh& mesh) {
+    hmf_hierarchy* raw = nullptr;
+    hmf_error error{};
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), nullptr, nullptr, &raw, &error);
+    hmf_destroy(raw);
+    const bool unlucky = status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS;
+    if (!unlucky) EXPECT_EQ(status, HMF_OK) << error.message;
+    return !unlucky;
+}
+
 int64_t boundary_count(const TriMesh& mesh) {
     std::map<uint32_t, uint32_t> next;
     std::set<std::pair<uint32_t, uint32_t>> sides;
@@ -330,13 +342,7 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
         const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
-        hmf_hierarchy* raw = nullptr;
-        hmf_error error{};
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), nullptr, nullptr, &raw, &error);
-        hmf_destroy(raw);
-        if (status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS) continue; // bad luck
-        ASSERT_EQ(status, HMF_OK) << error.message;
+        if (!is_sound(mesh)) continue; // bad luck
         const Hierarchy hierarchy(mesh);
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
             const auto set = make<hmf_loop_set>(
@@ -460,4 +466,166 @@ TEST(Boundary, CylindersOfTheSurface) {
     const Foliation again(second);
     ASSERT_TRUE(second) << error.message;
     EXPECT_NEAR(hmf_foliation_report(second)->energy / s.report.energy, 1, 1e-9);
+}
+
+namespace {
+
+Owned<hmf_quad_mesh> quads_of(const Solution& s, const hmf_quad_options& options) {
+    return make<hmf_quad_mesh>(
+        [&](hmf_quad_mesh** out, hmf_error* e) { return hmf_quads(s.foliation.get(), &options, nullptr, out, e); });
+}
+
+hmf_quad_options quad_options(uint64_t count, bool merge = false, uint64_t relax = 0) {
+    hmf_quad_options options{};
+    options.struct_size = sizeof options;
+    options.count = count;
+    options.merge = merge;
+    options.relax = relax;
+    return options;
+}
+
+double distance_to_segment(const double* p, const double* a, const double* b) {
+    double ab = 0, ap = 0, sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+        ab += (b[c] - a[c]) * (b[c] - a[c]);
+        ap += (b[c] - a[c]) * (p[c] - a[c]);
+    }
+    const double t = std::min(1.0, std::max(0.0, ap / ab));
+    for (size_t c = 0; c < 3; ++c) sum += std::pow(p[c] - a[c] - t * (b[c] - a[c]), 2);
+    return std::sqrt(sum);
+}
+
+// An oriented manifold of the same genus and with as many boundary curves, which lie on those of the surface.
+void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus) {
+    std::map<std::pair<uint32_t, uint32_t>, int> sides;
+    for (size_t i = 0; i < 4 * quads.quad_count; ++i) ++sides[{quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4]}];
+    std::map<uint32_t, uint32_t> next;
+    size_t edges = 0;
+    std::set<uint32_t> used(quads.quads, quads.quads + 4 * quads.quad_count);
+    EXPECT_EQ(used.size(), quads.vertex_count);
+    for (const auto& side : sides) {
+        EXPECT_EQ(side.second, 1);
+        EXPECT_NE(side.first.first, side.first.second);
+        const bool outer = !sides.count({side.first.second, side.first.first});
+        edges += outer || side.first.first < side.first.second;
+        if (!outer) continue;
+        EXPECT_TRUE(next.insert(side.first).second); // one fan at each vertex
+    }
+    const int64_t boundaries = boundary_count(mesh);
+    EXPECT_EQ(int64_t(quads.vertex_count) - int64_t(edges) + int64_t(quads.quad_count), 2 - 2 * genus - boundaries);
+    std::map<std::pair<uint32_t, uint32_t>, int> of_mesh;
+    for (size_t c = 0; c < mesh.triangles.size(); ++c)
+        ++of_mesh[{mesh.triangles[c], mesh.triangles[c - c % 3 + (c + 1) % 3]}];
+    double size = 0, worst = 0;
+    for (const double x : mesh.positions) size = std::max(size, std::fabs(x));
+    for (const auto& step : next) {
+        double nearest = HUGE_VAL;
+        for (const auto& side : of_mesh)
+            if (!of_mesh.count({side.first.second, side.first.first}))
+                nearest = std::min(nearest, distance_to_segment(quads.positions + 3 * step.first,
+                                                                &mesh.positions[3 * side.first.first],
+                                                                &mesh.positions[3 * side.first.second]));
+        worst = std::max(worst, nearest);
+    }
+    EXPECT_LE(worst, 1e-9 * size);
+    int64_t curves = 0;
+    while (!next.empty()) {
+        ++curves;
+        for (uint32_t v = next.begin()->first; next.count(v);) {
+            const uint32_t to = next[v];
+            next.erase(v);
+            v = to;
+        }
+    }
+    EXPECT_EQ(curves, boundaries);
+}
+
+} // namespace
+
+TEST(Boundary, QuadsOfARectangleAreAGrid) {
+    const double a = 3, b = 1.25;
+    const size_t n = 24, m = 10;
+    const TriMesh mesh = rectangle(n, m, a, b, 0.6, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        if (way == 0)
+            for (size_t i = 0; i <= n; ++i) path.push_back(uint32_t(i * (m + 1) + m / 2));
+        else
+            for (size_t j = 0; j <= m; ++j) path.push_back(uint32_t(n / 2 * (m + 1) + j));
+        curves.add(path, true);
+        const Solution s = solve_curves(hierarchy, curves);
+        for (const uint64_t relax : {0, 5}) {
+            const auto quads = quads_of(s, quad_options(240, false, relax));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 4u); // the corners
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), 240, 24);
+            // Rows and columns at equal distances.
+            std::set<int64_t> xs, ys;
+            for (size_t v = 0; v < quads->vertex_count; ++v) {
+                xs.insert(std::llround(quads->positions[3 * v] * 1e6));
+                ys.insert(std::llround(quads->positions[3 * v + 1] * 1e6));
+            }
+            EXPECT_EQ((xs.size() - 1) * (ys.size() - 1), quads->quad_count);
+            EXPECT_EQ(xs.size() * ys.size(), quads->vertex_count);
+            for (const auto* lines : {&xs, &ys}) {
+                const double step = double(*lines->rbegin() - *lines->begin()) / double(lines->size() - 1);
+                double k = 0;
+                for (const int64_t x : *lines) EXPECT_NEAR(double(x), step * k++, 2);
+            }
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfAnAnnulusBothWays) {
+    const TriMesh mesh = annulus(40, 12, 3, 0.5, 5);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        for (size_t k = 0; k < (way == 0 ? 40u : 13u); ++k) path.push_back(uint32_t(way == 0 ? k * 13 : k));
+        curves.add(path, way == 1);
+        const Solution s = solve_curves(hierarchy, curves);
+        ASSERT_EQ(s.status, HMF_OK);
+        for (const uint64_t count : {100u, 400u}) {
+            const auto quads = quads_of(s, quad_options(count));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 0u);
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), double(count), 0.2 * double(count));
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfSurfacesWithHoles) {
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
+        if (!is_sound(mesh)) continue; // bad luck
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            const auto set = make<hmf_loop_set>(
+                [&](hmf_loop_set** out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, kind, nullptr, out, e); });
+            ASSERT_TRUE(set);
+            Solution s;
+            hmf_foliation* made = nullptr;
+            s.status = hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, &made, &s.error);
+            s.foliation.reset(made);
+            ASSERT_TRUE(made);
+            for (const bool merge : {false, true}) {
+                const auto quads = quads_of(s, quad_options(1500, merge, merge ? 10 : 0));
+                ASSERT_TRUE(quads);
+                expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            }
+        }
+    }
 }

@@ -58,7 +58,8 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
     const Mesh& mesh = h.input;
     const size_t m = h.surface_triangles, sides = size_t{2} * mesh.edge_count;
     if (!reflection.half_edge.allocate_filled(call.memory, sides, NONE)
-        || !reflection.is_front.allocate_filled(call.memory, sides, uint8_t{0}))
+        || !reflection.is_front.allocate_filled(call.memory, sides, uint8_t{0})
+        || !reflection.is_boundary.allocate_filled(call.memory, mesh.vertex_count, uint8_t{0}))
         return call.out_of_memory();
     for (size_t t = 0; t < m; ++t) {
         if (t % STRIDE == 0 && !call.tick(0, true)) return call.was_cancelled();
@@ -72,6 +73,7 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
             reflection.half_edge[b] = twin(a);
             reflection.half_edge[twin(a)] = b;
             reflection.is_front[a] = 1;
+            if (a == twin(b)) reflection.is_boundary[mesh.origin[a]] = reflection.is_boundary[mesh.target(a)] = 1;
         }
     }
     return HMF_OK;

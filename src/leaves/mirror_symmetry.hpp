@@ -33,8 +33,9 @@ namespace hmf {
 
 // The mirror image of a double, on half-edges: origin to origin, target to target.
 struct Reflection {
-    Array<uint32_t> half_edge; // of each; itself on the boundary
-    Array<uint8_t> is_front;   // of each: the triangle left of it lies on the surface
+    Array<uint32_t> half_edge;  // of each; itself on the boundary
+    Array<uint8_t> is_front;    // of each: the triangle left of it lies on the surface
+    Array<uint8_t> is_boundary; // per vertex
 
     bool on_boundary(uint32_t h) const { return half_edge[h] == h; }
 };
