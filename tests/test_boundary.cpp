@@ -303,14 +303,15 @@ TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t see
     return out;
 }
 
-// Holes may have met at a vertex, or cut off a part.
+// Holes may have met at a vertex, cut off a part, or left a disk.
 bool is_sound(const TriMesh& mesh) {
     hmf_hierarchy* raw = nullptr;
     hmf_error error{};
     const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                         mesh.triangle_count(), nullptr, nullptr, &raw, &error);
     hmf_destroy(raw);
-    const bool unlucky = status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS;
+    const bool unlucky = status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS
+                      || status == HMF_ERROR_MESH_GENUS;
     if (!unlucky) EXPECT_EQ(status, HMF_OK) << error.message;
     return !unlucky;
 }
@@ -628,4 +629,106 @@ TEST(Boundary, QuadsOfSurfacesWithHoles) {
             }
         }
     }
+}
+
+namespace {
+
+// A shortest path between two vertices of the boundary whose other vertices lie inside and are free.
+Path shortest_arc(const LevelMesh& level, const std::vector<char>& on_boundary, const std::vector<char>& taken,
+                  uint32_t from, uint32_t to) {
+    std::vector<std::vector<uint32_t>> neighbours(level.vertex_count);
+    for (size_t e = 0; e < level.edge_count; ++e)
+        for (size_t k = 0; k < 2; ++k)
+            neighbours[level.edge_vertices[2 * e + k]].push_back(level.edge_vertices[2 * e + 1 - k]);
+    std::vector<uint32_t> before(level.vertex_count, HMF_NONE);
+    Path queue{from};
+    before[from] = from;
+    for (size_t i = 0; i < queue.size(); ++i)
+        for (const uint32_t w : neighbours[queue[i]]) {
+            if (before[w] != HMF_NONE || taken[w] || (on_boundary[w] && (w != to || queue[i] == from))) continue;
+            before[w] = queue[i];
+            queue.push_back(w);
+        }
+    if (before[to] == HMF_NONE || from == to) return {};
+    Path path{to};
+    while (path.back() != from) path.push_back(before[path.back()]);
+    return path;
+}
+
+// Arcs between random vertices of the boundary, as far as they go together.
+Curves random_arcs(const Hierarchy& hierarchy, size_t wished, Random& random) {
+    const LevelMesh level = read_level(hierarchy, 0);
+    std::vector<char> on_boundary(level.vertex_count, 0), taken(level.vertex_count, 0);
+    const std::vector<int> triangles = triangles_of_edges(level);
+    Path boundary;
+    for (size_t e = 0; e < level.edge_count; ++e)
+        for (size_t k = 0; k < 2 && triangles[e] == 1; ++k) {
+            const uint32_t v = level.edge_vertices[2 * e + k];
+            if (!on_boundary[v]) boundary.push_back(v);
+            on_boundary[v] = 1;
+        }
+    Curves curves;
+    for (size_t tries = 0; tries < 12 && curves.arcs.size() < wished; ++tries) {
+        const Path path = shortest_arc(level, on_boundary, taken, boundary[random.below(boundary.size())],
+                                       boundary[random.below(boundary.size())]);
+        if (path.size() < 3 || taken[path.front()] || taken[path.back()]) continue;
+        Curves more = curves;
+        more.add(path, true, 1 + double(random.below(4)) / 4);
+        const hmf_loop_set set = more.view();
+        hmf_foliation* raw = nullptr;
+        const hmf_status status = hmf_initialize(hierarchy.get(), &set, nullptr, &raw, nullptr);
+        hmf_foliation_destroy(raw);
+        if (status != HMF_OK) {
+            EXPECT_TRUE(status == HMF_ERROR_LOOP_TRIVIAL || status == HMF_ERROR_LOOP_PARALLEL
+                        || status == HMF_ERROR_LOOP_CROSSING)
+                << status;
+            continue;
+        }
+        curves = more;
+        for (const uint32_t v : path) taken[v] = 1;
+    }
+    return curves;
+}
+
+} // namespace
+
+TEST(Boundary, RandomArcs) {
+    size_t solved = 0, made = 0, refused = 0;
+    for (uint64_t seed = 1; seed <= 24; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        Random random(seed);
+        const TriMesh base =
+            seed % 3 == 0 ? torus(24, 12, 3, 1, {true, 1, 0.3, seed}) : rectangle(24, 16, 3, 2, 0.6, seed);
+        const TriMesh mesh = with_holes(base, 1 + seed % 4, 1 + seed % 2, seed);
+        if (!is_sound(mesh)) continue;
+        const Hierarchy hierarchy(mesh);
+        const Curves curves = random_arcs(hierarchy, 1 + seed % 5, random);
+        if (curves.arcs.empty()) continue;
+        const Solution s = solve_curves(hierarchy, curves);
+        expect_result(hierarchy, s, boundary_count(mesh));
+        ++solved;
+        const hmf_loop_set set = curves.view();
+        const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* e) {
+            return hmf_cylinders(s.foliation.get(), &set, nullptr, out, e);
+        });
+        ASSERT_TRUE(cylinders);
+        for (size_t c = 0; c < cylinders->count; ++c)
+            EXPECT_EQ(cylinders->list[c].height, curves.loops.weights[cylinders->list[c].loop]);
+        for (const bool merge : {false, true}) {
+            hmf_quad_mesh* raw = nullptr;
+            hmf_error error{};
+            const hmf_quad_options options = quad_options(800, merge, merge ? 10 : 0);
+            const hmf_status status = hmf_quads(s.foliation.get(), &options, nullptr, &raw, &error);
+            const Owned<hmf_quad_mesh> quads(raw);
+            if (status == HMF_ERROR_UNSUPPORTED) { // a handle that no arc crosses
+                ++refused;
+                continue;
+            }
+            ASSERT_EQ(status, HMF_OK) << error.message;
+            expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            ++made;
+        }
+    }
+    EXPECT_GE(solved, 12u);
+    EXPECT_GE(made, 3 * refused);
 }

@@ -50,7 +50,9 @@ Done CriticalGraph::read_pieces(const Foliation& f, uint32_t h, const SparseMap&
         if (place_of(ahead) != place_of(g) && place_of(ahead) != SparseMap::absent && entry == NONE) entry = ahead;
         g = ahead;
     } while (g != h);
-    if (start == NONE) start = entry == NONE ? h : entry;
+    // On a ring the sectors of a place come together, those of one circle before those of the other.
+    if (entry != NONE && (start == NONE || is_ring)) start = entry;
+    if (start == NONE) start = h;
     const size_t first = pieces.size();
     bool joined = false; // to the piece before: no closed corner between
     uint32_t previous = NONE;

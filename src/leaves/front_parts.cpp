@@ -97,9 +97,10 @@ private:
         const bool front = out_.goes_on_in_front(graph_.crossings[arc.first]);
         out_.arc[a] = front ? Part::front : Part::back;
         if (m != a) return true;
-        uint64_t i = arc.first;
-        while (i <= arc.last && !mirror_.on_boundary(graph_.crossings[i].half_edge)) ++i;
-        if (i > arc.last) return false;
+        // At a vertex the first and the last crossing belong to its sectors.
+        uint64_t i = arc.first + !is_tripod(arc.from);
+        while (i < arc.last && !mirror_.on_boundary(graph_.crossings[i].half_edge)) ++i;
+        if (i >= arc.last) return false;
         out_.arc_middle[a] = i;
         out_.arc[a] = out_.crosses_to_back(graph_.crossings[i]) ? Part::first_half : Part::second_half;
         return true;

@@ -692,14 +692,17 @@ private:
         if (!read_row(boundary, all)) return call_.out_of_memory();
         const size_t n = all.vertex.size(), half = n / 2;
         const double round = v_[graph_.boundaries[boundary].end - 1];
-        size_t start = 0;
-        while (start < n && (all.vertex[start] == NONE || all.vertex[(start + n - 1) % n] != NONE)) ++start;
-        if (start == n || n % 2 != 0) return torn(cylinder);
+        // Behind only zeros of the boundary have a vertex, and none of two in a row.
+        size_t start = 0, found = 0;
+        while (start < n && found <= half) {
+            for (found = 0; found <= half && all.vertex[(start + found) % n] != NONE; ++found) {}
+            start += found <= half;
+        }
+        if (found <= half || n % 2 != 0) return torn(cylinder);
         row.vertex.clear();
         row.v.clear();
         for (size_t j = 0; j <= half; ++j) {
             const size_t k = (start + j) % n;
-            if (all.vertex[k] == NONE || (j == half && all.vertex[(k + 1) % n] != NONE)) return torn(cylinder);
             if (!row.vertex.push(all.vertex[k]) || !row.v.push(all.v[k] + (start + j >= n ? round : 0)))
                 return call_.out_of_memory();
         }
