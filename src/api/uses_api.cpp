@@ -458,7 +458,7 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     const hmf_hierarchy& h = *foliation->hierarchy;
     const bool has_boundary = h.is_double();
     if (has_boundary && foliation->level > 0)
-        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, foliation->level,
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, foliation->level,
                          "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
                          "hmf_interpolate.",
                          static_cast<unsigned long long>(foliation->level));

@@ -62,8 +62,7 @@ public:
         if (!call_.tick(0)) return call_.was_cancelled();
         const double round = graph_.zeros.empty() ? v_[graph_.boundaries[0].end - 1] : 0;
         if (sizes_.start(cylinders_, length, round, wish.merge, call_)) return call_.status();
-        // In front with twice the step: both halves together are even everywhere, and a number of quads a quarter of that
-        // of the double.
+        // Of a double with twice the step: the sum of both halves is symmetric, and even where the boundary crosses.
         const double step = front_ ? 2 * wish.step : wish.step;
         const int64_t count = front_ && wish.count > 0 ? wish.count / 2 + 1 : wish.count;
         if (count > 0 ? sizes_.of_count(step, count, call_) : sizes_.of_step(step, call_)) return call_.status();
@@ -273,8 +272,9 @@ private:
     }
 
     // A vertex of the boundary into ruler_, with those that lie between the one before and it: past parts that no
-    // leaf crosses.  ahead: the line runs with the front on its left.  Other vertices are left out.
-    Done push_on_boundary(double v, uint32_t vertex, bool ahead) {
+    // leaf crosses.  ahead: the line runs with the front on its left; round: once round, if it is the same vertex.
+    // Other vertices are left out.
+    Done push_on_boundary(double v, uint32_t vertex, bool ahead, bool round = false) {
         const Reflection& mirror = *front_->reflection;
         if (!mirror.is_boundary[vertex]) return true;
         const auto side_at = [&](uint32_t w) { // the half-edge along the boundary, in front
@@ -291,7 +291,9 @@ private:
         const double before = ruler_.v.empty() ? v : ruler_.v.back();
         const auto walk = [&](double whole, double& length) -> Done {
             length = 0;
-            for (uint32_t w = last_on_boundary_; w != vertex;) {
+            bool first = round;
+            for (uint32_t w = last_on_boundary_; w != vertex || first;) {
+                first = false;
                 const uint32_t h = ahead ? side_at(w) : side_before(w);
                 const uint32_t next = ahead ? f_.mesh.target(h) : f_.mesh.origin[h];
                 length += distance(at(w), at(next));
@@ -317,10 +319,20 @@ private:
         uint32_t side = zero_point(graph_.sectors[arc.from].zero, p);
         if (tripod(arc.from) && !ruler_.push(arc_from_[a], p, side)) return false;
         const uint64_t last = arc.last - tripod(arc.to);
-        for (uint64_t i = arc.first; i <= last; ++i)
-            if (!(on_boundary ? push_on_boundary(v_[i], f_.mesh.target(graph_.crossings[i].half_edge), false)
-                              : push_crossing(i)))
-                return false;
+        if (on_boundary) {
+            const uint32_t from = graph_.zeros[graph_.sectors[arc.from].zero].element,
+                           to = graph_.zeros[graph_.sectors[arc.to].zero].element;
+            bool left = from != to; // else the arc goes round the whole curve
+            if (!push_on_boundary(v_[arc.first], from, false)) return false;
+            for (uint64_t i = arc.first + 1; i < last; ++i) {
+                const uint32_t w = f_.mesh.target(graph_.crossings[i].half_edge);
+                left = left || (front_->reflection->is_boundary[w] && w != from);
+                if (!push_on_boundary(v_[i], w, false)) return false;
+            }
+            if (!push_on_boundary(v_[last], to, false, !left)) return false;
+        }
+        for (uint64_t i = arc.first; i <= last && !on_boundary; ++i)
+            if (!push_crossing(i)) return false;
         side = zero_point(graph_.sectors[arc.to].zero, p);
         if (tripod(arc.to) && !ruler_.push(arc_to_[a], p, side)) return false;
         arc_vertex_[a] = arc_vertex_[arc.twin] = out_.vertex_count();
@@ -462,6 +474,7 @@ private:
                 return call_.out_of_memory();
             v += conjugate_.step(at);
         }
+        if (ruler_.v.empty()) return torn(cylinder);
         twist = twist_at(cylinders_.list[cylinder], piece, height);
         return HMF_OK;
     }
