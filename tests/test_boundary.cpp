@@ -548,6 +548,26 @@ void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64
 
 } // namespace
 
+// From a coarser level it is far from symmetric: made so or left, in a time that the size of the mesh bounds.
+TEST(Boundary, InterpolatedFromACoarserLevel) {
+    const TriMesh mesh = with_holes(torus(96, 48, 3, 1, {true, 1, 0.3, 3}), 3, 1, 4);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_GE(hmf_level_count(hierarchy.get()), 2u);
+    const Solution s = solve(hierarchy, nullptr, solve_options(0, 0));
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    hmf_foliation *coarse = nullptr, *fine = nullptr;
+    ASSERT_EQ(hmf_interpolate(s.foliation.get(), 1, nullptr, &coarse, nullptr), HMF_OK);
+    const Foliation owned(coarse);
+    ASSERT_EQ(hmf_interpolate(coarse, 0, nullptr, &fine, nullptr), HMF_OK);
+    const Foliation back(fine);
+    EXPECT_EQ(closedness_defect(read_level(hierarchy, 0), values_of(back)), "");
+    EXPECT_EQ(fine->poles, 0u);
+    hmf_foliation* raw = nullptr;
+    ASSERT_EQ(hmf_relax(fine, nullptr, nullptr, &raw, nullptr), HMF_OK);
+    const Foliation relaxed(raw);
+    EXPECT_NEAR(hmf_foliation_report(raw)->energy, s.report.energy, 1e-9 * s.report.energy);
+}
+
 TEST(Boundary, QuadsOfARectangleAreAGrid) {
     const double a = 3, b = 1.25;
     const size_t n = 24, m = 10;

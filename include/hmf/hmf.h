@@ -60,8 +60,9 @@
  *             are those of the surface; the coarser levels are levels of the
  *             double, and so are counts of poles, zeros and indices.  Leaves run
  *             along the boundary or meet it at right angles.  Values of level 0
- *             are exactly symmetric: what the caller gets is one half, and can
- *             be read back.  The minimum on the intrinsic triangulation, where
+ *             that hmf_solve gives are exactly symmetric, but where a part that no
+ *             leaf crosses joins a boundary and a handle or marked vertices: what the
+ *             caller gets is one half, and can be read back.  The minimum on the intrinsic triangulation, where
  *             energy and residual are measured, is so up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.

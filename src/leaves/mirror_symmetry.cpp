@@ -8,7 +8,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t STRIDE = 4096; // steps between two reports
+constexpr uint32_t STRIDE = 4096;               // steps between two reports
+constexpr uint64_t WORK = 8, MOST_WORK = 65536; // half-edges that may be looked at: for each edge, and as many more
 
 class Symmetry {
 public:
@@ -49,6 +50,12 @@ private:
     };
 
     bool is_boundary(uint32_t v) const { return ahead_[v] != NONE; }
+
+    // Minima have little to move.  What is far from symmetric (a foliation of a coarser level) may have too much.
+    bool may_go_on(size_t vertices) {
+        work_ += 6 * uint64_t{vertices} + 6;
+        return work_ <= WORK * mesh_.edge_count + MOST_WORK;
+    }
 
     // The next half-edge round the cluster; closed: behind a closed corner.
     uint32_t next_round(uint32_t g, bool& closed) const {
@@ -100,7 +107,7 @@ private:
     // The cluster of the origin of g, a disk, into the direction of g.
     Done move_towards(uint32_t g, bool& exact) {
         const Cluster cluster = explore_cluster(f_, mesh_.origin[g]);
-        if (!cluster.is_disk()) {
+        if (!cluster.is_disk() || !may_go_on(f_.members.size())) {
             exact = false;
             return true;
         }
@@ -164,26 +171,21 @@ private:
                 at_one_point = at_one_point && f_.at(ahead_[w]) == 0;
             }
             if (!at_one_point || !is_ring(explore_cluster(f_, v))) continue;
-            const uint32_t h = half_edge_to(true);
-            if (h == NONE) continue;
-            uint32_t at = NONE, behind = NONE;
-            int64_t front = 0, back = 0; // half a unit beside the ring
             Call part(&call_);
-            if ((cylinders.list.empty() && cylinders.build(f_, nullptr, nullptr, part))
-                || cylinders.locate(f_, reversed(f_, {h, 1}), at, front, part)
-                || cylinders.locate(f_, reversed(f_, {mirror_.half_edge[h], 1}), behind, back, part)) {
+            if (cylinders.list.empty() && cylinders.build(f_, nullptr, nullptr, part)) {
                 if (part.cancelled()) return call_.was_cancelled();
                 if (call_.memory.failure()) return call_.out_of_memory();
                 exact = false; // the leaves do not close
                 return HMF_OK;
             }
-            const int64_t height = cylinders.list[at].height; // half units up to the middle
-            int64_t place = front > back ? front - 1 : front + 1;
-            bool front_is_up = front > back;
+            const uint32_t ring = explore_ring(v);
+            bool front_is_up = false;
+            int64_t place = 0, height = 0; // half units; up to the middle
+            if (!find_crossing(cylinders, ring, place, height, front_is_up)) {
+                exact = false;
+                return HMF_OK;
+            }
             if (cylinders.graph.zeros.empty()) { // no ends: the second ring lies half-way round from the first
-                if (front - back > 2 || back - front > 2) front_is_up = front < back;
-                if (front_is_up) place = front - 1;
-                else place = front + 1;
                 if (rings_.empty()) {
                     first = place;
                     if (!rings_.push({v, true, 0})) return call_.out_of_memory();
@@ -191,9 +193,6 @@ private:
                 }
                 place -= first;
                 if (place < 0) place += 2 * height;
-            } else if (at != behind) {
-                exact = false;
-                return HMF_OK;
             }
             const int64_t off = place - height; // above the middle
             if (off % 2 != 0) exact = false;
@@ -205,17 +204,30 @@ private:
 
     // On which side of its ring a half-edge out of the cluster in f.members leaves.
     bool leaves_in_front(uint32_t h) const { return mirror_.is_front[h] || mirror_.is_front[twin(h)]; }
-    uint32_t half_edge_to(bool front) const {
-        for (const uint32_t u : f_.members)
-            for (const uint32_t h : mesh_.around(u))
-                if (f_.at(h) > 0 && !mirror_.on_boundary(h) && leaves_in_front(h) == front) return h;
-        return NONE;
+    // The stamp of its cluster.
+    uint32_t explore_ring(uint32_t v) {
+        explore_cluster(f_, v);
+        return f_.epoch;
+    }
+    // Where the path across a cylinder leaves a ring.
+    bool find_crossing(const Cylinders& cylinders, uint32_t ring, int64_t& place, int64_t& height,
+                       bool& to_front) const {
+        for (const Cylinder& c : cylinders.list)
+            for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
+                const Piece& p = cylinders.pieces[i];
+                if (p.from != 0 || f_.stamp[mesh_.origin[p.half_edge]] != ring) continue;
+                place = p.height;
+                height = c.height;
+                to_front = leaves_in_front(p.half_edge);
+                return true;
+            }
+        return false;
     }
 
     hmf_status shift(const Ring& ring, bool& exact) {
         for (int64_t left = ring.distance; left > 0 && exact;) {
             if (!call_.tick(0, true)) return call_.was_cancelled();
-            if (!is_ring(explore_cluster(f_, ring.vertex))) {
+            if (!is_ring(explore_cluster(f_, ring.vertex)) || !may_go_on(f_.members.size())) {
                 exact = false;
                 break;
             }
@@ -249,6 +261,7 @@ private:
     Array<uint8_t> forward_;         // per half-edge: the move makes it shorter
     Array<uint32_t> circle_;
     Array<Ring> rings_;
+    uint64_t work_ = 0;
 };
 
 } // namespace

@@ -41,7 +41,8 @@ struct Reflection {
 };
 
 // exact: false, and f is as it was, if a cluster that goes round a part of the surface, or
-// holds a marked vertex, would have to be taken apart.
+// holds a marked vertex, would have to be taken apart, or if f is so far from symmetric
+// that this takes longer than about a sweep over the mesh.
 [[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, bool& exact);
 
 } // namespace hmf
