@@ -27,6 +27,7 @@ struct Certificate {
     bool known;
     double energy; // in units
     double residual_max, residual_mean;
+    bool fractional = false; // with Recorder::fraction
 };
 
 // Keeps the report of a solve, its unit, and what the last level knew.
@@ -49,6 +50,7 @@ public:
     Array<hmf_level_report> levels; // finest first
     Array<hmf_history_entry> history;
     Certificate certificate{}; // of the last level
+    Array<double> fraction;    // see fraction.hpp; only where the certificate says so
 
 private:
     bool wanted_, out_of_memory_ = false;
