@@ -173,7 +173,7 @@ void print(const char* name, const Row& row) {
                 row.class_limit, row.other, row.repeats, row.worst);
 }
 
-// What follows from a foliation: residuals as reported, heights are weights, areas add up to the energy, and no internal
+// What follows from a foliation: residuals as reported, heights are weights, areas add up to the energy, no internal
 // errors.
 void check_uses(uint64_t seed, const Problem& p, const Solution& s, Tally& tally) {
     hmf_error error{};
