@@ -10,6 +10,8 @@ namespace hmf {
 // A value of an edge while it is solved for.  Sums of two and steps of twice as much
 // leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
 constexpr int64_t largest_inner_value = int64_t{1} << 59;
+// The height of a cylinder; leaves are counted in half units.
+constexpr int64_t largest_height = int64_t{1} << 60;
 
 struct SolveOptions {
     int32_t method = HMF_METHOD_NEWTON;
