@@ -1,6 +1,7 @@
 // hmf.h: loops, initialize, solve, relax.
 #include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
+#include "canonical_loops.hpp"
 #include "read_loop_set.hpp"
 #include "surface_loops.hpp"
 
@@ -267,7 +268,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
         return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
     Array<uint32_t> faces, triangle;
-    if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces))
+    if (canonical_loops(*hierarchy, level, kind, call, loops)
+        || name_by_triangles(*hierarchy, level, call, loops, faces))
         return call.status();
     if (level == 0) {
         Array<uint32_t> internal;
