@@ -8,8 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
-#include <numeric>
 #include <string>
 
 using namespace test;
@@ -263,44 +261,4 @@ TEST(Reuse, Errors) {
     const Foliation poles = create(hierarchy, 0, values);
     options.start = poles.get();
     EXPECT_EQ(solve(hierarchy, nullptr, options).status, HMF_ERROR_VALUE_POLE);
-}
-
-// Vertices and triangles in another order, triangles from another corner on: the same values, to the bit.
-TEST(Order, OfTheInputChangesNothing) {
-    for (const TriMesh& mesh :
-         {pretzel(2, 2), torus_with_finger(24, 12, 8, 3), with_bad_triangles(plate(3), 20, 0.1, 5)}) {
-        std::map<std::pair<uint32_t, uint32_t>, double> expected;
-        double energy = 0;
-        Random random(7);
-        for (size_t turn = 0; turn < 4; ++turn) {
-            std::vector<uint32_t> vertex(mesh.vertex_count()), triangle(mesh.triangle_count());
-            std::iota(vertex.begin(), vertex.end(), 0u);
-            std::iota(triangle.begin(), triangle.end(), 0u);
-            for (std::vector<uint32_t>* order : {&vertex, &triangle})
-                for (size_t i = order->size(); turn > 0 && i > 1; --i)
-                    std::swap((*order)[i - 1], (*order)[random.below(i)]);
-            TriMesh other = mesh;
-            for (size_t v = 0; v < vertex.size(); ++v)
-                for (size_t a = 0; a < 3; ++a) other.positions[3 * vertex[v] + a] = mesh.positions[3 * v + a];
-            for (size_t t = 0; t < triangle.size(); ++t)
-                for (size_t s = 0; s < 3; ++s)
-                    other.triangles[3 * triangle[t] + s] = vertex[mesh.triangles[3 * t + (s + turn) % 3]];
-            const Hierarchy hierarchy(other, 0.5, 300);
-            const Solution s = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
-            ASSERT_EQ(s.status, HMF_OK) << s.error.message;
-            const LevelMesh level = read_level(hierarchy, 0);
-            std::vector<uint32_t> first(vertex.size()); // number in the first order
-            for (uint32_t v = 0; v < vertex.size(); ++v) first[vertex[v]] = v;
-            std::map<std::pair<uint32_t, uint32_t>, double> values;
-            for (size_t e = 0; e < level.edge_count; ++e)
-                values[std::minmax(first[level.edge_vertices[2 * e]], first[level.edge_vertices[2 * e + 1]])] =
-                    s.values[e];
-            if (turn == 0) {
-                expected = values;
-                energy = s.report.energy;
-            }
-            EXPECT_EQ(values, expected) << turn;
-            EXPECT_EQ(s.report.energy, energy) << turn;
-        }
-    }
 }

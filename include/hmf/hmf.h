@@ -427,10 +427,11 @@ typedef struct hmf_loop_set {
  * with the shortest closed geodesics are chosen one after another, measured on
  * finer levels where they are close, up to the mesh of the caller.  A hierarchy
  * with other options gets the loops from there, for the time and the memory of
- * another hmf_build.  So the classes depend on the triangles alone, not on ratio,
- * collapse and coarsest, nor on the order of vertices and triangles.  Other
- * triangles of the same shape may have others, where fine detail is close to the
- * size of the triangles of the coarsest level.
+ * another hmf_build.  So the classes do not depend on ratio, collapse and coarsest.
+ * Other triangles of the same shape, or the same ones in another order, may have
+ * other classes where fine detail is close to the size of the triangles of the
+ * coarsest level: it has a thousand vertices, or forty for each handle if that is
+ * more, and what is smaller it cannot tell apart.
  * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
  * along z, from one end of the surface to the other.  Loop c is in the same class on
  * every level.  With boundary: level 0 only.

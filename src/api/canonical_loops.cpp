@@ -95,9 +95,19 @@ hmf_status restrict_loops(const hmf_hierarchy& h, size_t level, Loops& loops, Ca
 hmf_status canonical_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
     if (is_canonical(h)) return library_loops(h, level, kind, call, out);
     hmf_hierarchy made(h, call.memory);
-    if (build_canonical(h, made, call) || library_loops(made, 0, kind, call, out) || hand_over(made, h, out, call))
-        return call.status();
-    return level == 0 ? pull_tight(h.input, call, out) : restrict_loops(h, level, out, call);
+    Call part(&call); // who asks to finish wants a result, and there is none without loops
+    const auto failed = [&] {
+        if (call.cancelled()) return call.was_cancelled();
+        if (call.memory.failure()) return call.out_of_memory();
+        return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                         "The loops could not be brought to this hierarchy (%d). Please report it.",
+                         static_cast<int>(part.status()));
+    };
+    if (build_canonical(h, made, part)) return failed();
+    if (library_loops(made, 0, kind, call, out)) return call.status();
+    if (hand_over(made, h, out, part)) return failed();
+    if (level == 0) return pull_tight(h.input, call, out);
+    return restrict_loops(h, level, out, part) ? failed() : HMF_OK;
 }
 
 } // namespace hmf

@@ -11,13 +11,8 @@
 // is a cache miss.  This order needs no connectivity, so that validation is
 // local already.  It only decides numbers: an outlier that puts all other
 // vertices into one cell costs time and nothing else.
-//
-// Vertices of one cell follow by their coordinates, triangles with the same lowest
-// vertex by the next one.  So numbers do not depend on the order of the input, as
-// long as no two vertices lie at the same point, and no result does.
 #include "spatial_order.hpp"
 
-#include "../base/heap_sort.hpp"
 #include "../base/prefetch.hpp"
 
 #include <algorithm>
@@ -72,42 +67,6 @@ uint32_t spread(uint32_t x) {
     return (x | x << 2) & 0x09249249u;
 }
 
-struct FaceOfVertex {
-    uint32_t next; // the corner after the lowest one
-    uint32_t words[4];
-};
-
-// Triangles with the same lowest vertex, of which `end` has the end of each run, by the vertex after it.
-hmf_status sort_fans(const Array<uint32_t>& end, uint32_t* sides, OrderedTriangles& out, Call& call) {
-    Array<FaceOfVertex> fan;
-    fan.start(call.memory);
-    uint32_t first = 0;
-    for (size_t low = 0; low < end.size(); ++low) {
-        if (low % TICK == 0 && !call.tick(0.04)) return HMF_CANCELLED;
-        const uint32_t last = end[low], begin = first;
-        first = last;
-        if (last - begin < 2) continue;
-        fan.clear();
-        bool sorted = true;
-        for (uint32_t face = begin; face < last; ++face) {
-            const uint32_t* words = &out.words[size_t{4} * face];
-            const uint32_t next = words[0] == low ? words[1] : words[1] == low ? words[2] : words[0];
-            sorted = sorted && (fan.empty() || fan.back().next < next);
-            if (!fan.push({next, {words[0], words[1], words[2], words[3]}})) return call.out_of_memory();
-        }
-        if (sorted) continue;
-        heap_sort(fan.data(), fan.size(), [](const FaceOfVertex& a, const FaceOfVertex& b) {
-            return a.next != b.next ? a.next < b.next : a.words[3] < b.words[3];
-        });
-        for (uint32_t face = begin; face < last; ++face) {
-            const FaceOfVertex& from = fan[face - begin];
-            std::memcpy(&out.words[size_t{4} * face], from.words, sizeof from.words);
-            sides[size_t{3} * from.words[3]] = face;
-        }
-    }
-    return HMF_OK;
-}
-
 } // namespace
 
 hmf_status order_vertices(const double* positions, size_t vertex_count, size_t stride, uint32_t* vertex_internal,
@@ -148,19 +107,6 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
         for (const uint64_t entry : list)
             other[begin[d * DIGIT_SIZE + (entry >> (32 + d * AXIS_BITS)) % DIGIT_SIZE]++] = entry;
         list.swap(other);
-    }
-    const auto before = [&](uint64_t a, uint64_t b) {
-        const double* x = position_at(positions, stride, static_cast<uint32_t>(a));
-        const double* y = position_at(positions, stride, static_cast<uint32_t>(b));
-        for (int c = 0; c < 3; ++c)
-            if (x[c] != y[c]) return x[c] < y[c];
-        return a < b;
-    };
-    for (size_t n = 0; n < vertex_count;) {
-        size_t end = n + 1;
-        while (end < vertex_count && list[end] >> 32 == list[n] >> 32) ++end;
-        if (end - n > 1) heap_sort(&list[n], end - n, before);
-        n = end;
     }
     for (size_t n = 0; n < vertex_count; ++n) {
         if (n % TICK == 0 && !call.tick(0.02)) return HMF_CANCELLED;
@@ -218,7 +164,7 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
         words[3] = static_cast<uint32_t>(t);
         internal[0] = face;
     }
-    return sort_fans(begin, sides, out, call);
+    return HMF_OK;
 }
 
 } // namespace hmf
