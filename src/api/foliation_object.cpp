@@ -34,7 +34,7 @@ hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& sta
     const hmf_hierarchy& h = *foliation.hierarchy;
     const size_t level = foliation.level;
     if (!state.allocate(h, std::min(level, finest), call.memory)) return call.out_of_memory();
-    state.load(level, Side::input);
+    state.load(level, Triangulation::input);
     for (size_t e = 0; e < foliation.count; ++e) {
         if (e % 131072 == 0 && !call.tick(0, true)) return call.was_cancelled();
         state.foliation.value[internal_edge(h, level, e)] = static_cast<int64_t>(foliation.values[e] / foliation.unit);
@@ -51,7 +51,7 @@ hmf_status load_solved(const hmf_foliation& foliation, State& state, double& uni
     }
     unit = std::ldexp(unit, -static_cast<int>(foliation.solved_bits));
     if (!state.allocate(*foliation.hierarchy, foliation.level, call.memory)) return call.out_of_memory();
-    state.load(foliation.level, Side::intrinsic);
+    state.load(foliation.level, Triangulation::intrinsic);
     std::memcpy(state.foliation.value, foliation.solved, foliation.count * sizeof(int64_t));
     double largest = 0;
     for (size_t e = 0; e < foliation.count; ++e) largest = std::max(largest, foliation.values[e]);
@@ -212,7 +212,7 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     State state;
     Making making;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
-    state.load(level, Side::input);
+    state.load(level, Triangulation::input);
     if (!call.tick(0.1)) return call.was_cancelled();
     Array<double> both;
     if (values && level == 0 && hierarchy->is_double()) {

@@ -229,7 +229,7 @@ hmf_status load_start(const hmf_hierarchy& h, const hmf_foliation& start, size_t
                          "hmf_interpolate.",
                          static_cast<unsigned long long>(start.level));
     if (!state.allocate(h, 0, call.memory)) return call.out_of_memory();
-    state.load(0, Side::input);
+    state.load(0, Triangulation::input);
     uint64_t poles = 0;
     if (read_values(state, start.values, static_cast<size_t>(start.count), unit, poles, call)) return call.status();
     return refuse_poles(poles, call);
@@ -293,7 +293,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (read_loop_set(*hierarchy, loops, hierarchy->level_count - 1, given, call)) return call.status();
     State state;
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
-    state.load(given.level, Side::input);
+    state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     Making making;
     making.unit = given.unit;
@@ -322,7 +322,7 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
     if (!state.allocate(*hierarchy, std::min(solve.stop_level, given.level), call.memory)) return call.out_of_memory();
-    state.load(given.level, Side::input);
+    state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     return solve_from(state, start, &given, given.unit, solve, call, out);
 }

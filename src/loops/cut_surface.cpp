@@ -3,7 +3,7 @@
 
 namespace hmf {
 
-bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory) {
+Done CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory) {
     segment_count = mesh.edge_count + static_cast<uint32_t>(curves.total);
     point_count = mesh.vertex_count + 2 * static_cast<uint32_t>(curves.components.count());
     Array<uint32_t> side; // first half-edge of each face

@@ -53,8 +53,6 @@ public:
     // Signs, energy and residual of the foliation as it is.
     Done look() { return model_.look(f_, w_.rings, weight_, w_.star, w_.call); }
     const TwistedModel& model() const { return model_; }
-    // Why something was not done.
-    hmf_status stopped() { return w_.call.memory.failure() ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
     // The zeros that the last look has seen.
     Done hand_over(ZeroList& zeros) {
@@ -120,8 +118,8 @@ public:
 private:
     void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
 
-    // Solves the model and sets the values of the whole step; false: see stopped().
-    bool propose(const Effort& effort, bool& tight) {
+    // Solves the model and sets the values of the whole step; false: see interrupted().
+    Done propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
         if (!go_on()) return false;
         ++w_.statistics.linear_solves;
@@ -150,7 +148,7 @@ private:
 
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
-        if (!propose(effort, tight)) return stopped();
+        if (!propose(effort, tight)) return interrupted(w_.call);
         // Where the step went too far, the neighbourhood stays as it is.  If the
         // energy rises, the bounds hold back too much: the others are solved
         // for once more.  If nothing helps, all take a shorter step.
@@ -172,11 +170,11 @@ private:
             too_far_ = NONE;
             if (attempt > 0) {
                 set_values(factor);
-                if (!go_on()) return stopped();
+                if (!go_on()) return interrupted(w_.call);
                 find_suspects();
             }
             const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
-            if (!go_on()) return stopped();
+            if (!go_on()) return interrupted(w_.call);
             if (sound) energy_change_ = energy_change();
             if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
                 bool kept = true;
@@ -189,19 +187,21 @@ private:
                     return HMF_OK;
                 }
                 restore();
-                if (!hold_overturned()) factor *= 0.5;
+                bool held = false;
+                if (!hold_overturned(held)) return w_.call.out_of_memory();
+                if (!held) factor *= 0.5;
                 continue;
             }
             restore();
             if (!tight && effort.close) {
                 // The error of the solve may be what went wrong.
                 tight = true;
-                if (!solve_linear(effort.tight, effort.residual)) return stopped();
+                if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
             } else if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
                 ++solves;
                 ++w_.statistics.linear_solves;
-                if (!solve_between_bounds(effort.tight, effort.residual)) return stopped();
+                if (!solve_between_bounds(effort.tight, effort.residual)) return interrupted(w_.call);
             } else if (too_far_ != NONE && attempt < 16) {
                 if (attempt % 4 == 3) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
@@ -214,8 +214,8 @@ private:
 
     // The values before the step are back, the step is not.  A step keeps the class if
     // each vertex has in each of its directions an edge that the step does not
-    // reverse: the others stay where they are from now on.  False: there are none, or too many.
-    bool hold_overturned() {
+    // reverse: the others stay where they are from now on.  any: there are some, and not too many.
+    Done hold_overturned(bool& any) {
         constexpr size_t most = 200;
         const auto reversed = [&](uint32_t h) {
             const uint32_t e = edge_of(h);
@@ -242,7 +242,8 @@ private:
             if (closed > 0) overturned |= !(here || first);
             if (overturned && !held.push(v)) return false;
         }
-        if (held.empty() || held.size() == most) return false;
+        any = !held.empty() && held.size() < most;
+        if (!any) return true;
         for (const uint32_t v : held) model_.freeze(f_, w_.rings, v, 1, patch_, distance_);
         return true;
     }
@@ -256,7 +257,7 @@ private:
 
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
-    bool solve_linear(double accuracy, double residual) {
+    Done solve_linear(double accuracy, double residual) {
         constexpr uint32_t with_old_setup = 50, with_new_setup = 200, with_smoother = 10;
         const SignedMatrix matrix = model_.matrix();
         const LinearOptions options = stop_at(residual);
@@ -267,16 +268,17 @@ private:
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
         }
-        multigrid_ready_ =
-            multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
-        if (!multigrid_ready_) return false;
+        multigrid_ready_ = false;
+        if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
+            return false;
+        multigrid_ready_ = true;
         multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                          smooth_only_ ? with_smoother : with_new_setup, w_.call, options);
         return !w_.call.cancelled() && !w_.call.finishing();
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
-    bool solve_between_bounds(double accuracy, double residual) {
+    Done solve_between_bounds(double accuracy, double residual) {
         for (uint32_t pass = 0; pass < 4; ++pass) {
             model_.fix_active();
             LinearOptions options = stop_at(residual);
@@ -537,11 +539,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     bool fineness_known = !finest;
     for (uint32_t round = 0; round < most_rounds; ++round) {
         // The first step of a level needs no reason but on the last level.
-        if (!newton.look()) return newton.stopped();
+        if (!newton.look()) return interrupted(work.call);
         if (work.call.finishing()) return HMF_CANCELLED;
         const TwistedModel& model = newton.model();
         const double before = round == 0 && !finest ? 1 : model.residual_max, D = model.energy;
-        work.record(2, D, before);
+        if (!work.record(2, D, before)) return work.call.out_of_memory();
         if (before <= goal) {
             work.recorder.certificate = {true, D, before, model.residual_sum / model.count};
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();

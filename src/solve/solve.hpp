@@ -37,11 +37,9 @@ public:
         levels.start(call.memory);
         history.start(call.memory);
     }
-    hmf_status count_levels(size_t n);
+    [[nodiscard]] hmf_status count_levels(size_t n);
     hmf_level_report* level(size_t index); // row of a level, nullptr if not wanted; index 0 = stop level
-    // out_of_memory() tells if there was no room.
-    void event(size_t level, uint32_t kind, double energy_units, double residual_max);
-    bool out_of_memory() const { return out_of_memory_; }
+    Done event(size_t level, uint32_t kind, double energy_units, double residual_max);
     double unit() const { return unit_; }
     void set_unit(double unit) { unit_ = unit; }
 
@@ -51,7 +49,7 @@ public:
     Certificate certificate{}; // of the last level
 
 private:
-    bool wanted_, out_of_memory_ = false;
+    bool wanted_;
     Call& call_;
     double unit_;
 };
@@ -74,25 +72,29 @@ struct LevelWork {
     Rings rings;
     Star star;
     hmf_level_report statistics{};
-    // Room for both; false: out of memory.
-    bool prepare();
+    // Room for both.
+    Done prepare();
     // Makes the unit as fine as this residual needs it, with a factor of 4 for what
     // is still to come, or as fine as a double has bits for the values.
     Fineness refine_unit(double residual);
-    void record(uint32_t kind, double energy_units, double residual_max) {
-        recorder.event(state.level, kind, energy_units, residual_max);
+    Done record(uint32_t kind, double energy_units, double residual_max) {
+        return recorder.event(state.level, kind, energy_units, residual_max);
     }
 };
 
+// Of a stage that is not Done: no memory, or cancelled or finishing.  The sentence
+// comes at the end of the solve, which knows how far it came.
+inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.out_of_memory() : HMF_CANCELLED; }
+
 // Methods on one level: HMF_OK when converged to the tolerance, HMF_LIMIT_*,
 // HMF_CANCELLED (also for finishing), or a memory error.
-hmf_status whitehead_level(LevelWork& work, double tolerance);
-hmf_status newton_level(LevelWork& work, double tolerance);
+[[nodiscard]] hmf_status whitehead_level(LevelWork& work, double tolerance);
+[[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                       ClassWatch* watch = nullptr);
+[[nodiscard]] hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                                     ClassWatch* watch = nullptr);
 
 } // namespace hmf
