@@ -570,7 +570,7 @@ Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
-    const size_t above = work.state.level - work.options.stop_level; // levels that are still to come
+    const size_t above = work.state.level - work.options.stop(); // levels that are still to come
     const bool finest = above == 0;
     const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
     const bool middle = !finest && !coarsest;
