@@ -164,10 +164,10 @@ hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& ca
 
 hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch) {
     const hmf_hierarchy& h = *state.hierarchy;
-    if (recorder.count_levels(state.level - options.stop_level + 1)) return call.status();
+    if (recorder.count_levels(state.level - options.stop() + 1)) return call.status();
     // Progress: each level its share of the edges.
     double total = 0, done = 0;
-    for (size_t k = options.stop_level; k <= state.level; ++k)
+    for (size_t k = options.stop(); k <= state.level; ++k)
         total += static_cast<double>(h.levels[k].mesh.edge_count);
     hmf_status status = HMF_OK;
     for (;;) {
@@ -178,7 +178,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         statistics.vertices = level.mesh.vertex_count;
         statistics.edges = level.mesh.edge_count;
         statistics.raised_count = level.raised_count;
-        hmf_level_report* entry = recorder.level(k - options.stop_level);
+        hmf_level_report* entry = recorder.level(k - options.stop());
         if (entry) statistics.interpolate_seconds = entry->interpolate_seconds;
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
@@ -200,7 +200,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         const double start = call.seconds();
         call.range(done, done);
         if (!state.refine(call) || (state.level == 0 && !state.to_intrinsic(call))) return interrupted(call);
-        if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
+        if (hmf_level_report* finer = recorder.level(state.level - options.stop()))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;
         if (!recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight, call.parallel), -1))

@@ -11,12 +11,15 @@ namespace hmf {
 // leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
 constexpr int64_t largest_inner_value = int64_t{1} << 59;
 
-struct SolveOptions {
-    int32_t method = HMF_METHOD_NEWTON;
-    double tolerance = 0;          // resolved, > 0
-    double residual_tolerance = 0; // of the sweeps on stop_level; 0: they stop by the energy
-    uint64_t iteration_limit = 100000;
-    size_t stop_level = 0;
+// Those of the caller, with their defaults in place, so that a new one is at hand in
+// every stage; and what is the library's own.
+struct SolveOptions : hmf_solve_options {
+    SolveOptions() : hmf_solve_options{} {
+        method = HMF_METHOD_NEWTON;
+        iteration_limit = 100000;
+    }
+    size_t stop() const { return static_cast<size_t>(stop_level); }
+
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
     bool guarded = false;                     // goes no further where a step would leave the class; needs a ClassWatch
