@@ -697,7 +697,9 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
    weight * F over sector k and P over all edges; sectors that are one
    direction around a cluster of zero edges count as one.  0 everywhere means:
-   this is the unique minimum. */
+   this is the unique minimum.  Where the 60 bits inside are too short for the
+   tolerance of a solve (needles, caps) it is that of values with a part of a
+   unit more at some vertices, which the foliation keeps. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
 

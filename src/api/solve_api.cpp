@@ -167,6 +167,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
     making.recorder = &recorder;
+    if (recorder.certificate.known && recorder.certificate.fractional) making.fraction = recorder.fraction.data();
     if (make_foliation(state, making, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
     return describe(status, state.level, report, watch, call);
