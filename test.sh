@@ -13,7 +13,7 @@
 set -u
 cd "$(dirname "$0")"
 
-default_variants="format header symbols plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
+default_variants="format header symbols abi plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
 variants="$default_variants corpus-large campaign mutations machines static tsan"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
@@ -24,6 +24,7 @@ describe() {
 format        layout of the C and C++ sources
 header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
+abi           the interface against the recorded one; what breaks programs is seen (docs/abi.md)
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
 packages      one version everywhere, manifests; with HMF_PACKAGES=1 wheels, Debian, Conan, vcpkg, conda
@@ -163,6 +164,10 @@ run_ctest() { # preset, options of ctest ...
 
 variant_format() { run_check format tests/check_format.sh; }
 variant_header() { run_check header tests/check_header.sh; }
+variant_abi() {
+    install_if_possible abigail-tools
+    run_check abi tests/check_abi.sh build/abi
+}
 variant_plain() { run_check plain tests/check_plain.sh build/plain; }
 variant_install() { run_check install tests/check_install.sh build/install; }
 variant_packages() { run_check packages tests/check_packages.sh build/packages; }
@@ -262,7 +267,7 @@ variant_campaign() {
     HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_campaign
     grep -A14 ' problems, seeds ' "$results/campaign.log"
 }
-# For long variants: what cannot be installed is skipped there.
+# What cannot be installed is skipped there.
 install_if_possible() { # package ...
     local package sudo=
     command -v apt-get > /dev/null || return 0
