@@ -19,6 +19,7 @@ python3 bindings/packaging/check_versions.py
 tests/check_abi.sh build/abi --exact || fail "the interface is not as recorded in tests/abi"
 
 git archive --prefix="hmf-$version/" -o "$out/hmf-$version.tar.gz" HEAD
+python3 bindings/packaging/sbom.py "$out/hmf-$version.cdx.json"
 python3 -m venv "$out/.venv"
 "$out/.venv/bin/pip" install -q ziglang cffi build scikit-build-core
 "$out/.venv/bin/python" bindings/packaging/build_wheels.py --out "$out"

@@ -334,9 +334,8 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     Call& call = entry.call;
     hmf_solve_options all;
     SolveOptions solve;
-    if (entry.check(hierarchy, out) || check_foliation(foliation, call)
-        || read_solve_options(options, *hierarchy, all, solve, call))
-        return call.status();
+    if (entry.check(hierarchy, out) || check_foliation(foliation, call)) return call.status();
+    if (read_solve_options(options, *hierarchy, all, solve, call)) return call.status(); // NOLINT: check refuses NULL
     State state;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();
