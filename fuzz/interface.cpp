@@ -657,6 +657,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (bytes.rarely()) {
         // Of an older header; not one that ends between the hooks and their user.
         uint32_t end = bytes.below(sizeof build + 1);
+        if (end % 16 != 1) end -= end % 8; // else a size that no structure has
         if (end > offsetof(hmf_build_options, allocate) && end < offsetof(hmf_build_options, position_stride))
             end = offsetof(hmf_build_options, allocate);
         build.struct_size = end;

@@ -333,9 +333,8 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
     SolveOptions solve;
-    if (entry.check(hierarchy, out) || check_foliation(foliation, call)
-        || read_solve_options(options, *hierarchy, solve, call))
-        return call.status();
+    if (entry.check(hierarchy, out) || check_foliation(foliation, call)) return call.status();
+    if (read_solve_options(options, *hierarchy, solve, call)) return call.status(); // NOLINT: check refuses NULL
     State state;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();

@@ -412,7 +412,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         return call.status();
 
     Array<uint8_t> arcs;
-    if (h.is_double() && keep_front_cylinders(h, *loops, given, list, heights, curves, triangles, arcs, call))
+    if (h.is_double() && loops && keep_front_cylinders(h, *loops, given, list, heights, curves, triangles, arcs, call))
         return call.status();
     const size_t count = list.size();
     struct Made {
