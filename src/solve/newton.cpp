@@ -575,7 +575,7 @@ hmf_status end_beyond_rounding(LevelWork& work, double goal) {
     if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
     if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
     const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
-    work.record(2, D, found.max);
+    if (!work.record(2, D, found.max)) return work.call.out_of_memory();
     recorder.certificate = {true, D, found.max, found.mean, true};
     return HMF_OK;
 }
