@@ -574,6 +574,8 @@ typedef struct hmf_solve_options {
                                     Others: sweeps on stop_level go on until it is reached, whatever the energy does,
                                     or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
                                     energy, and 1e-8 counts as converged */
+    uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
+                                    many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {

@@ -282,6 +282,7 @@ pub struct hmf_solve_options {
     pub stop_level: u64,
     pub start: *const hmf_foliation,
     pub residual_tolerance: f64,
+    pub step_limit: u64,
 }
 impl Default for hmf_solve_options {
     fn default() -> Self {
