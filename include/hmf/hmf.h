@@ -546,6 +546,11 @@ HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 /* The power of two that all values are multiples of; 0 for NULL. */
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
+/* Bytes held by the foliation; 0 for NULL.  Not with them the hierarchy, which it
+   keeps alive.  Grows once, when hmf_parameterize, hmf_quads or hmf_trace makes
+   what it then keeps for the next such call. */
+HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
+
 /* ------------------------------------------------------------------------
  * Solve
  * --------------------------------------------------------------------- */

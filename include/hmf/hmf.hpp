@@ -430,6 +430,7 @@ public:
 
     std::size_t level() const noexcept { return hmf_foliation_level(get()); }
     double unit() const noexcept { return hmf_foliation_unit(get()); }
+    uint64_t memory() const noexcept { return hmf_foliation_memory(get()); }
 
     /* One for each edge of the level. */
     Span<double> values() const noexcept {

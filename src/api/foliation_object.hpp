@@ -29,6 +29,7 @@ struct hmf_foliation {
     uint64_t solved_bits;  // the unit of `solved` is that of the values / 2^solved_bits; heights are multiples of
                            // that of the values
     uint64_t poles;        // of the values; only foliations of the caller have any
+    uint64_t bytes;        // of its block
     uint64_t has_report;   // 1 or 0
     hmf_report report;
     mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it

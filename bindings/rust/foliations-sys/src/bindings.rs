@@ -665,6 +665,7 @@ extern "C" {
     ) -> *const f64;
     pub fn hmf_foliation_level(foliation: *const hmf_foliation) -> usize;
     pub fn hmf_foliation_unit(foliation: *const hmf_foliation) -> f64;
+    pub fn hmf_foliation_memory(foliation: *const hmf_foliation) -> u64;
     pub fn hmf_foliation_report(foliation: *const hmf_foliation) -> *const hmf_report;
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
