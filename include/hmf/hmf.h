@@ -546,6 +546,11 @@ HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 /* The power of two that all values are multiples of; 0 for NULL. */
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
+/* Bytes held by the foliation; 0 for NULL.  Not with them the hierarchy, which it
+   keeps alive.  Grows once, when hmf_parameterize, hmf_quads or hmf_trace makes
+   what it then keeps for the next such call. */
+HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
+
 /* ------------------------------------------------------------------------
  * Solve
  * --------------------------------------------------------------------- */
@@ -574,6 +579,8 @@ typedef struct hmf_solve_options {
                                     Others: sweeps on stop_level go on until it is reached, whatever the energy does,
                                     or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
                                     energy, and 1e-8 counts as converged */
+    uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
+                                    many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {

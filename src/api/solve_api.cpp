@@ -54,8 +54,9 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
             "The time limit ended the optimisation; the values are closed and without poles. Raise time_limit.");
     case HMF_LIMIT_ITERATIONS:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
-                         "The iteration limit ended the optimisation; the values are closed and without poles. Raise "
-                         "iteration_limit.");
+                         "The limit of %s ended the optimisation; the values are closed and without poles. Raise %s.",
+                         report.method == HMF_METHOD_NEWTON ? "steps" : "sweeps",
+                         report.method == HMF_METHOD_NEWTON ? "step_limit" : "iteration_limit");
     case HMF_LIMIT_STALLED:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,

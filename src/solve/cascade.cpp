@@ -171,8 +171,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
     if (recorder.count_levels(state.level - options.stop() + 1)) return call.status();
     // Progress: each level its share of the edges.
     double total = 0, done = 0;
-    for (size_t k = options.stop(); k <= state.level; ++k)
-        total += static_cast<double>(h.levels[k].mesh.edge_count);
+    for (size_t k = options.stop(); k <= state.level; ++k) total += static_cast<double>(h.levels[k].mesh.edge_count);
     hmf_status status = HMF_OK;
     for (;;) {
         const size_t k = state.level;

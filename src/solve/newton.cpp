@@ -596,6 +596,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     newton.sweeps(coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
     Progress progress;
     uint32_t patience = steering::patience;
+    uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : rounds;
     bool fineness_known = !finest;
     for (uint32_t round = 0; round < rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
@@ -611,6 +612,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         }
         if (!progress.goes_on(residual, model.energy, patience)) break;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+        if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
         // Is it the rounding that so many steps have not been enough?
         if (!fineness_known && round >= steering::rounds_before_finer && residual < steering::close_residual) {
             fineness_known = true;
@@ -621,6 +623,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
                 continue;
             }
         }
+        --steps_left;
         double accepted = 0;
         bool tight = false;
         if (const hmf_status status = newton.step(effort_for(round, residual, goal, finest), accepted, tight))

@@ -28,6 +28,10 @@ export class Foliation {
         return this.#address === 0 || this.hierarchy.disposed;
     }
 
+    get memoryBytes() {
+        return this.perform({}, (frame, address) => Number(BigInt.asUintN(64, frame.module.invoke('hmf_foliation_memory', address))));
+    }
+
     dispose() {
         this.hierarchy.refuseWhenBusy();
         this.discard();

@@ -211,6 +211,8 @@ export interface Foliation extends Disposable {
     readonly values: Float64Array;
     /** The power of two that all values are multiples of. */
     readonly unit: number;
+    /** Held by it, without its hierarchy; more once it was parameterised, say. */
+    readonly memoryBytes: number;
     /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
     readonly report: Report | null;
     readonly disposed: boolean;

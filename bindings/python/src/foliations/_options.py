@@ -30,6 +30,9 @@ class RelaxOptions(TypedDict, total=False):
         Seconds; default none.
     iteration_limit : int, optional
         Sweeps per level; default 100000.
+    step_limit : int, optional
+        newton: steps on the finest level; default none.  Unlike ``time_limit``
+        the same result on every machine.
     """
 
     method: Method | None
@@ -37,6 +40,7 @@ class RelaxOptions(TypedDict, total=False):
     residual_tolerance: float | None
     time_limit: float | None
     iteration_limit: int | None
+    step_limit: int | None
 
 
 class SolveOptions(RelaxOptions, total=False):

@@ -206,6 +206,11 @@ class Foliation:
         return float(lib.hmf_foliation_unit(self._pointer))
 
     @property
+    def memory(self) -> int:
+        """Bytes held by the foliation, without its hierarchy; more once it was parameterised, say."""
+        return int(lib.hmf_foliation_memory(self._pointer))
+
+    @property
     def values(self) -> Floats:
         """(edge_count of the level,) float64, read-only, in the unit of the weights.
 
