@@ -1,6 +1,6 @@
 """Defects derived from the sources: is each of them noticed?
 
-derived_mutations.py FOLDER [--count 300] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N]
+derived_mutations.py FOLDER [--count 300] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N] [--patience 40]
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
 statement that is left out.  They are drawn by seed, from every file, and taken in an order that goes through the
@@ -30,7 +30,6 @@ from pathlib import Path
 from core_builds import ROOT, Core, build_release, jobs, run
 
 MOST_DEPENDENTS = 12  # of a header: it takes a file each to compile
-PATIENCE = 40  # seconds of cases for each defect
 NAMED = ROOT / "tests/equivalent_mutations.txt"
 
 SWAPS = [
@@ -102,7 +101,8 @@ def members(text):
 
 
 class Reach:
-    def __init__(self, path):
+    def __init__(self, path, patience):
+        self.patience = patience
         self.cases = json.loads(Path(path).read_text())
         self.lines, self.files = {}, {}
         for name, case in self.cases.items():
@@ -124,7 +124,7 @@ class Reach:
             reached = set().union(*(self.files.get(f, ()) for f in ([file] if file in self.files else users)))
         for name in sorted(reached, key=lambda n: (self.cases[n]["seconds"], n)):
             total += self.cases[name]["seconds"]
-            if chosen and total > PATIENCE:
+            if chosen and total > self.patience:
                 break
             chosen.append(name)
         return chosen
@@ -183,13 +183,17 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--reach")
+    parser.add_argument("--patience", type=float, default=40, help="seconds of cases for each defect")
+    parser.add_argument("--as-built", action="store_true", help="the core, and the passing cases, are as in the last run")
     options = parser.parse_args()
     folder = Path(options.folder).resolve()
-    build_release()
-    reach = Reach(options.reach or folder.parent / "coverage/reach.json")
+    if not options.as_built:
+        build_release()
+    reach = Reach(options.reach or folder.parent / "coverage/reach.json", options.patience)
     core = MutableCore(ROOT, folder / "core", "g++", ["-O1"])
-    core.compile_all()
-    core.link()
+    if not options.as_built:
+        core.compile_all()
+        core.link()
     programs = core.link_programs()
     named = set()
     for line in NAMED.read_text().splitlines() if NAMED.exists() else ():
@@ -252,7 +256,7 @@ def main():
                 trees.append(place)
 
     # Without a defect the cases pass.
-    for program, names in reach.batches(sorted(reach.cases)):
+    for program, names in () if options.as_built else reach.batches(sorted(reach.cases)):
         if names != [""]:
             ended = run([str(programs[program]), "--gtest_filter=" + ":".join(names)], 600)
             for bad in set(re.findall(r"^\[  FAILED  \] ([^ ,]*\.[^ ,]*)", ended.output, flags=re.M)):
