@@ -1,6 +1,6 @@
-// Bytes choose a surface, a sequence of calls, and for each the allocation that fails and the call of the progress function
-// that cancels.  A call that fails gives nothing and leaves the memory as it was; made again without a fault it
-// succeeds, with the same bits as if nothing had happened.
+// Bytes choose a surface, a sequence of calls, and for each the allocation that fails or the call of the progress
+// function that cancels.  A call that fails gives nothing and leaves the memory as it was; made again without a
+// fault it succeeds, with the same bits as if nothing had happened.
 #include "random_plate.hpp"
 
 namespace {
@@ -47,8 +47,8 @@ public:
         control_.progress_user = &host_;
     }
 
-    // call(control, out, error), with a fault and, if that was hit, once more without.  The foliation of a solve that was
-    // cancelled is a result.
+    // call(control, out, error), with a fault and, if that was hit, once more without.  The foliation of a solve that
+    // was cancelled is a result.
     template <class T, class Call>
     Owned<T> make(Call&& call) {
         const uint64_t before = host_.used;

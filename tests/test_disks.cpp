@@ -23,9 +23,8 @@ TriMesh sheet(size_t n, size_t m, double a, double b, double height, double jitt
             const bool inside = i > 0 && i < n && j > 0 && j < m;
             const double x = static_cast<double>(i) + (inside ? jitter * (random.unit() - 0.5) : 0);
             const double y = static_cast<double>(j) + (inside ? jitter * (random.unit() - 0.5) : 0);
-            mesh.positions.insert(mesh.positions.end(),
-                                  {a * x / static_cast<double>(n), b * y / static_cast<double>(m),
-                                   height * std::sin(3 * x / static_cast<double>(n))});
+            mesh.positions.insert(mesh.positions.end(), {a * x / static_cast<double>(n), b * y / static_cast<double>(m),
+                                                         height * std::sin(3 * x / static_cast<double>(n))});
         }
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j < m; ++j) {
@@ -124,8 +123,7 @@ TEST(Disks, SuggestedMarksDivideTheBoundary) {
         }
         double middle[3] = {0, 0, 0};
         for (const uint32_t v : walk)
-            for (size_t c = 0; c < 3; ++c)
-                middle[c] += mesh.positions[3 * v + c] / static_cast<double>(walk.size());
+            for (size_t c = 0; c < 3; ++c) middle[c] += mesh.positions[3 * v + c] / static_cast<double>(walk.size());
         const auto from_middle = [&](uint32_t v) {
             return std::hypot(mesh.positions[3 * v] - middle[0], mesh.positions[3 * v + 1] - middle[1],
                               mesh.positions[3 * v + 2] - middle[2]);
