@@ -14,7 +14,7 @@ set -u
 cd "$(dirname "$0")"
 
 default_variants="format header symbols abi plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large campaign mutations machines static tsan reproducible fuzzing"
+variants="$default_variants corpus-large campaign mutations machines static tsan coverage reproducible fuzzing"
 jobs=${JOBS:-$(nproc)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
@@ -40,9 +40,11 @@ campaign      2 000 random problems with three hierarchies each (long; not in th
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
 static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
 tsan          threads under the thread sanitizer (minutes; not in the default run)
+coverage      lines of the core that tests and fuzz corpora reach: at least 97.5 % (long)
 reproducible  two builds in different folders give the same bytes (not in the default run)
 fuzzing       each fuzz target with libFuzzer and sanitizers, half an hour each (long; HMF_FUZZ_SECONDS)
-mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
+mutations     defects that a test must notice: a table of them, and 300 derived from the sources (long;
+              HMF_MUTATIONS, HMF_MUTATION_SEED)
 END
 }
 
@@ -200,9 +202,10 @@ variant_fuzz() {
         [ -x "$program" ] || continue
         found=1
         name=$(basename "$program" _replay)
-        local inputs=()
+        local inputs=() runs=2000
+        case $name in differential | faults) runs=200 ;; esac # whole solves, several for each input
         [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
-        if timeout 300 "$program" "${inputs[@]}" --random 2000 1 > "$results/fuzz-$name.log" 2>&1; then
+        if timeout 300 "$program" "${inputs[@]}" --random $runs 1 > "$results/fuzz-$name.log" 2>&1; then
             echo "ok fuzz $name: $(tail -1 "$results/fuzz-$name.log")"
             add 1 0 0
         else
@@ -288,6 +291,10 @@ variant_machines() {
         g++-mingw-w64-x86-64-posix wine wine64
     run_check machines tests/check_machines.sh build/machines
 }
+variant_coverage() {
+    install_if_possible clang llvm
+    run_check coverage python3 tests/coverage.py build/coverage
+}
 variant_reproducible() { run_check reproducible tests/check_reproducible.sh build/reproducible; }
 # HMF_FUZZ_SECONDS: for each target.  Findings and the grown corpora stay in build/fuzzing.
 variant_fuzzing() {
@@ -302,11 +309,12 @@ variant_fuzzing() {
         add 0 1 0
         return
     fi
-    for target in "$work"/out/*_seed_corpus.zip; do
-        name=$(basename "$target" _seed_corpus.zip)
+    for target in fuzz/*.cpp; do
+        name=$(basename "$target" .cpp)
+        [ "$name" = driver ] && continue
         mkdir -p "$work/corpus/$name" "$work/found/$name"
         if "$work/out/$name" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4000 -print_final_stats=1 \
-                -artifact_prefix="$work/found/$name/" "$work/corpus/$name" "fuzz/corpus/$name" > "$results/fuzzing-$name.log" 2>&1; then
+                -artifact_prefix="$work/found/$name/" "$work/corpus/$name" $([ -d "fuzz/corpus/$name" ] && echo "fuzz/corpus/$name") > "$results/fuzzing-$name.log" 2>&1; then
             echo "ok fuzzing $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$results/fuzzing-$name.log") inputs, \
 $(grep -o 'cov: [0-9]*' "$results/fuzzing-$name.log" | tail -1 | cut -c 6-) edges reached"
             add 1 0 0
@@ -317,7 +325,13 @@ $(grep -o 'cov: [0-9]*' "$results/fuzzing-$name.log" | tail -1 | cut -c 6-) edge
         fi
     done
 }
-variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }
+variant_mutations() {
+    run_check mutations tests/mutations.sh build/mutations
+    install_if_possible clang llvm
+    [ -e build/coverage/reach.json ] || python3 tests/coverage.py build/coverage --quick > "$results/reach.log" 2>&1
+    run_check derived-mutations python3 tests/derived_mutations.py build/derived \
+        --count "${HMF_MUTATIONS:-300}" --seed "${HMF_MUTATION_SEED:-1}"
+}
 variant_corpus() { run_corpus corpus 250000 900; }
 variant_corpus-large() { HMF_CORPUS_ALL_RATIOS=1 run_corpus corpus-large 2000000 14400; }
 
