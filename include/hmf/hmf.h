@@ -59,9 +59,10 @@
  *             level 0 the caller sees the surface only, and energies and areas
  *             are those of the surface; the coarser levels are levels of the
  *             double, and so are counts of poles, zeros and indices.  Leaves run
- *             along the boundary or meet it at right angles.  The two halves
- *             agree up to the residual, not in the last bits; what the caller
- *             gets is one of them.
+ *             along the boundary or meet it at right angles.  Values of level 0
+ *             are exactly symmetric: what the caller gets is one half, and can
+ *             be read back.  The minimum on the intrinsic triangulation, where
+ *             energy and residual are measured, is so up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -525,8 +526,7 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
  * inequalities that hold with equality; start from loops instead.  Values with
  * poles are accepted for hmf_singularities and hmf_energy; all other calls
  * refuse them with HMF_ERROR_VALUE_POLE.  With boundary the values of the mirror
- * image are the same; where leaves run along the boundary but only up to the
- * residual, this may be a foliation with poles.
+ * image are the same.
  */
 HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
                                         size_t count, const hmf_control *control, hmf_foliation **out,

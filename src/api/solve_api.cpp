@@ -149,6 +149,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
+    if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
@@ -297,6 +298,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
     state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
+    if (make_symmetric(state, call)) return call.status();
     Making making;
     making.unit = given.unit;
     return make_foliation(state, making, call, out) ? call.status() : entry.end();
