@@ -61,6 +61,26 @@ for line in (root / "LICENSE").read_text().split("\n\n")[2].split("\n"):  # the 
 END
 }
 check manifests manifests
+# Where there is no apt-get, the command of the system with its own names.
+system_names() {
+    local manager expected
+    while read -r manager expected; do
+        rm -rf "$work/system"
+        mkdir "$work/system"
+        printf '#!/bin/sh\n' > "$work/system/$manager"
+        chmod +x "$work/system/$manager"
+        printed=$(PATH=$work/system "$BASH" -c '. "$1"; install_packages build-essential clang-format python3-venv libgtest-dev libeigen3-dev pkg-config' - \
+            "$packaging/system_packages.sh") && return 1
+        [ "${printed##*: }" = "$expected" ] || { echo "$printed"; echo "expected: $expected"; return 1; }
+    done <<'END'
+dnf sudo dnf install gcc-c++ make clang-tools-extra python3 gtest-devel eigen3-devel pkgconf-pkg-config
+pacman sudo pacman -S --needed base-devel clang python gtest eigen pkgconf
+apk sudo apk add build-base clang-extra-tools python3 gtest-dev eigen-dev pkgconf
+brew xcode-select --install; brew install clang-format python3 googletest eigen pkgconf
+none build-essential clang-format python3-venv libgtest-dev libeigen3-dev pkg-config.  Please install them.
+END
+}
+check system-names system_names
 check release-script bash -n "$packaging/release.sh"
 
 # npm: what would be in the package.

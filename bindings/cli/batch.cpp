@@ -137,7 +137,8 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             const Json* const errors = result.find("errors");
             const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
             const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
-            std::printf("[%zu/%zu] %s: %s\n", ++count, all, child.mesh.c_str(), sentence ? sentence->c_str() : "solved");
+            std::printf("[%zu/%zu] %s: %s\n", ++count, all, child.mesh.c_str(),
+                        sentence ? sentence->c_str() : "solved");
             std::fflush(stdout);
         }
     }

@@ -150,8 +150,7 @@ LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
             const std::vector<uint32_t> way = ways.path(stops[i], stops[(i + 1) % stops.size()]);
             if (way.empty())
                 refuse("loop " + std::to_string(number) + ": no edges lead from vertex " + std::to_string(stops[i])
-                       + " to " + std::to_string(stops[(i + 1) % stops.size()])
-                       + "; pick vertices of one component");
+                       + " to " + std::to_string(stops[(i + 1) % stops.size()]) + "; pick vertices of one component");
             loops.elements.insert(loops.elements.end(), way.begin(), way.end());
         }
         loops.offsets.push_back(loops.elements.size());

@@ -28,10 +28,11 @@ Option loops_option(SolveRequest& r) {
 }
 
 Option through_option(SolveRequest& r) {
-    return Option{"--through", &r.through, "\"POINTS\"",
-                  "instead of --loops: loops drawn through picked points, the shortest way along edges from each to the\n"
-                  "next and back to the first: vertex indices from 0, or places X,Y,Z near the surface, separated by\n"
-                  "blanks, at least three, on all sides of what the loop goes round; \";\" begins another loop"}
+    return Option{
+        "--through", &r.through, "\"POINTS\"",
+        "instead of --loops: loops drawn through picked points, the shortest way along edges from each to the\n"
+        "next and back to the first: vertex indices from 0, or places X,Y,Z near the surface, separated by\n"
+        "blanks, at least three, on all sides of what the loop goes round; \";\" begins another loop"}
         .without("--loops --start");
 }
 
