@@ -222,7 +222,8 @@ TEST(Pictures, ZerosThatLieTogetherAreAllSeen) {
         const cli::Image image = cli::render(s.f, cli::local_potential(s.f, period), {}, {}, style);
         size_t count = 0;
         for (size_t k = 0; k < image.rgb.size(); k += 3)
-            count += image.rgb[k + 2] > 120 && image.rgb[k + 2] > 2 * image.rgb[k] && image.rgb[k + 2] > image.rgb[k + 1] + 60;
+            count += image.rgb[k + 2] > 120 && image.rgb[k + 2] > 2 * image.rgb[k]
+                  && image.rgb[k + 2] > image.rgb[k + 1] + 60;
         return double(count);
     };
     const double one = blue({1});
