@@ -146,6 +146,9 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         std::memcpy(solved.data(), state.foliation.value, n * sizeof(int64_t));
     }
     if (state.level == 0 && !state.to_input(call)) return call.stopped();
+    // A call that was cancelled before gives what it has.
+    Call* const watched = call.cancelled() ? nullptr : &call;
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
@@ -156,10 +159,11 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
                          "%llu triangles of the result are not closed. Please report it.",
                          static_cast<unsigned long long>(count.broken_triangles));
     making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     ConformalScale scale;
     if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
-                       making.unit, call.memory))
-        return call.out_of_memory();
+                       making.unit, call.memory, watched))
+        return call.stopped();
     report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;

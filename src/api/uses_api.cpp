@@ -241,7 +241,7 @@ hmf_status write_triangles(const Parameterization& from, const Mesh& mesh, const
                            hmf_parameterization& to, Call& call) {
     double* uv = fill(to.corner_uv);
     for (size_t t = 0; t < to.triangle_count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
+        if (t % 16384 == 0 && !call.tick(0.98)) return call.was_cancelled();
         const AffineMap& map = from.map[t];
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         fill(to.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
@@ -265,9 +265,10 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
         || !outer.allocate_filled(call.memory, to.edge_count, uint8_t{0}))
         return call.out_of_memory();
     const bool has_boundary = foliation.level == 0 && h.is_double();
+    if (!call.tick(0.99)) return call.was_cancelled();
     for (size_t c = 0; has_boundary && c < 3 * to.triangle_count; ++c) outer[h.triangle_edges[c]] ^= 1;
     for (size_t t = 0; t < to.triangle_count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
+        if (t % 16384 == 0 && !call.tick(0.99)) return call.was_cancelled();
         uint32_t g = side[t];
         for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
             const uint32_t internal = edge_of(g);

@@ -116,6 +116,7 @@ Done LoopCarrier::unflip_edge(uint32_t edge) {
 
 Done LoopCarrier::refine(Call& call) {
     const Level& finer = hierarchy_->levels[level_ - 1];
+    if (!call.tick(0, true)) return false;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
         if (!unflip_edge(hierarchy_->flips[i])) return false;

@@ -109,11 +109,11 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     Array<uint32_t> parent, component_of, border, marks;
     Array<int64_t> euler;
     const size_t n = loop_of.size();
-    if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count)
+    if (!cut.build(mesh, curves, false, call) || !parent.allocate(memory, cut.region_count)
         || !component_of.allocate(memory, n) || !border.allocate_filled(memory, cut.region_count, NONE)
         || !euler.allocate_filled(memory, cut.region_count, int64_t{0})
         || !marks.allocate_filled(memory, cut.region_count, 0u))
-        return call.out_of_memory();
+        return call.stopped();
     if (!call.tick(0, true)) return call.was_cancelled();
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
     for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);

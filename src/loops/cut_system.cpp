@@ -99,7 +99,7 @@ public:
 
 private:
     hmf_status add_loop(uint32_t k, double allowed) {
-        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_)
+        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
             return call_.stopped();
         const hmf_status status = find_loop(allowed);

@@ -215,9 +215,9 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
     CutSurface cut;
     Array<uint32_t> parent;
     Array<int64_t> euler; // of each piece, less one for each marked vertex
-    if (!cut.build(mesh_, curves, false, call_.memory) || !parent.allocate(call_.memory, cut.region_count)
+    if (!cut.build(mesh_, curves, false, call_) || !parent.allocate(call_.memory, cut.region_count)
         || !euler.allocate_filled(call_.memory, cut.region_count, int64_t{0}))
-        return call_.out_of_memory();
+        return call_.stopped();
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
     for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
     for (uint32_t r = 0; r < cut.region_count; ++r) ++euler[find_root(parent.data(), r)];

@@ -130,10 +130,10 @@ private:
         if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, memory_, are_disjoint)) return call_.out_of_memory();
         if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, n, "Loops are not disjoint. Please report this.");
-        if (!cut_.build(mesh_, curves_, true, memory_) || !piece_.allocate(memory_, cut_.region_count)
+        if (!cut_.build(mesh_, curves_, true, call_) || !piece_.allocate(memory_, cut_.region_count)
             || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
             || !around_.allocate_filled(memory_, 2 * n + mesh_.marked_count, 0.0))
-            return call_.out_of_memory();
+            return call_.stopped();
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
         for (size_t s = 0; s < cut_.segment_count; ++s)
             unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);

@@ -64,7 +64,7 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
         if (!disjoint(mesh, all, 0, g, curves, &loop_of, memory, are_disjoint)) return call.out_of_memory();
         if (!are_disjoint)
             return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
-        if (!cut.build(mesh, curves, true, memory)) return call.out_of_memory();
+        if (!cut.build(mesh, curves, true, call)) return call.stopped();
         size_t component = 0;
         while (component < g && loop_of[component] != j) ++component;
         if (!cross_once(cut, curves, component, memory, path)) return call.out_of_memory();

@@ -29,6 +29,7 @@ public:
                               "Carried loops are not disjoint. Please report this.");
         for (size_t c = first; c < n; ++c)
             for (int round = 0; round < ROUNDS; ++round) {
+                if (!call_.tick(0, true)) return call_.was_cancelled();
                 bool again = false;
                 const hmf_status status = shorten(c, again);
                 if (status) return status;

@@ -102,7 +102,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
-            || !scale_matrix(current, level, memory))
+            || !continues(call) || !scale_matrix(current, level, memory))
             return false;
         if (last) break;
         storage = static_cast<CoarseMatrix&&>(coarse);
