@@ -30,6 +30,7 @@ struct hmf_foliation {
                             // that of the values
     const double* fraction; // vertices of the level, beyond the integers of `solved` (fraction.hpp); NULL: none
     uint64_t poles;         // of the values; only foliations of the caller have any
+    uint64_t bytes;         // of its block
     uint64_t has_report;    // 1 or 0
     hmf_report report;
     mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it

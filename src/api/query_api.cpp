@@ -92,6 +92,7 @@ hmf_status hmf_interpolate(const hmf_foliation* foliation, size_t level, const h
     State state;
     if (load_values(*foliation, level, state, call)) return call.status();
     if (!state.go_to(level, call)) return call.stopped();
+    if (level != foliation->level && make_symmetric(state, call)) return call.status();
     Making making;
     making.unit = foliation->unit;
     return make_foliation(state, making, call, out) ? call.status() : entry.end();
@@ -153,7 +154,7 @@ hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control
     if (log_scale && check_capacity(capacity, shown, "log_scale", call)) return call.status();
     if (!call.tick(0.3)) return call.was_cancelled();
     if (!scale.measure(mesh, foliation->hierarchy->levels[foliation->level].position, state.foliation.value,
-                       foliation->unit, call.memory)
+                       foliation->unit, call.memory, &call)
         || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call)))
         return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();

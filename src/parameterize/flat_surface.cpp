@@ -34,13 +34,13 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
 
 Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
-    if (state.level == 0 && state.side == Side::intrinsic) {
+    if (state.level == 0 && state.triangulation == Triangulation::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
         for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
             if (i % 4096 == 0 && !call.tick(0)) return false;
             unflip_forms(f.mesh, h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);
         }
-        state.side = Side::input;
+        state.triangulation = Triangulation::input;
     }
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
         f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
