@@ -61,7 +61,7 @@ hmf_status restrict_loops(const hmf_hierarchy& h, size_t level, Loops& loops, Ca
     Array<int64_t> weight;
     if (!state.allocate(h, 0, call.memory) || !weight.allocate(call.memory, n)) return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) weight[c] = (static_cast<int64_t>(c) + 1) << UNIT_BITS;
-    state.load(0, Side::input);
+    state.load(0, Triangulation::input);
     Foliation& f = state.foliation;
     initial_foliation(f.mesh, loops, weight.data(), f.value);
     if (!state.go_to(level, call)) return call.stopped();
