@@ -476,7 +476,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
 }
 
 hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_options* options, const hmf_control* control,
-                          hmf_chart_set** out, hmf_error* error) {
+                     hmf_chart_set** out, hmf_error* error) {
     UseEntry entry(foliation, control, error);
     Call& call = entry.call;
     hmf_atlas_options all;

@@ -12,9 +12,12 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t QUICK = 0, THOROUGH = 3000; // packings that are tried
-constexpr int64_t SPECK = 256;                // grid units: triangles below a millionth of the square are not looked at
-constexpr double GRID = 1 << 28;              // units of the grid along a square as large as all charts
+constexpr uint32_t QUICK = 20, THOROUGH = 1500; // packings that are tried
+constexpr double WISHED_USE = 0.88;             // of the square, as planned: ragged edges take some of it
+constexpr double LEAST_USE = 0.79;              // below this each part counts three times
+constexpr double COST_OF_CHART = 0.009;         // a chart less is worth this part of the square
+constexpr int64_t SPECK = 256;   // grid units: triangles below a millionth of the square are not looked at
+constexpr double GRID = 1 << 28; // units of the grid along a square as large as all charts
 
 // Twice the area of a triangle in space.
 double twice_area(const Mesh& mesh, const double* position, uint32_t h) {
@@ -31,13 +34,15 @@ double twice_area(const Mesh& mesh, const double* position, uint32_t h) {
 
 class Maker {
 public:
-    Maker(const Mesh& mesh, const double* position, const SignBundle& bundle, const Strips& strips, double margin, Atlas& out, Call& call) :
-        mesh_(mesh), position_(position), bundle_(bundle), strips_(strips), margin_(margin), out_(out),
-        call_(call) {}
+    Maker(const Mesh& mesh, const double* position, const SignBundle& bundle, const Strips& strips, double margin,
+          Atlas& out, Call& call) :
+        mesh_(mesh),
+        position_(position), bundle_(bundle), strips_(strips), margin_(margin), out_(out), call_(call) {}
 
     hmf_status run() {
-        if (!find_sides() || measure() || charts_.start(mesh_, position_, bundle_, strips_, triangle_, call_) || join_and_cut()
-            || !place_faces() || !smooth_edges() || !gather() || !scale_to_grid() || !take_overlaps_out() || pack())
+        if (!find_sides() || measure() || charts_.start(mesh_, position_, bundle_, strips_, triangle_, call_)
+            || join_and_cut() || !place_faces() || !smooth_edges() || !gather() || !scale_to_grid()
+            || !take_overlaps_out() || pack())
             return call_.status() ? call_.status() : call_.stopped();
         return HMF_OK;
     }
@@ -106,7 +111,8 @@ private:
         packer.start(call_.memory, size / 128, margin_ * size * 1.15);
         for (const Leaf& leaf : leaves) {
             const double k = leaf.scale;
-            if (!packer.begin_shape(leaf.box.u0 * k - rim, leaf.box.v0 * k - rim, leaf.box.u1 * k + rim, leaf.box.v1 * k + rim))
+            if (!packer.begin_shape(leaf.box.u0 * k - rim, leaf.box.v0 * k - rim, leaf.box.u1 * k + rim,
+                                    leaf.box.v1 * k + rim))
                 return call_.out_of_memory();
             for (uint32_t p = 0; p < area_.size(); ++p) {
                 if (charts_.of_piece[p] != leaf.chart) continue;
@@ -128,7 +134,8 @@ private:
     hmf_status leaves_of_charts() {
         Array<double> area, image;
         leaves_.start(call_.memory);
-        if (!area.allocate_filled(call_.memory, charts_.count, 0) || !image.allocate_filled(call_.memory, charts_.count, 0))
+        if (!area.allocate_filled(call_.memory, charts_.count, 0)
+            || !image.allocate_filled(call_.memory, charts_.count, 0))
             return call_.out_of_memory();
         for (uint32_t c = 0; c < charts_.count; ++c)
             if (!leaves_.push({c, {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, 1})) return call_.out_of_memory();
@@ -148,63 +155,80 @@ private:
     // Joins pieces to charts, more or less eagerly, and cuts charts where the square then becomes smaller.
     hmf_status join_and_cut() {
         const double size = std::sqrt(whole_);
-        const double bonus[] = {0.003, 0.01, 0.03, 0.08};
-        int best = 0;
-        double best_value = HUGE_VAL;
+        constexpr double eager[] = {0.003, 0.01, 0.015, 0.02, 0.03, 0.04, 0.08};
+        double best = 0, best_cost = HUGE_VAL;
+        Array<Leaf> best_leaves;
         JoinWish wish{0, triangle_ / 2 + margin_ * size, 1.02 * size};
-        for (int i = 0; i <= 4; ++i) {
-            wish.bonus = bonus[i < 4 ? i : best];
-            double side = 0;
+        uint32_t count = 0;
+        for (const double bonus : eager) {
+            wish.bonus = bonus;
             if (charts_.join(wish, call_)) return call_.status();
-            if (leaves_of_charts()) return call_.status();
-            if (i == 4) break;
-            if (try_packing(leaves_, side)) return call_.status();
-            const double value = side * side / whole_ + 0.005 * charts_.count;
-            if (value < best_value) best_value = value, best = i;
+            if (charts_.count == count) continue;
+            count = charts_.count;
+            double cost = 0;
+            if (leaves_of_charts() || cut_charts(cost)) return call_.status();
+            if (cost < best_cost) {
+                best_cost = cost;
+                best = bonus;
+                best_leaves.swap(leaves_);
+            }
         }
+        wish.bonus = best;
+        leaves_.swap(best_leaves);
+        return charts_.join(wish, call_);
+    }
+
+    // What a packing is worth: room in the square, and few charts.
+    double cost_of(double side, size_t charts) const {
+        const double use = whole_ / (side * side);
+        return std::max(0.0, WISHED_USE - use) + 2 * std::max(0.0, LEAST_USE - use)
+             + COST_OF_CHART * static_cast<double>(charts);
+    }
+
+    hmf_status cut_charts(double& cost) {
         double side = 0;
         if (!list_faces()) return call_.stopped();
         if (try_packing(leaves_, side)) return call_.status();
-        for (int cut = 0; cut < 12 && side * side > 1.13 * whole_; ++cut) {
+        cost = cost_of(side, leaves_.size());
+        for (int cut = 0; cut < 12 && whole_ < WISHED_USE * side * side; ++cut) {
             // One of the three longest leaves, across.
-            Leaf best_leaf{};
-            uint32_t best_at = NONE;
-            double best_side = side;
-            bool in_u = false;
-            double best_where = 0;
+            uint32_t best_leaf = NONE;
+            bool best_in_u = false;
+            double best_where = 0, best_cost = cost;
+            const size_t charts = leaves_.size();
             for (uint32_t tried = 0, last = NONE; tried < 3; ++tried) {
                 uint32_t longest = NONE;
                 double length = -1;
                 const double limit = last == NONE ? HUGE_VAL : length_of(leaves_[last]);
-                for (uint32_t i = 0; i < leaves_.size(); ++i) {
+                for (uint32_t i = 0; i < charts; ++i) {
                     const double l = length_of(leaves_[i]);
                     if ((l < limit || (l == limit && i > last)) && l > length) length = l, longest = i;
                 }
                 if (longest == NONE) break;
                 last = longest;
                 const Leaf whole = leaves_[longest];
-                const bool u = whole.box.u1 - whole.box.u0 > whole.box.v1 - whole.box.v0;
+                const bool in_u = whole.box.u1 - whole.box.u0 > whole.box.v1 - whole.box.v0;
                 for (const double part : {0.5, 0.33, 0.25, 0.41, 0.67, 0.75, 0.59}) {
-                    if (length * part < 8 * triangle_ || length * (1 - part) < 8 * triangle_) continue;
-                    const double where = u ? whole.box.u0 + part * (whole.box.u1 - whole.box.u0)
-                                           : whole.box.v0 + part * (whole.box.v1 - whole.box.v0);
+                    if (length * std::min(part, 1 - part) < 8 * triangle_) continue;
+                    const double where = in_u ? whole.box.u0 + part * (whole.box.u1 - whole.box.u0)
+                                              : whole.box.v0 + part * (whole.box.v1 - whole.box.v0);
                     double with = 0;
-                    if (!cut_leaf(longest, u, where)) return call_.out_of_memory();
+                    if (!cut_leaf(longest, in_u, where)) return call_.out_of_memory();
                     if (try_packing(leaves_, with)) return call_.status();
                     leaves_.pop();
                     leaves_[longest] = whole;
-                    if (with < best_side) {
-                        best_side = with;
-                        best_at = longest;
-                        best_leaf = whole;
-                        in_u = u;
+                    if (cost_of(with, charts + 1) < best_cost) {
+                        best_cost = cost_of(with, charts + 1);
+                        best_leaf = longest;
+                        best_in_u = in_u;
                         best_where = where;
+                        side = with;
                     }
                 }
             }
-            if (best_at == NONE || best_side * best_side > side * side - 0.015 * whole_) break;
-            if (!cut_leaf(best_at, in_u, best_where)) return call_.out_of_memory();
-            side = best_side;
+            if (best_leaf == NONE) break;
+            if (!cut_leaf(best_leaf, best_in_u, best_where)) return call_.out_of_memory();
+            cost = best_cost;
         }
         return HMF_OK;
     }
@@ -311,12 +335,14 @@ private:
     Done smooth_edges() {
         Array<double> length;
         Array<uint8_t> moved;
-        if (!length.allocate(call_.memory, mesh_.edge_count) || !moved.allocate_filled(call_.memory, mesh_.face_count, 0))
+        if (!length.allocate(call_.memory, mesh_.edge_count)
+            || !moved.allocate_filled(call_.memory, mesh_.face_count, 0))
             return false;
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
             double square = 0;
             for (size_t a = 0; a < 3; ++a) {
-                const double d = position_[3 * size_t{mesh_.origin[2 * e]} + a] - position_[3 * size_t{mesh_.origin[2 * e + 1]} + a];
+                const double d =
+                    position_[3 * size_t{mesh_.origin[2 * e]} + a] - position_[3 * size_t{mesh_.origin[2 * e + 1]} + a];
                 square += d * d;
             }
             length[e] = std::sqrt(square);
@@ -324,7 +350,8 @@ private:
         const auto joined = [&](uint32_t t) {
             double sum = 0;
             uint32_t h = side_[t];
-            for (int k = 0; k < 3; ++k, h = mesh_.next[h]) sum += is_joined(mesh_, grid_, edge_of(h)) ? length[edge_of(h)] : 0;
+            for (int k = 0; k < 3; ++k, h = mesh_.next[h])
+                sum += is_joined(mesh_, grid_, edge_of(h)) ? length[edge_of(h)] : 0;
             return sum;
         };
         for (int pass = 0; pass < 3; ++pass)
@@ -379,12 +406,14 @@ private:
             const uint32_t enough = std::max(24u, n / 200);
             bool any = false;
             for (uint32_t t = 0; t < n; ++t)
-                if (grid_.chart[t] != NONE && part[t] == t && largest[grid_.chart[t]] != t && (size[t] >= enough || round == 7)) {
+                if (grid_.chart[t] != NONE && part[t] == t && largest[grid_.chart[t]] != t
+                    && (size[t] >= enough || round == 7)) {
                     if (!largest.push(t)) return false;
                     grid_.chart[t] = grid_.chart_count++;
                 }
             for (uint32_t t = 0; t < n; ++t)
-                if (grid_.chart[t] != NONE && largest[grid_.chart[part[t]]] == part[t]) grid_.chart[t] = grid_.chart[part[t]];
+                if (grid_.chart[t] != NONE && largest[grid_.chart[part[t]]] == part[t])
+                    grid_.chart[t] = grid_.chart[part[t]];
             // Others go over their longest side to one that stays.
             const auto stays = [&](uint32_t t) { return largest[grid_.chart[t]] == part[t]; };
             for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
@@ -546,7 +575,8 @@ private:
         for (int round = 0;; ++round) {
             if (round == 20 || margin > 64 * GRID)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                                  "The margin is too large for %u charts. Choose a smaller one.", static_cast<unsigned>(n));
+                                  "The margin is too large for %u charts. Choose a smaller one.",
+                                  static_cast<unsigned>(n));
             packer.start(call_.memory, GRID / 320, margin);
             packer.add_area(area);
             for (uint32_t c = 0; c < n; ++c) {
@@ -573,8 +603,14 @@ private:
             uint32_t h = side_[t];
             for (int k = 0; k < 3; ++k, h = mesh_.next[h]) {
                 const double x = static_cast<double>(grid_.x[h]), y = static_cast<double>(grid_.y[h]);
-                const double turned[2] = {place.turns == 0 ? x : place.turns == 1 ? -y : place.turns == 2 ? -x : y,
-                                          place.turns == 0 ? y : place.turns == 1 ? x : place.turns == 2 ? -y : -x};
+                const double turned[2] = {place.turns == 0   ? x
+                                          : place.turns == 1 ? -y
+                                          : place.turns == 2 ? -x
+                                                             : y,
+                                          place.turns == 0   ? y
+                                          : place.turns == 1 ? x
+                                          : place.turns == 2 ? -y
+                                                             : -x};
                 // To whole units of the grid: what is joined stays joined.
                 out_.uv[2 * size_t{h}] = (turned[0] + std::floor(place.x)) / side;
                 out_.uv[2 * size_t{h} + 1] = (turned[1] + std::floor(place.y)) / side;
@@ -596,8 +632,8 @@ private:
     Array<uint32_t> side_;
     Charts charts_;
     Array<Leaf> leaves_;
-    Array<double> area_, image_;        // per piece, twice: in space, in the plane
-    Array<uint32_t> of_chart_; // first in faces_
+    Array<double> area_, image_; // per piece, twice: in space, in the plane
+    Array<uint32_t> of_chart_;   // first in faces_
     Array<FaceInChart> faces_;
     double whole_ = 0, whole_area_ = 0; // image of all; twice the surface
     double triangle_ = 0;               // length of a side in the plane
@@ -617,7 +653,8 @@ bool Atlas::is_joined(const Mesh& mesh, uint32_t edge) const {
     return true;
 }
 
-hmf_status Atlas::build(const Mesh& mesh, const double* position, const SignBundle& bundle, const Strips& strips, double margin, Call& call) {
+hmf_status Atlas::build(const Mesh& mesh, const double* position, const SignBundle& bundle, const Strips& strips,
+                        double margin, Call& call) {
     return Maker(mesh, position, bundle, strips, margin, *this, call).run();
 }
 

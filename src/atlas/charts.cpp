@@ -46,11 +46,11 @@ hmf_status Charts::start(const Mesh& mesh, const double*, const SignBundle& bund
     }
     if (!call.tick(0.87)) return call.was_cancelled();
     heap_sort(contacts_.data(), contacts_.size(), [](const Contact& a, const Contact& b) {
-        return a.p != b.p                       ? a.p < b.p
-             : a.q != b.q                       ? a.q < b.q
-             : a.motion.sign != b.motion.sign   ? a.motion.sign < b.motion.sign
-             : a.motion.u != b.motion.u         ? a.motion.u < b.motion.u
-                                                : a.motion.v < b.motion.v;
+        return a.p != b.p                     ? a.p < b.p
+             : a.q != b.q                     ? a.q < b.q
+             : a.motion.sign != b.motion.sign ? a.motion.sign < b.motion.sign
+             : a.motion.u != b.motion.u       ? a.motion.u < b.motion.u
+                                              : a.motion.v < b.motion.v;
     });
     size_t kept = 0;
     for (const Contact& c : contacts_) {
@@ -86,6 +86,19 @@ double Charts::glued(uint32_t p, uint32_t q, const Motion& q_to_p, bool along_v)
     return 0;
 }
 
+// The area of a box in the chart a that pieces of both charts cover.
+double Charts::covered(const Candidate& c, const Box& slot) const {
+    double sum = 0;
+    for (int which = 0; which < 2; ++which)
+        for (uint32_t p = first_[which ? c.b : c.a]; p != NONE; p = next_[p]) {
+            const Box b = box_in_chart(p, which ? c.motion.after(motion[p]) : motion[p]);
+            const double u = std::min(b.u1, slot.u1) - std::max(b.u0, slot.u0),
+                         v = std::min(b.v1, slot.v1) - std::max(b.v0, slot.v0);
+            if (u > 0 && v > 0) sum += u * v;
+        }
+    return sum;
+}
+
 // No two pieces overlap, and where they touch they are joined.
 bool Charts::fits(const Candidate& c) const {
     const double near = triangle_ / 4;
@@ -96,11 +109,21 @@ bool Charts::fits(const Candidate& c) const {
             const Box b = box_in_chart(q, to_a);
             const double gap_u = std::max(a.u0, b.u0) - std::min(a.u1, b.u1),
                          gap_v = std::max(a.v0, b.v0) - std::min(a.v1, b.v1);
-            if (gap_u > near || gap_v > near || (gap_u > -near && gap_v > -near)) continue;
+            const double wide = 2.5 * triangle_;
+            if (gap_u > wide || gap_v > wide || (gap_u > -near && gap_v > -near)) continue;
+            if (gap_u > near || gap_v > near) {
+                // Between them a third one, or a slot that is too narrow.
+                const bool in_u = gap_u > near;
+                const Box slot =
+                    in_u ? Box{std::min(a.u1, b.u1), std::max(a.v0, b.v0), std::max(a.u0, b.u0), std::min(a.v1, b.v1)}
+                         : Box{std::max(a.u0, b.u0), std::min(a.v1, b.v1), std::min(a.u1, b.u1), std::max(a.v0, b.v0)};
+                if ((in_u ? -gap_v : -gap_u) > 3 * triangle_ && covered(c, slot) < 0.5 * slot.area()) return false;
+                continue;
+            }
             if (gap_u < -near && gap_v < -near) return false;
             const bool along_v = gap_u >= -near;
             const double touch = along_v ? -gap_v : -gap_u;
-            if (touch - glued(p, q, motion[p].inverse().after(to_a), along_v) > 4 * triangle_) return false;
+            if (touch - glued(p, q, motion[p].inverse().after(to_a), along_v) > 2 * triangle_) return false;
         }
     }
     return true;

@@ -53,6 +53,7 @@ private:
     };
     Box box_in_chart(uint32_t piece, const Motion& m) const;
     double glued(uint32_t p, uint32_t q, const Motion& q_to_p, bool along_v) const;
+    double covered(const Candidate& c, const Box& slot) const;
     bool fits(const Candidate& c) const;
 
     Array<Contact> contacts_;

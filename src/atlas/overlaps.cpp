@@ -236,8 +236,10 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
         const uint32_t g = twin(h), n = mesh.next[h], p = mesh.next[n], beyond = mesh.face[g];
         if (bad[beyond] || layout.chart[beyond] == NONE) continue;
         // The third corner in the frame of the side: along it and to its left.
-        const double ax = static_cast<double>(layout.x[n] - layout.x[h]), ay = static_cast<double>(layout.y[n] - layout.y[h]);
-        const double bx = static_cast<double>(layout.x[p] - layout.x[h]), by = static_cast<double>(layout.y[p] - layout.y[h]);
+        const double ax = static_cast<double>(layout.x[n] - layout.x[h]),
+                     ay = static_cast<double>(layout.y[n] - layout.y[h]);
+        const double bx = static_cast<double>(layout.x[p] - layout.x[h]),
+                     by = static_cast<double>(layout.y[p] - layout.y[h]);
         const double square = ax * ax + ay * ay;
         if (!(square > 0)) continue;
         const double along = (ax * bx + ay * by) / square, left = (ax * by - ay * bx) / square;
@@ -246,7 +248,8 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
         const double px = std::floor(along * cx - left * cy + 0.5), py = std::floor(along * cy + left * cx + 0.5);
         constexpr double limit = 1 << 30;
         if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
-        const Corners there{{x0, layout.x[g], x0 + static_cast<int64_t>(px)}, {y0, layout.y[g], y0 + static_cast<int64_t>(py)}};
+        const Corners there{{x0, layout.x[g], x0 + static_cast<int64_t>(px)},
+                            {y0, layout.y[g], y0 + static_cast<int64_t>(py)}};
         bool free = turn(there, 0, there.x[2], there.y[2]) > 0;
         for (uint32_t t = 0; t < mesh.face_count && free; ++t) {
             if (t == face || bad[t] || layout.chart[t] != layout.chart[beyond]) continue;

@@ -8,12 +8,13 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t ROUND = 500; // packings after which higher ones are accepted again
-}
+constexpr uint32_t ROUND = 100; // packings after which higher ones are accepted again
+constexpr uint32_t none = 0xffffffffu;
+} // namespace
 
 void Packer::start(Memory& memory, double column, double margin) {
     memory_ = &memory;
-    column_ = column;
+    column_ = std::floor(std::max(1.0, column));
     margin_ = margin;
     area_ = side_ = 0;
     items_.start(memory);
@@ -30,12 +31,12 @@ Done Packer::State::copy(const State& from, Memory& memory) {
         order[i] = from.order[i];
         turns[i] = from.turns[i];
     }
-    by_waste = from.by_waste;
     return true;
 }
 
 Done Packer::begin_shape(double x0, double y0, double x1, double y1) {
-    Item item{x0 - margin_ / 2, y0 - margin_ / 2, x1 + margin_ / 2, y1 + margin_ / 2, {}};
+    const double half = margin_ / 2;
+    Item item{std::floor(x0 - half), std::floor(y0 - half), std::ceil(x1 + half), std::ceil(y1 + half), {}};
     const double size[2] = {item.x1 - item.x0, item.y1 - item.y0};
     for (int turned = 0; turned < 2; ++turned) {
         Profile& p = item.side[turned];
@@ -76,8 +77,8 @@ void Packer::add_to(const Profile& profile, double x0, double y0, const double* 
         }
         double& bottom = bottom_[profile.first + j];
         double& top = top_[profile.first + j];
-        bottom = std::max(0.0, std::min(bottom, least - half - y0));
-        top = std::min(profile.height, std::max(top, most + half - y0));
+        bottom = std::max(0.0, std::min(bottom, std::floor(least - half - y0)));
+        top = std::min(profile.height, std::max(top, std::ceil(most + half - y0)));
     }
 }
 
@@ -108,36 +109,55 @@ Done Packer::turn_upside_down() {
     return true;
 }
 
-// The height of all; more than give_up is not looked at any further.
+// The lowest y, at most `most`, at which a profile is free in all columns from x on.
+bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) const {
+    const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
+    y = 0;
+    // Each time it rises beyond an interval.
+    for (bool rises = true; rises;) {
+        rises = false;
+        for (uint32_t j = 0; j < p.columns; ++j)
+            for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
+                const Interval& i = intervals_[k];
+                if (y + top[j] <= i.bottom) break;
+                if (y + bottom[j] >= i.top) continue;
+                y = i.top - bottom[j];
+                if (y > most) return false;
+                rises = true;
+            }
+    }
+    return y <= most;
+}
+
+void Packer::occupy(const Profile& p, uint32_t x, double y) {
+    const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
+    for (uint32_t j = 0; j < p.columns; ++j) {
+        if (!(bottom[j] < top[j])) continue;
+        uint32_t* at = &column_first_[x + j];
+        while (*at != none && intervals_[*at].bottom < y + bottom[j]) at = &intervals_[*at].next;
+        const uint32_t next = *at;
+        *at = static_cast<uint32_t>(intervals_.size());
+        intervals_.add({y + bottom[j], y + top[j], next});
+    }
+}
+
+// The height of all; HUGE_VAL if it is more than give_up.
 double Packer::let_down(const State& state, uint32_t width, double give_up, Place* places) {
-    for (uint32_t j = 0; j < width; ++j) horizon_[j] = 0;
+    for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
+    intervals_.clear();
     double height = 0;
     for (const uint32_t i : state.order) {
         const uint32_t turns = state.turns[i];
         const Profile& p = items_[i].side[turns];
-        if (p.columns > width) return HUGE_VAL;
-        const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
-        double best = HUGE_VAL, best_y = 0;
-        uint32_t best_x = 0;
+        double best_y = give_up - p.height;
+        uint32_t best_x = none;
         for (uint32_t x = 0; x + p.columns <= width; ++x) {
-            const double* below = horizon_.data() + x;
-            const double most = state.by_waste ? give_up - p.height : std::min(best, give_up - p.height);
             double y = 0;
-            for (uint32_t j = 0; j < p.columns && y <= most; ++j) y = std::max(y, below[j] - bottom[j]);
-            if (y > most) continue;
-            double cost = y;
-            if (state.by_waste) {
-                cost = y * p.columns;
-                for (uint32_t j = 0; j < p.columns; ++j) cost += bottom[j] - below[j];
-            }
-            if (cost < best) {
-                best = cost;
-                best_x = x;
-                best_y = y;
-            }
+            if (lowest(p, x, best_x == none ? best_y : best_y - 1, y)) best_y = y, best_x = x;
+            if (best_x != none && best_y == 0) break;
         }
-        if (best == HUGE_VAL) return HUGE_VAL;
-        for (uint32_t j = 0; j < p.columns; ++j) horizon_[best_x + j] = best_y + top[j];
+        if (best_x == none) return HUGE_VAL;
+        occupy(p, best_x, best_y);
         height = std::max(height, best_y + p.height);
         if (places) {
             const Item& item = items_[i];
@@ -170,32 +190,35 @@ void Packer::sort(State& state, int key, bool upright) const {
 hmf_status Packer::search(uint32_t tries, Call& call) {
     const uint32_t n = count();
     State state;
-    if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n)
-        || !best_places_.allocate(*memory_, n) || !turn_upside_down())
+    if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
+        || !turn_upside_down())
         return call.out_of_memory();
     uint32_t all = 1, widest = 1;
+    size_t most_intervals = 0;
     double whole = area_;
     for (const Item& item : items_) {
         const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns);
         all += std::max(item.side[0].columns, item.side[1].columns) + 1;
         widest = std::max(widest, narrow);
+        most_intervals += std::max(item.side[0].columns, item.side[1].columns);
     }
     // A width that all orders are tried with, until one fits; one row of all fits at last.
     uint32_t width = std::max(widest, static_cast<uint32_t>(std::sqrt(whole) / column_));
     all = std::max(all, width);
-    if (!horizon_.allocate(*memory_, all)) return call.out_of_memory();
+    intervals_.start(*memory_);
+    if (!column_first_.allocate(*memory_, all) || !intervals_.reserve(most_intervals)) return call.out_of_memory();
     bool found = false;
     while (!found) {
         if (!call.tick(0.9)) return call.was_cancelled();
-        for (int kind = 0; kind < 12 && !found; ++kind) {
+        for (int kind = 0; kind < 6 && !found; ++kind) {
             sort(state, kind % 3, kind / 3 % 2 == 0);
-            state.by_waste = kind >= 6;
             found = let_down(state, width, column_ * width, nullptr) <= column_ * width;
         }
         if (!found) {
             if (width >= all)
-                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "The charts cannot be packed. Please report it.");
-            width = std::min(all, width + 1 + width / 64);
+                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                                 "The charts cannot be packed. Please report it.");
+            width = std::min(all, width + 1 + width / 256);
         }
     }
     if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
@@ -219,7 +242,6 @@ hmf_status Packer::search(uint32_t tries, Call& call) {
                 uint8_t& turns = state.turns[state.order[a]];
                 turns = static_cast<uint8_t>((turns + 1 + below(3)) % 4);
             }
-            if (below(16) == 0) state.by_waste = !state.by_waste;
         }
         fresh = false;
         const double part = 1 - static_cast<double>(i % ROUND) / ROUND;

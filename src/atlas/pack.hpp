@@ -1,16 +1,16 @@
-// Packing of shapes into a square, by horizons: the plane is cut into columns, a
-// shape is a bottom and a top in each of them, and one after the other is let
-// down as far as those below allow [Levy, Petitjean, Ray, Maillot 2002: Least
-// squares conformal maps, section 4].  In each column a shape begins above all
-// that were there before, so that no two overlap.
+// Packing of shapes into a square.  The plane is cut into columns; a shape is a bottom
+// and a top in each of them, as in the horizons of [Levy, Petitjean, Ray, Maillot
+// 2002: Least squares conformal maps, section 4].  One after the other goes to the
+// lowest place where each of its columns is free, also below others.  In no column do
+// two shapes overlap; heights are whole numbers, so that this is exact.
 //
 //     top     _--_
-//      |    _-    |         horizon ........     the profile of a shape: made of
-//      |   |      |  v   ---.      .---          triangles or boxes that are wider
-//     bottom -____|          '----'              by half a margin on all sides
+//      |    _-    |             the profile of a shape: made of triangles or boxes
+//      |   |      |             that are wider by half a margin on all sides
+//     bottom -____|
 //
-// Orders, quarter turns and where to put a shape are searched for a given number
-// of steps; the same input gives the same places.
+// Orders and quarter turns are searched for a given number of steps; the same input
+// gives the same places.
 #pragma once
 
 #include "../base/memory.hpp"
@@ -19,7 +19,7 @@ namespace hmf {
 
 class Packer {
 public:
-    // column: width of one.
+    // column: width of one, at least 1.  Shapes are in units of which a fraction does not matter.
     void start(Memory& memory, double column, double margin);
     double column() const { return column_; }
     uint32_t count() const { return static_cast<uint32_t>(items_.size()); }
@@ -53,9 +53,15 @@ private:
     struct State {
         Array<uint32_t> order;
         Array<uint8_t> turns;
-        bool by_waste = false;
         Done copy(const State& from, Memory& memory);
     };
+    // What lies in a column, from below.
+    struct Interval {
+        double bottom, top;
+        uint32_t next;
+    };
+    bool lowest(const Profile& p, uint32_t x, double most, double& y) const;
+    void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
     double let_down(const State& state, uint32_t width, double give_up, Place* places);
@@ -64,7 +70,9 @@ private:
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
     Array<Item> items_;
-    Array<double> bottom_, top_, horizon_;
+    Array<double> bottom_, top_;
+    Array<uint32_t> column_first_; // of intervals_
+    Array<Interval> intervals_;
     State best_, current_;
     Array<Place> best_places_;
 };

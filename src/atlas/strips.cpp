@@ -111,7 +111,8 @@ private:
         const uint32_t first = leaf[0].half_edge;
         const double part = static_cast<double>(leaf[0].at) / static_cast<double>(width(f_, first));
         // The side at which the leaf comes to a triangle: its origin, and the sign of the triangle.
-        int64_t u = -static_cast<int64_t>((1 - part) * static_cast<double>(flat_.du.at(flat_.bundle, twin(first)))), v = 0;
+        int64_t u = -static_cast<int64_t>((1 - part) * static_cast<double>(flat_.du.at(flat_.bundle, twin(first)))),
+                v = 0;
         int8_t s = 1;
         for (size_t i = 0; i < length; ++i) {
             const uint32_t from = twin(leaf[i].half_edge), to = leaf[i + 1 < length ? i + 1 : 0].half_edge;
@@ -183,8 +184,7 @@ private:
         const int64_t apart = period / 64;
         const size_t first = out_.cuts.size();
         for (const int64_t v : places_)
-            if (out_.cuts.size() == first
-                || (v - out_.cuts.back() > apart && out_.cuts[first] + period - v > apart))
+            if (out_.cuts.size() == first || (v - out_.cuts.back() > apart && out_.cuts[first] + period - v > apart))
                 if (!out_.cuts.push(v)) return false;
         for (uint32_t i = 0; i < reached_; ++i) {
             const uint32_t h = queue_[i];
@@ -227,7 +227,7 @@ private:
     Array<uint8_t> is_cone_;
     Array<uint32_t> met_, queue_; // per face; faces by a half-edge of each
     uint32_t reached_ = 0;        // how many are in the queue
-    Array<uint32_t> zeros_;               // corners at zeros in this strip
+    Array<uint32_t> zeros_;       // corners at zeros in this strip
     Array<int64_t> places_;
 };
 

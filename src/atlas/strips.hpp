@@ -21,10 +21,10 @@ struct Strip {
 };
 
 struct Strips {
-    Array<Strip> list;    // one for each cylinder, and an end
-    Array<int64_t> cuts;  // per piece: v of its first side
-    Array<int64_t> u, v;  // per half-edge: of the corner origin(h) of face(h) in its strip
-    Array<int8_t> sign;   // per face: of its chart in the strip
+    Array<Strip> list;     // one for each cylinder, and an end
+    Array<int64_t> cuts;   // per piece: v of its first side
+    Array<int64_t> u, v;   // per half-edge: of the corner origin(h) of face(h) in its strip
+    Array<int8_t> sign;    // per face: of its chart in the strip
     Array<uint32_t> piece; // per face
 
     uint32_t piece_count() const { return static_cast<uint32_t>(cuts.size()); }

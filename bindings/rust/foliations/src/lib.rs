@@ -25,6 +25,7 @@ pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Repo
 pub use threads::with_threads;
 pub use uses::cylinders::{Cylinder, Cylinders};
 pub use uses::parameterize::{MapQuality, Parameterization, Parameterizer};
+pub use uses::atlas::Atlas;
 pub use uses::quads::{QuadMesh, QuadOptions};
 pub use uses::trace::{Leaves, Line, LineEnd, LineKind, Tracer};
 
