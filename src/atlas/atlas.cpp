@@ -12,10 +12,11 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t QUICK = 20, THOROUGH = 1500; // packings that are tried
-constexpr double WISHED_USE = 0.88;             // of the square, as planned: ragged edges take some of it
-constexpr double LEAST_USE = 0.79;              // below this each part counts three times
-constexpr double COST_OF_CHART = 0.009;         // a chart less is worth this part of the square
+constexpr uint64_t QUICK = 200000, THOROUGH = 200000000; // steps of a packing, planned and final
+constexpr uint64_t PLANNING = 200000000;                 // of all planned ones
+constexpr double WISHED_USE = 0.88;                      // of the square, as planned: ragged edges take some of it
+constexpr double LEAST_USE = 0.79;                       // below this each part counts three times
+constexpr double COST_OF_CHART = 0.009;                  // a chart less is worth this part of the square
 constexpr int64_t SPECK = 256;   // grid units: triangles below a millionth of the square are not looked at
 constexpr double GRID = 1 << 28; // units of the grid along a square as large as all charts
 
@@ -128,6 +129,7 @@ private:
         }
         if (packer.search(QUICK, call_)) return call_.status();
         side = packer.side();
+        planned_ += packer.steps();
         return HMF_OK;
     }
 
@@ -163,7 +165,7 @@ private:
         for (const double bonus : eager) {
             wish.bonus = bonus;
             if (charts_.join(wish, call_)) return call_.status();
-            if (charts_.count == count) continue;
+            if (charts_.count == count || (count > 0 && planned_ > PLANNING)) continue;
             count = charts_.count;
             double cost = 0;
             if (leaves_of_charts() || cut_charts(cost)) return call_.status();
@@ -188,9 +190,22 @@ private:
     hmf_status cut_charts(double& cost) {
         double side = 0;
         if (!list_faces()) return call_.stopped();
+        // What is much longer than the square in equal parts.
+        const double size = std::sqrt(whole_);
+        for (uint32_t i = 0, n = static_cast<uint32_t>(leaves_.size()); i < n; ++i) {
+            const Box box = leaves_[i].box;
+            const double length = length_of(leaves_[i]);
+            const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
+            if (!(length > 1.6 * size)) continue;
+            const double parts = std::min(std::ceil(length / size), 1000.0);
+            for (double k = parts - 1; k > 0; --k)
+                if (!cut_leaf(i, in_u,
+                              (in_u ? box.u0 : box.v0) + k / parts * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
+                    return call_.out_of_memory();
+        }
         if (try_packing(leaves_, side)) return call_.status();
         cost = cost_of(side, leaves_.size());
-        for (int cut = 0; cut < 12 && whole_ < WISHED_USE * side * side; ++cut) {
+        for (int cut = 0; cut < 12 && whole_ < WISHED_USE * side * side && planned_ < PLANNING; ++cut) {
             // One of the three longest leaves, across.
             uint32_t best_leaf = NONE;
             bool best_in_u = false;
@@ -208,7 +223,9 @@ private:
                 last = longest;
                 const Leaf whole = leaves_[longest];
                 const bool in_u = whole.box.u1 - whole.box.u0 > whole.box.v1 - whole.box.v0;
-                for (const double part : {0.5, 0.33, 0.25, 0.41, 0.67, 0.75, 0.59}) {
+                const int steps = charts <= 8 ? 32 : 12;
+                for (int k = 1; k < steps; ++k) {
+                    const double part = static_cast<double>(k) / steps;
                     if (length * std::min(part, 1 - part) < 8 * triangle_) continue;
                     const double where = in_u ? whole.box.u0 + part * (whole.box.u1 - whole.box.u0)
                                               : whole.box.v0 + part * (whole.box.v1 - whole.box.v0);
@@ -541,7 +558,19 @@ private:
             grid_.y[p] = put(height);
             grid_.chart[t] = grid_.chart_count++;
         }
-        return true;
+        return separate();
+    }
+
+    // A chart for each part in one piece.
+    Done separate() {
+        Array<uint32_t> part;
+        if (!part.allocate(call_.memory, mesh_.face_count)) return false;
+        for (uint32_t t = 0; t < mesh_.face_count; ++t) part[t] = t;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e)
+            if (is_joined(mesh_, grid_, e)) unite(part.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1]);
+        for (uint32_t t = 0; t < mesh_.face_count; ++t) grid_.chart[t] = find_root(part.data(), t);
+        grid_.chart_count = mesh_.face_count;
+        return number_charts();
     }
 
     hmf_status pack() {
@@ -592,7 +621,7 @@ private:
                     packer.add_part(xy, 3);
                 }
             }
-            if (packer.search(n > 1 ? THOROUGH : 1, call_)) return call_.status();
+            if (packer.search(THOROUGH, call_)) return call_.status();
             if (margin >= margin_ * packer.side()) break;
             margin = margin_ * packer.side() * 1.02;
         }
@@ -638,7 +667,8 @@ private:
     double whole_ = 0, whole_area_ = 0; // image of all; twice the surface
     double triangle_ = 0;               // length of a side in the plane
     int64_t mirror_ = 1;
-    GridLayout grid_; // at first in units of the flat surface
+    uint64_t planned_ = 0; // steps of packing
+    GridLayout grid_;      // at first in units of the flat surface
 };
 
 } // namespace

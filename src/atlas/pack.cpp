@@ -9,6 +9,7 @@ namespace hmf {
 
 namespace {
 constexpr uint32_t ROUND = 100; // packings after which higher ones are accepted again
+constexpr uint32_t MOST_TRIES = 2000;
 constexpr uint32_t none = 0xffffffffu;
 } // namespace
 
@@ -17,6 +18,7 @@ void Packer::start(Memory& memory, double column, double margin) {
     column_ = std::floor(std::max(1.0, column));
     margin_ = margin;
     area_ = side_ = 0;
+    steps_ = 0;
     items_.start(memory);
     bottom_.start(memory);
     top_.start(memory);
@@ -110,7 +112,7 @@ Done Packer::turn_upside_down() {
 }
 
 // The lowest y, at most `most`, at which a profile is free in all columns from x on.
-bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) const {
+bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) {
     const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
     y = 0;
     // Each time it rises beyond an interval.
@@ -119,6 +121,7 @@ bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) const 
         for (uint32_t j = 0; j < p.columns; ++j)
             for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
                 const Interval& i = intervals_[k];
+                ++steps_;
                 if (y + top[j] <= i.bottom) break;
                 if (y + bottom[j] >= i.top) continue;
                 y = i.top - bottom[j];
@@ -187,7 +190,7 @@ void Packer::sort(State& state, int key, bool upright) const {
               [&](uint32_t a, uint32_t b) { return size(a) != size(b) ? size(a) > size(b) : a < b; });
 }
 
-hmf_status Packer::search(uint32_t tries, Call& call) {
+hmf_status Packer::search(uint64_t effort, Call& call) {
     const uint32_t n = count();
     State state;
     if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
@@ -208,17 +211,18 @@ hmf_status Packer::search(uint32_t tries, Call& call) {
     intervals_.start(*memory_);
     if (!column_first_.allocate(*memory_, all) || !intervals_.reserve(most_intervals)) return call.out_of_memory();
     bool found = false;
+    const int kinds = n < 100 ? 6 : 1;
     while (!found) {
-        if (!call.tick(0.9)) return call.was_cancelled();
-        for (int kind = 0; kind < 6 && !found; ++kind) {
-            sort(state, kind % 3, kind / 3 % 2 == 0);
+        for (int kind = 0; kind < kinds && !found; ++kind) {
+            if (!call.tick(0.9)) return call.was_cancelled();
+            sort(state, kind % 3, kind / 3 == 0);
             found = let_down(state, width, column_ * width, nullptr) <= column_ * width;
         }
         if (!found) {
             if (width >= all)
                 return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                                  "The charts cannot be packed. Please report it.");
-            width = std::min(all, width + 1 + width / 256);
+            width = std::min(all, width + 1 + width / (n < 100 ? 100 : 20));
         }
     }
     if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
@@ -231,8 +235,8 @@ hmf_status Packer::search(uint32_t tries, Call& call) {
     uint32_t best_width = width;
     bool fresh = true;         // as it is, at a new width
     double reached = HUGE_VAL; // the height of `current_` at the width that is tried
-    for (uint32_t i = 0; i < tries && best_width > widest; ++i) {
-        if (i % 8 == 0 && !call.tick(0.9)) return call.was_cancelled();
+    for (uint32_t i = 0; steps_ < effort && i < MOST_TRIES && best_width > widest; ++i) {
+        if (!call.tick(0.9)) return call.was_cancelled();
         const uint32_t narrower = best_width - 1;
         if (!state.copy(current_, *memory_)) return call.out_of_memory();
         if (!fresh) {

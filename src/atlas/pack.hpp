@@ -29,8 +29,10 @@ public:
     void add_part(const double* xy, int corners);
     void add_area(double area) { area_ += area; }
 
-    // Searches so many packings; side is the width of the square then.
-    [[nodiscard]] hmf_status search(uint32_t tries, Call& call);
+    // Searches until about so many steps are taken, columns of shapes that were looked at; side is the width of the
+    // square then.
+    [[nodiscard]] hmf_status search(uint64_t effort, Call& call);
+    uint64_t steps() const { return steps_; }
     double side() const { return side_; }
     // Where the point (x, y) of a shape lies, for 0 <= turns < 4 quarter turns counter-clockwise:
     // turned about 0, then moved.
@@ -60,7 +62,7 @@ private:
         double bottom, top;
         uint32_t next;
     };
-    bool lowest(const Profile& p, uint32_t x, double most, double& y) const;
+    bool lowest(const Profile& p, uint32_t x, double most, double& y);
     void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
@@ -69,6 +71,7 @@ private:
 
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
+    uint64_t steps_ = 0;
     Array<Item> items_;
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
