@@ -621,10 +621,12 @@ private:
                     packer.add_part(xy, 3);
                 }
             }
-            if (packer.search(THOROUGH, call_)) return call_.status();
+            // At first roughly: the side tells the margin in units.
+            if (packer.search(0, call_)) return call_.status();
             if (margin >= margin_ * packer.side()) break;
             margin = margin_ * packer.side() * 1.02;
         }
+        if (packer.search(THOROUGH, call_)) return call_.status();
         if (!out_.uv.allocate_filled(call_.memory, size_t{4} * mesh_.edge_count, 0)) return call_.out_of_memory();
         const double side = packer.side();
         for (uint32_t t = 0; t < side_.size(); ++t) {

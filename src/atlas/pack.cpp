@@ -9,7 +9,7 @@ namespace hmf {
 
 namespace {
 constexpr uint32_t ROUND = 100; // packings after which higher ones are accepted again
-constexpr uint32_t MOST_TRIES = 2000;
+constexpr uint32_t TRIES = 60, TRIES_EACH = 60; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
 } // namespace
 
@@ -118,10 +118,10 @@ bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) {
     // Each time it rises beyond an interval.
     for (bool rises = true; rises;) {
         rises = false;
+        steps_ += p.columns;
         for (uint32_t j = 0; j < p.columns; ++j)
             for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
                 const Interval& i = intervals_[k];
-                ++steps_;
                 if (y + top[j] <= i.bottom) break;
                 if (y + bottom[j] >= i.top) continue;
                 y = i.top - bottom[j];
@@ -222,7 +222,7 @@ hmf_status Packer::search(uint64_t effort, Call& call) {
             if (width >= all)
                 return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                                  "The charts cannot be packed. Please report it.");
-            width = std::min(all, width + 1 + width / (n < 100 ? 100 : 20));
+            width = std::min(all, width + 1 + width / (steps_ > 10 * effort + 10000000 ? 4 : n < 100 ? 100 : 20));
         }
     }
     if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
@@ -235,7 +235,7 @@ hmf_status Packer::search(uint64_t effort, Call& call) {
     uint32_t best_width = width;
     bool fresh = true;         // as it is, at a new width
     double reached = HUGE_VAL; // the height of `current_` at the width that is tried
-    for (uint32_t i = 0; steps_ < effort && i < MOST_TRIES && best_width > widest; ++i) {
+    for (uint32_t i = 0; steps_ < effort && i < TRIES + TRIES_EACH * n && best_width > widest; ++i) {
         if (!call.tick(0.9)) return call.was_cancelled();
         const uint32_t narrower = best_width - 1;
         if (!state.copy(current_, *memory_)) return call.out_of_memory();
