@@ -8,7 +8,7 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t ROUND = 100; // packings after which higher ones are accepted again
+constexpr uint32_t ROUND = 100;                 // packings after which higher ones are accepted again
 constexpr uint32_t TRIES = 60, TRIES_EACH = 60; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
 } // namespace
