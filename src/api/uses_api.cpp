@@ -488,7 +488,9 @@ hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_options* op
     if (entry.check(out) || read_options(options, all, "hmf_atlas_options", call)) return call.status();
     if (!(all.margin >= 0 && all.margin <= 1.0 / 16))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "margin must lie in [0, 1/16]; 0 means 1/512.");
-    if (refuse_boundary(*foliation, "Atlases", call)) return call.status();
+    if (foliation->hierarchy->is_double())
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "Atlases are not available on surfaces with boundary in this version.");
     const hmf_hierarchy& h = *foliation->hierarchy;
     const size_t level = foliation->level;
     const double* position = h.levels[level].position;
