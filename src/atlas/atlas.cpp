@@ -12,8 +12,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t QUICK = 200000, THOROUGH = 200000000; // steps of a packing, planned and final
-constexpr uint64_t PLANNING = 200000000;                 // of all planned ones
+constexpr uint64_t QUICK = 1000000, THOROUGH = 600000000; // steps of a packing, planned and final
+constexpr uint64_t PLANNING = 1000000000;                // of all planned ones
 constexpr double WISHED_USE = 0.88;                      // of the square, as planned: ragged edges take some of it
 constexpr double LEAST_USE = 0.79;                       // below this each part counts three times
 constexpr double COST_OF_CHART = 0.009;                  // a chart less is worth this part of the square

@@ -8,8 +8,8 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t ROUND = 100;                 // packings after which higher ones are accepted again
-constexpr uint32_t TRIES = 60, TRIES_EACH = 60; // of an atlas, and for each chart
+constexpr uint32_t ROUND = 300;                  // packings after which higher ones are accepted again
+constexpr uint32_t TRIES = 60, TRIES_EACH = 120; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
 } // namespace
 
@@ -144,24 +144,30 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
     }
 }
 
-// The height of all; HUGE_VAL if it is more than give_up.
-double Packer::let_down(const State& state, uint32_t width, double give_up, Place* places) {
+// The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`.
+double Packer::let_down(const State& state, uint32_t width, double most, Place* places) {
     for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
     intervals_.clear();
-    double height = 0;
-    for (const uint32_t i : state.order) {
+    double missing = 0;
+    missed_ = none;
+    for (uint32_t k = 0; k < state.order.size(); ++k) {
+        const uint32_t i = state.order[k];
         const uint32_t turns = state.turns[i];
         const Profile& p = items_[i].side[turns];
-        double best_y = give_up - p.height;
+        double best_y = column_ * width - p.height;
         uint32_t best_x = none;
         for (uint32_t x = 0; x + p.columns <= width; ++x) {
             double y = 0;
             if (lowest(p, x, best_x == none ? best_y : best_y - 1, y)) best_y = y, best_x = x;
             if (best_x != none && best_y == 0) break;
         }
-        if (best_x == none) return HUGE_VAL;
+        if (best_x == none) {
+            missing += p.height * column_ * p.columns;
+            if (missed_ == none) missed_ = k;
+            if (missing > most) return HUGE_VAL;
+            continue;
+        }
         occupy(p, best_x, best_y);
-        height = std::max(height, best_y + p.height);
         if (places) {
             const Item& item = items_[i];
             // The lower left corner of the box after the turns.
@@ -173,7 +179,7 @@ double Packer::let_down(const State& state, uint32_t width, double give_up, Plac
             places[i] = {turns, column_ * best_x + spare - left[turns], best_y - low[turns]};
         }
     }
-    return height;
+    return missing;
 }
 
 void Packer::sort(State& state, int key, bool upright) const {
@@ -216,7 +222,7 @@ hmf_status Packer::search(uint64_t effort, Call& call) {
         for (int kind = 0; kind < kinds && !found; ++kind) {
             if (!call.tick(0.9)) return call.was_cancelled();
             sort(state, kind % 3, kind / 3 == 0);
-            found = let_down(state, width, column_ * width, nullptr) <= column_ * width;
+            found = let_down(state, width, 0, nullptr) == 0;
         }
         if (!found) {
             if (width >= all)
@@ -231,16 +237,18 @@ hmf_status Packer::search(uint64_t effort, Call& call) {
         random = random * 6364136223846793005u + 1442695040888963407u;
         return static_cast<uint32_t>((random >> 33) % limit);
     };
-    // A little higher is accepted as well, less and less so.
+    // A worse one is accepted as well, less and less so.
     uint32_t best_width = width;
-    bool fresh = true;         // as it is, at a new width
-    double reached = HUGE_VAL; // the height of `current_` at the width that is tried
+    bool fresh = true;       // as it is, at a new width
+    double least = HUGE_VAL; // area that did not fit at the width that is tried
+    uint32_t missed = 0;     // of current_
     for (uint32_t i = 0; steps_ < effort && i < TRIES + TRIES_EACH * n && best_width > widest; ++i) {
         if (!call.tick(0.9)) return call.was_cancelled();
         const uint32_t narrower = best_width - 1;
         if (!state.copy(current_, *memory_)) return call.out_of_memory();
         if (!fresh) {
-            const uint32_t a = below(n), b = below(n), what = below(4);
+            // Often one that did not fit comes earlier.
+            const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
             if (what != 0) std::swap(state.order[a], state.order[b]);
             if (what != 1) {
                 uint8_t& turns = state.turns[state.order[a]];
@@ -249,15 +257,16 @@ hmf_status Packer::search(uint64_t effort, Call& call) {
         }
         fresh = false;
         const double part = 1 - static_cast<double>(i % ROUND) / ROUND;
-        const double most = std::min(reached * (1 + 0.04 * part * part), 2 * column_ * best_width);
-        const double height = let_down(state, narrower, most, nullptr);
-        if (height > most) continue;
-        reached = height;
+        const double most = least * (1 + 0.5 * part * part);
+        const double missing = let_down(state, narrower, most, nullptr);
+        if (missing > most) continue;
+        least = std::min(least, missing);
+        missed = missed_;
         if (!current_.copy(state, *memory_)) return call.out_of_memory();
-        if (height <= column_ * narrower) {
+        if (missing == 0) {
             best_width = narrower;
             if (!best_.copy(state, *memory_)) return call.out_of_memory();
-            reached = HUGE_VAL;
+            least = HUGE_VAL;
             fresh = true;
         }
     }

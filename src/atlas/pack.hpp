@@ -66,12 +66,13 @@ private:
     void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
-    double let_down(const State& state, uint32_t width, double give_up, Place* places);
+    double let_down(const State& state, uint32_t width, double most, Place* places);
     void sort(State& state, int key, bool upright) const;
 
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
     uint64_t steps_ = 0;
+    uint32_t missed_ = 0; // place in the order of a shape that did not fit
     Array<Item> items_;
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
