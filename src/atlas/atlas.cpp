@@ -13,10 +13,10 @@ namespace hmf {
 namespace {
 
 constexpr uint64_t QUICK = 1000000, THOROUGH = 600000000; // steps of a packing, planned and final
-constexpr uint64_t PLANNING = 1000000000;                // of all planned ones
-constexpr double WISHED_USE = 0.88;                      // of the square, as planned: ragged edges take some of it
-constexpr double LEAST_USE = 0.79;                       // below this each part counts three times
-constexpr double COST_OF_CHART = 0.009;                  // a chart less is worth this part of the square
+constexpr uint64_t PLANNING = 1000000000;                 // of all planned ones
+constexpr double WISHED_USE = 0.88;                       // of the square, as planned: ragged edges take some of it
+constexpr double LEAST_USE = 0.79;                        // below this each part counts three times
+constexpr double COST_OF_CHART = 0.009;                   // a chart less is worth this part of the square
 constexpr int64_t SPECK = 256;   // grid units: triangles below a millionth of the square are not looked at
 constexpr double GRID = 1 << 28; // units of the grid along a square as large as all charts
 
