@@ -116,6 +116,11 @@ TEST(Egg, QuadsOverPolesLieOnIt) {
             EXPECT_NEAR(std::sqrt(p[0] * p[0] + p[1] * p[1] + z * z), 1, 0.02) << "vertex " << v;
         }
         EXPECT_EQ(quads->inverted_count, 0u) << relax;
+        std::vector<int> valence(quads->vertex_count, 0);
+        for (size_t i = 0; i < 4 * quads->quad_count; ++i) ++valence[quads->quads[i]];
+        size_t irregular = 0;
+        for (const int n : valence) irregular += n != 4;
+        EXPECT_EQ(quads->irregular_count, irregular);
         size_t inwards = 0;
         for (size_t q = 0; q < quads->quad_count; ++q) {
             Eigen::Vector3d p[4];
