@@ -1,5 +1,6 @@
 #!/bin/bash
-# ./test.sh           all but the long variants at the end of the list; installs what is missing
+# ./test.sh           all but the long variants at the end of the list; installs what is missing (Debian; on Fedora, Arch,
+#                     Alpine and macOS it says the command)
 # ./test.sh NAME...   only these variants
 # ./test.sh list      the names
 #
@@ -15,7 +16,7 @@ cd "$(dirname "$0")"
 
 default_variants="format header symbols abi plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
 variants="$default_variants corpus-large campaign mutations machines static tsan coverage reproducible fuzzing"
-jobs=${JOBS:-$(nproc)}
+jobs=${JOBS:-$(nproc 2> /dev/null || getconf _NPROCESSORS_ONLN)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
 
@@ -50,6 +51,7 @@ END
 
 # --- What is needed --------------------------------------------------------
 
+. bindings/packaging/system_packages.sh
 ensure_packages() {
     local missing=()
     need() { # package, command that succeeds when it is there
@@ -70,14 +72,7 @@ ensure_packages() {
     need libeigen3-dev test -e $include/eigen3/Eigen/Core
     [ ${#missing[@]} -eq 0 ] && return 0
 
-    local sudo=
-    if ! command -v apt-get > /dev/null; then
-        echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."
-        return 1
-    fi
-    [ "$(id -u)" -eq 0 ] || sudo=sudo
-    echo "Installing: ${missing[*]}"
-    $sudo apt-get update -q && DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "${missing[@]}"
+    install_packages "${missing[@]}"
 }
 
 # --- Counting --------------------------------------------------------------

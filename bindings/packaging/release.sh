@@ -23,7 +23,7 @@ python3 bindings/packaging/sbom.py "$out/hmf-$version.cdx.json"
 python3 -m venv "$out/.venv"
 "$out/.venv/bin/pip" install -q ziglang cffi build scikit-build-core
 "$out/.venv/bin/python" bindings/packaging/build_wheels.py --out "$out"
-(cd bindings/rust && cargo package --locked -p foliations-sys && cp target/package/*.crate "$out")
+(cd bindings/rust && cargo package --locked --workspace --no-verify && cp target/package/*.crate "$out")
 (cd bindings/javascript && npm pack --pack-destination "$out")
 rm -r "$out/.venv"
 (cd "$out" && sha256sum ./*.* > SHA256SUMS)

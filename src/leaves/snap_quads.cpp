@@ -122,7 +122,8 @@ double fold(const Mesh& mesh, const double* position, uint32_t h) {
 
 } // namespace
 
-hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, QuadMesh& quads, size_t& snapped, Call& call) {
+hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads,
+                               size_t& snapped, Call& call) {
     Memory& memory = call.memory;
     const uint32_t n = quads.vertex_count();
     snapped = 0;
@@ -153,6 +154,7 @@ hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, QuadMes
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         const uint32_t h = 2 * e;
         if (e % 16384 == 0 && !call.tick(0)) return call.was_cancelled();
+        if (front && (front->on_boundary(h) || !front->is_front[h])) continue;
         if (fold(mesh, position, h) > SHARP) continue;
         const double* const a = position + size_t{3} * mesh.origin[h];
         const double* const b = position + size_t{3} * mesh.target(h);
