@@ -119,6 +119,8 @@ void expect_sizes(const T& good, Call&& call, size_t least = alignof(T)) {
         cut.struct_size = size;
         error = hmf_error{};
         expect_error(call(&cut, &error), HMF_ERROR_OPTIONS, error);
+        EXPECT_EQ(error.element, HMF_ELEMENT_OPTION);
+        EXPECT_EQ(error.index, 0u);
     }
 }
 
