@@ -179,7 +179,7 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
     foliation_.reset(raw);
     const bool of_line =
         error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size();
-    const std::string line = of_line ? shown(request.loops) + ":" + std::to_string(read_.lines[error.index]) : "";
+    const std::string line = of_line ? request.name_of_loop(read_.lines[error.index]) : "";
     if (status_ >= HMF_ERROR_NULL) {
         if (of_line) fail_with(status_, error, line);
         if (!alone_ && status_ == HMF_ERROR_UNSUPPORTED) return refuse(status_, hmf_status_string(status_));

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "component.hpp"
+#include "draw_loops.hpp"
 #include "leaves.hpp"
 #include "loop_lines.hpp"
 #include "marks.hpp"
@@ -127,6 +128,10 @@ private:
                          name_.c_str());
         if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
         if (kind_ != 0 || has_start_) return;
+        if (!r_.through.empty()) {
+            read_ = draw_loops(r_.through, mesh_);
+            return;
+        }
         try {
             read_ = read_loops(r_.loops, mesh_.vertex_count(), mesh_.triangle_count());
         } catch (const Failure& failure) {
@@ -223,7 +228,7 @@ private:
             for (uint64_t i = read_.offsets[loop]; i < read_.offsets[loop + 1]; ++i) {
                 const auto [other, number] = place[read_.elements[i]];
                 if (other != component)
-                    throw Failure(EXIT_BAD_INPUT, shown(r_.loops) + ":" + std::to_string(read_.lines[loop])
+                    throw Failure(EXIT_BAD_INPUT, r_.name_of_loop(read_.lines[loop])
                                                       + ": the loop lies on several components of the mesh");
                 list.elements.push_back(number);
             }
@@ -740,7 +745,20 @@ private:
     size_t irregular_ = 0, inverted_ = 0; // vertices, quads
 };
 
+// Where the class comes from: --start, --through, or --loops.
+void choose_source(const Options& options, SolveRequest& request) {
+    for (const Option& option : options)
+        if (std::string("--through") == option.name && !option.given.empty() && request.through.empty())
+            throw Failure(EXIT_USAGE, "--through: nothing is picked; give vertices or places X,Y,Z");
+    if (!request.start.empty() || !request.through.empty()) request.loops.clear();
+}
+
 } // namespace
+
+std::string SolveRequest::name_of_loop(size_t line) const {
+    if (!through.empty()) return "--through, loop " + std::to_string(line);
+    return shown(loops) + ":" + std::to_string(line);
+}
 
 std::string version_text() {
     const uint32_t version = hmf_version();
@@ -752,7 +770,7 @@ Outcome solve(const std::vector<std::string>& words) {
     SolveRequest request;
     Options options = solve_options(request);
     parse(options, words, "solve");
-    if (!request.start.empty()) request.loops.clear();
+    choose_source(options, request);
     if (!request.start.empty() && !request.weights.empty() && request.image.empty() && request.obj.empty()
         && request.textured.empty() && request.leaves.empty())
         throw Failure(EXIT_USAGE, "--weights: has no effect with --start, whose values have their own; leave it out");
@@ -763,6 +781,7 @@ Outcome quads(const std::vector<std::string>& words) {
     SolveRequest request;
     Options options = quads_options(request);
     parse(options, words, "quads");
+    choose_source(options, request);
     if (request.no_poles) request.marks = "none";
     return Run(request, options).go();
 }

@@ -86,11 +86,12 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h,           state.level, making.unit, n,  nullptr, nullptr, making.solved_bits,
-                       making.poles, 0,           0,           {}, {}};
+    hmf_foliation made{&h,      state.level,  making.unit, n, nullptr, nullptr, making.solved_bits,
+                       nullptr, making.poles, 0,           0, {},      {}};
     ResultBlock block;
     block.room(made, made.values, n);
     if (making.solved) block.array(made, made.solved, n, making.solved);
+    if (making.fraction) block.array(made, made.fraction, f.mesh.vertex_count, making.fraction);
     if (const Recorder* recorder = making.recorder) {
         made.has_report = 1;
         made.report = recorder->report;

@@ -152,6 +152,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
+    if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
     const SingularityCount count = count_singularities(state.foliation);
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
@@ -172,6 +173,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
     making.recorder = &recorder;
+    if (recorder.certificate.known && recorder.certificate.fractional) making.fraction = recorder.fraction.data();
     if (make_foliation(state, making, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
     return describe(status, state.level, report, watch, call);
@@ -300,6 +302,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
     state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
+    if (make_symmetric(state, call)) return call.status();
     Making making;
     making.unit = given.unit;
     return make_foliation(state, making, call, out) ? call.status() : entry.end();
@@ -337,9 +340,8 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
     SolveOptions solve;
-    if (entry.check(hierarchy, out) || check_foliation(foliation, call)
-        || read_solve_options(options, *hierarchy, solve, call))
-        return call.status();
+    if (entry.check(hierarchy, out) || check_foliation(foliation, call)) return call.status();
+    if (read_solve_options(options, *hierarchy, solve, call)) return call.status(); // NOLINT: check refuses NULL
     State state;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();

@@ -38,7 +38,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     if (!log_scale.allocate_filled(memory, mesh.face_count, 0.0) || !area.allocate_filled(memory, mesh.face_count, 0.0))
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    double largest = 0, low[3], high[3];
+    double largest = 0, low[3] = {}, high[3] = {};
     for (size_t i = 0; i < size_t{3} * mesh.vertex_count; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest) largest = x;

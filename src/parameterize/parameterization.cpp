@@ -160,7 +160,7 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
         || !is_cone.allocate(memory, mesh.vertex_count))
         return call.out_of_memory();
     if (!call.tick(0.81)) return call.was_cancelled();
-    cone_angles(mesh, flat, cone.data());
+    if (!cone_angles(mesh, flat, charts.odd, cone.data(), call)) return call.stopped();
     if (!call.tick(0.81)) return call.was_cancelled();
     uint32_t start = side[0];
     for (uint32_t v = mesh.vertex_count; v-- > 0;) {

@@ -102,6 +102,10 @@ Fineness LevelWork::refine_unit(double residual) {
         if (f.value[e] > largest) largest = f.value[e];
     uint32_t bits = wanted;
     while (bits > 0 && largest > options.largest_value >> bits) --bits;
+    // Heights are no values of an edge: on a fine mesh they can be much larger.
+    int64_t highest = 0;
+    if (watch) highest = watch->reference.largest_height() * static_cast<int64_t>(watch->unit / recorder.unit());
+    while (bits > 0 && highest > largest_height >> bits) --bits;
     // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;

@@ -15,6 +15,7 @@
 //   4. moves near the singularities, where the model is not smooth
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
+#include "fraction.hpp"
 #include "signed_multigrid.hpp"
 #include "solve.hpp"
 #include "steering.hpp"
@@ -567,6 +568,18 @@ Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
     return effort;
 }
 
+// No step helps any more.  Is it because a unit is too much?
+hmf_status end_beyond_rounding(LevelWork& work, double goal) {
+    ResidualResult found;
+    Recorder& recorder = work.recorder;
+    if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
+    if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
+    const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
+    if (!work.record(2, D, found.max)) return work.call.out_of_memory();
+    recorder.certificate = {true, D, found.max, found.mean, true};
+    return HMF_OK;
+}
+
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
@@ -624,7 +637,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             newton.sweeps(steering::late_sweeps);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
-    return finest ? HMF_LIMIT_STALLED : HMF_OK;
+    return finest ? end_beyond_rounding(work, goal) : HMF_OK;
 }
 
 } // namespace hmf

@@ -10,6 +10,8 @@ namespace hmf {
 // A value of an edge while it is solved for.  Sums of two and steps of twice as much
 // leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
 constexpr int64_t largest_inner_value = int64_t{1} << 59;
+// The height of a cylinder; leaves are counted in half units.
+constexpr int64_t largest_height = int64_t{1} << 60;
 
 // Those of the caller, with their defaults in place, so that a new one is at hand in
 // every stage; and what is the library's own.
@@ -30,6 +32,7 @@ struct Certificate {
     bool known;
     double energy; // in units
     double residual_max, residual_mean;
+    bool fractional = false; // with Recorder::fraction
 };
 
 // Keeps the report of a solve, its unit, and what the last level knew.
@@ -50,6 +53,7 @@ public:
     Array<hmf_level_report> levels; // finest first
     Array<hmf_history_entry> history;
     Certificate certificate{}; // of the last level
+    Array<double> fraction;    // see fraction.hpp; only where the certificate says so
 
 private:
     bool wanted_;
