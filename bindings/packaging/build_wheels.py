@@ -189,7 +189,8 @@ def pack(name: str, module: Path, tool: Path, source: Path, out: Path) -> Path:
             # The same bytes each time.
             entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith((".so", ".pyd")) or "/scripts/" in path else 0o644) << 16
+            # A regular file: else pip does not make the tool executable.
+            entry.external_attr = (0o100755 if path.endswith((".so", ".pyd")) or "/scripts/" in path else 0o100644) << 16
             archive.writestr(entry, data)
     return wheel
 
