@@ -84,6 +84,32 @@ END
 check system-names system_names
 check release-script bash -n "$packaging/release.sh"
 
+# The bill of materials names every run-time need of the manifests once, refers to nothing that is not there, and is
+# the same twice.
+bill_of_materials() {
+    python3 "$packaging/sbom.py" "$work/bill.json" && python3 "$packaging/sbom.py" | cmp - "$work/bill.json" && python3 - "$root" "$work/bill.json" <<'END'
+import json, re, sys, tomllib
+from pathlib import Path
+root = Path(sys.argv[1])
+bill = json.loads(Path(sys.argv[2]).read_text())
+assert bill["bomFormat"] == "CycloneDX" and bill["specVersion"] == "1.5" and re.fullmatch(r"urn:uuid:[0-9a-f-]{36}", bill["serialNumber"])
+parts = [bill["metadata"]["component"]] + bill["components"]
+refs = [p["bom-ref"] for p in parts]
+assert len(refs) == len(set(refs)) and all(p["name"] and p["type"] == "library" for p in parts)
+for of in bill["dependencies"]:
+    assert of["ref"] in refs and set(of["dependsOn"]) <= set(refs), of
+python = tomllib.loads((root / "bindings/python/pyproject.toml").read_text())["project"]["dependencies"]
+assert python
+for need in python:
+    name = re.match("[A-Za-z0-9_.-]+", need)[0]
+    assert [p["scope"] for p in parts if p["purl"] == "pkg:pypi/" + name] == ["required"], need
+lock = tomllib.loads((root / "bindings/rust/Cargo.lock").read_text())["package"]
+cc = next(p for p in lock if p["name"] == "cc")
+assert f"pkg:cargo/cc@{cc['version']}" in refs and all("pkg:cargo/" + n.split()[0] in " ".join(refs) for n in cc["dependencies"])
+END
+}
+if python3 -c 'import tomllib' 2> /dev/null; then check bill-of-materials bill_of_materials; else skip bill-of-materials "python3 is older than 3.11"; fi
+
 # npm: what would be in the package.
 npm_package() {
     (cd "$root/bindings/javascript" && npm pack --dry-run --ignore-scripts --json) > "$work/npm.json" &&

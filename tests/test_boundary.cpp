@@ -1,5 +1,6 @@
 // Surfaces with boundary: closed forms, the linear problem, what the double is made of, loops and arcs.
-#include "../src/hierarchy/hierarchy.hpp"
+#include "../src/api/foliation_object.hpp"
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -138,6 +140,25 @@ double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fi
     return sum;
 }
 
+// The back has the values of the front, so that they can be read again: closed, without poles, the same.
+void expect_symmetric(const Solution& s) {
+    const hmf_foliation& f = *s.foliation.get();
+    const hmf_hierarchy& h = *f.hierarchy;
+    size_t wrong = 0;
+    for (size_t t = 0; t < h.surface_triangles; ++t)
+        for (size_t side = 0; side < 3; ++side)
+            wrong += f.values[h.triangle_edges[3 * t + side]]
+                  != f.values[h.triangle_edges[3 * (h.surface_triangles + t) + 2 - side]];
+    EXPECT_EQ(wrong, 0u);
+    hmf_foliation* raw = nullptr;
+    hmf_error error{};
+    ASSERT_EQ(hmf_foliation_create(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
+        << error.message;
+    const Foliation again(raw);
+    EXPECT_EQ(values_of(again), s.values);
+    EXPECT_EQ(raw->poles, 0u);
+}
+
 // What holds for every result on a surface with boundary.
 void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t boundaries, int64_t marks_inside = 0,
                    int64_t marks_on_boundary = 0) {
@@ -158,6 +179,7 @@ void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t bounda
     EXPECT_EQ(set->triangle_count, mesh.triangle_count);
     for (size_t v = 0; v < mesh.vertex_count; ++v) EXPECT_LE(set->vertex_index[v], 0);
     EXPECT_EQ(residuals(s.foliation, mesh.vertex_count).size(), mesh.vertex_count);
+    expect_symmetric(s);
 }
 
 } // namespace
@@ -283,6 +305,19 @@ TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t see
     return out;
 }
 
+// Holes may have met at a vertex, cut off a part, or left a disk.
+bool is_sound(const TriMesh& mesh) {
+    hmf_hierarchy* raw = nullptr;
+    hmf_error error{};
+    const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                        mesh.triangle_count(), nullptr, nullptr, &raw, &error);
+    hmf_destroy(raw);
+    const bool unlucky = status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS
+                      || status == HMF_ERROR_MESH_GENUS;
+    if (!unlucky) EXPECT_EQ(status, HMF_OK) << error.message;
+    return !unlucky;
+}
+
 int64_t boundary_count(const TriMesh& mesh) {
     std::map<uint32_t, uint32_t> next;
     std::set<std::pair<uint32_t, uint32_t>> sides;
@@ -310,13 +345,7 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
         const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
-        hmf_hierarchy* raw = nullptr;
-        hmf_error error{};
-        const hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                            mesh.triangle_count(), nullptr, nullptr, &raw, &error);
-        hmf_destroy(raw);
-        if (status == HMF_ERROR_MESH_NON_MANIFOLD_VERTEX || status == HMF_ERROR_MESH_COMPONENTS) continue; // bad luck
-        ASSERT_EQ(status, HMF_OK) << error.message;
+        if (!is_sound(mesh)) continue; // bad luck
         const Hierarchy hierarchy(mesh);
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
             const auto set = make<hmf_loop_set>(
@@ -330,6 +359,12 @@ TEST(Boundary, RandomHolesWithLoopsOfTheLibrary) {
             s.values = values_of(s.foliation);
             s.report = *hmf_foliation_report(made);
             expect_result(hierarchy, s, boundary_count(mesh));
+            const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* e) {
+                return hmf_cylinders(s.foliation.get(), set.get(), nullptr, out, e);
+            });
+            ASSERT_TRUE(cylinders);
+            ASSERT_EQ(cylinders->count, set->count);
+            for (size_t c = 0; c < set->count; ++c) EXPECT_EQ(cylinders->list[c].height, 1); // exactly
             const int64_t genus = int64_t(hmf_genus(hierarchy.get())), b = boundary_count(mesh);
             EXPECT_EQ(int64_t(set->count), kind == HMF_LOOPS_CUT ? genus + b : 3 * genus - 3 + 2 * b);
         }
@@ -434,4 +469,422 @@ TEST(Boundary, CylindersOfTheSurface) {
     const Foliation again(second);
     ASSERT_TRUE(second) << error.message;
     EXPECT_NEAR(hmf_foliation_report(second)->energy / s.report.energy, 1, 1e-9);
+}
+
+namespace {
+
+Owned<hmf_quad_mesh> quads_of(const Solution& s, const hmf_quad_options& options) {
+    return make<hmf_quad_mesh>(
+        [&](hmf_quad_mesh** out, hmf_error* e) { return hmf_quads(s.foliation.get(), &options, nullptr, out, e); });
+}
+
+hmf_quad_options quad_options(uint64_t count, bool merge = false, uint64_t relax = 0) {
+    hmf_quad_options options{};
+    options.struct_size = sizeof options;
+    options.count = count;
+    options.merge = merge;
+    options.relax = relax;
+    return options;
+}
+
+double distance_to_segment(const double* p, const double* a, const double* b) {
+    double ab = 0, ap = 0, sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+        ab += (b[c] - a[c]) * (b[c] - a[c]);
+        ap += (b[c] - a[c]) * (p[c] - a[c]);
+    }
+    const double t = std::min(1.0, std::max(0.0, ap / ab));
+    for (size_t c = 0; c < 3; ++c) sum += std::pow(p[c] - a[c] - t * (b[c] - a[c]), 2);
+    return std::sqrt(sum);
+}
+
+// An oriented manifold of the same genus and with as many boundary curves, which lie on those of the surface.
+void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus) {
+    std::map<std::pair<uint32_t, uint32_t>, int> sides;
+    for (size_t i = 0; i < 4 * quads.quad_count; ++i) ++sides[{quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4]}];
+    std::map<uint32_t, uint32_t> next;
+    size_t edges = 0;
+    std::set<uint32_t> used(quads.quads, quads.quads + 4 * quads.quad_count);
+    EXPECT_EQ(used.size(), quads.vertex_count);
+    for (const auto& side : sides) {
+        EXPECT_EQ(side.second, 1);
+        EXPECT_NE(side.first.first, side.first.second);
+        const bool outer = !sides.count({side.first.second, side.first.first});
+        edges += outer || side.first.first < side.first.second;
+        if (!outer) continue;
+        EXPECT_TRUE(next.insert(side.first).second); // one fan at each vertex
+    }
+    const int64_t boundaries = boundary_count(mesh);
+    EXPECT_EQ(int64_t(quads.vertex_count) - int64_t(edges) + int64_t(quads.quad_count), 2 - 2 * genus - boundaries);
+    std::map<std::pair<uint32_t, uint32_t>, int> of_mesh;
+    for (size_t c = 0; c < mesh.triangles.size(); ++c)
+        ++of_mesh[{mesh.triangles[c], mesh.triangles[c - c % 3 + (c + 1) % 3]}];
+    double size = 0, worst = 0;
+    for (const double x : mesh.positions) size = std::max(size, std::fabs(x));
+    for (const auto& step : next) {
+        double nearest = HUGE_VAL;
+        for (const auto& side : of_mesh)
+            if (!of_mesh.count({side.first.second, side.first.first}))
+                nearest = std::min(nearest, distance_to_segment(quads.positions + 3 * step.first,
+                                                                &mesh.positions[3 * side.first.first],
+                                                                &mesh.positions[3 * side.first.second]));
+        worst = std::max(worst, nearest);
+    }
+    EXPECT_LE(worst, 1e-9 * size);
+    int64_t curves = 0;
+    while (!next.empty()) {
+        ++curves;
+        for (uint32_t v = next.begin()->first; next.count(v);) {
+            const uint32_t to = next[v];
+            next.erase(v);
+            v = to;
+        }
+    }
+    EXPECT_EQ(curves, boundaries);
+}
+
+} // namespace
+
+TEST(Boundary, QuadsOfARectangleAreAGrid) {
+    const double a = 3, b = 1.25;
+    const size_t n = 24, m = 10;
+    const TriMesh mesh = rectangle(n, m, a, b, 0.6, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        if (way == 0)
+            for (size_t i = 0; i <= n; ++i) path.push_back(uint32_t(i * (m + 1) + m / 2));
+        else
+            for (size_t j = 0; j <= m; ++j) path.push_back(uint32_t(n / 2 * (m + 1) + j));
+        curves.add(path, true);
+        const Solution s = solve_curves(hierarchy, curves);
+        for (const uint64_t relax : {0, 5}) {
+            const auto quads = quads_of(s, quad_options(240, false, relax));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 4u); // the corners
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), 240, 24);
+            // Rows and columns at equal distances.
+            std::set<int64_t> xs, ys;
+            for (size_t v = 0; v < quads->vertex_count; ++v) {
+                xs.insert(std::llround(quads->positions[3 * v] * 1e6));
+                ys.insert(std::llround(quads->positions[3 * v + 1] * 1e6));
+            }
+            EXPECT_EQ((xs.size() - 1) * (ys.size() - 1), quads->quad_count);
+            EXPECT_EQ(xs.size() * ys.size(), quads->vertex_count);
+            for (const auto* lines : {&xs, &ys}) {
+                const double step = double(*lines->rbegin() - *lines->begin()) / double(lines->size() - 1);
+                double k = 0;
+                for (const int64_t x : *lines) EXPECT_NEAR(double(x), step * k++, 2);
+            }
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfAnAnnulusBothWays) {
+    const TriMesh mesh = annulus(40, 12, 3, 0.5, 5);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        for (size_t k = 0; k < (way == 0 ? 40u : 13u); ++k) path.push_back(uint32_t(way == 0 ? k * 13 : k));
+        curves.add(path, way == 1);
+        const Solution s = solve_curves(hierarchy, curves);
+        ASSERT_EQ(s.status, HMF_OK);
+        for (const uint64_t count : {100u, 400u}) {
+            const auto quads = quads_of(s, quad_options(count));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 0u);
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), double(count), 0.2 * double(count));
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfSurfacesWithHoles) {
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
+        if (!is_sound(mesh)) continue; // bad luck
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            const auto set = make<hmf_loop_set>(
+                [&](hmf_loop_set** out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, kind, nullptr, out, e); });
+            ASSERT_TRUE(set);
+            Solution s;
+            hmf_foliation* made = nullptr;
+            s.status = hmf_solve(hierarchy.get(), set.get(), nullptr, nullptr, &made, &s.error);
+            s.foliation.reset(made);
+            ASSERT_TRUE(made);
+            for (const bool merge : {false, true}) {
+                const auto quads = quads_of(s, quad_options(1500, merge, merge ? 10 : 0));
+                ASSERT_TRUE(quads);
+                expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            }
+        }
+    }
+}
+
+namespace {
+
+// A shortest path between two vertices of the boundary whose other vertices lie inside and are free.
+Path shortest_arc(const LevelMesh& level, const std::vector<char>& on_boundary, const std::vector<char>& taken,
+                  uint32_t from, uint32_t to) {
+    std::vector<std::vector<uint32_t>> neighbours(level.vertex_count);
+    for (size_t e = 0; e < level.edge_count; ++e)
+        for (size_t k = 0; k < 2; ++k)
+            neighbours[level.edge_vertices[2 * e + k]].push_back(level.edge_vertices[2 * e + 1 - k]);
+    std::vector<uint32_t> before(level.vertex_count, HMF_NONE);
+    Path queue{from};
+    before[from] = from;
+    for (size_t i = 0; i < queue.size(); ++i)
+        for (const uint32_t w : neighbours[queue[i]]) {
+            if (before[w] != HMF_NONE || taken[w] || (on_boundary[w] && (w != to || queue[i] == from))) continue;
+            before[w] = queue[i];
+            queue.push_back(w);
+        }
+    if (before[to] == HMF_NONE || from == to) return {};
+    Path path{to};
+    while (path.back() != from) path.push_back(before[path.back()]);
+    return path;
+}
+
+// Arcs between random vertices of the boundary, as far as they go together.
+Curves random_arcs(const Hierarchy& hierarchy, size_t wished, Random& random) {
+    const LevelMesh level = read_level(hierarchy, 0);
+    std::vector<char> on_boundary(level.vertex_count, 0), taken(level.vertex_count, 0);
+    const std::vector<int> triangles = triangles_of_edges(level);
+    Path boundary;
+    for (size_t e = 0; e < level.edge_count; ++e)
+        for (size_t k = 0; k < 2 && triangles[e] == 1; ++k) {
+            const uint32_t v = level.edge_vertices[2 * e + k];
+            if (!on_boundary[v]) boundary.push_back(v);
+            on_boundary[v] = 1;
+        }
+    Curves curves;
+    for (size_t tries = 0; tries < 12 && curves.arcs.size() < wished; ++tries) {
+        const Path path = shortest_arc(level, on_boundary, taken, boundary[random.below(boundary.size())],
+                                       boundary[random.below(boundary.size())]);
+        if (path.size() < 3 || taken[path.front()] || taken[path.back()]) continue;
+        Curves more = curves;
+        more.add(path, true, 1 + double(random.below(4)) / 4);
+        const hmf_loop_set set = more.view();
+        hmf_foliation* raw = nullptr;
+        const hmf_status status = hmf_initialize(hierarchy.get(), &set, nullptr, &raw, nullptr);
+        hmf_foliation_destroy(raw);
+        if (status != HMF_OK) {
+            EXPECT_TRUE(status == HMF_ERROR_LOOP_TRIVIAL || status == HMF_ERROR_LOOP_PARALLEL
+                        || status == HMF_ERROR_LOOP_CROSSING)
+                << status;
+            continue;
+        }
+        curves = more;
+        for (const uint32_t v : path) taken[v] = 1;
+    }
+    return curves;
+}
+
+} // namespace
+
+TEST(Boundary, RandomArcs) {
+    size_t solved = 0, made = 0, refused = 0;
+    for (uint64_t seed = 1; seed <= 24; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        Random random(seed);
+        const TriMesh base =
+            seed % 3 == 0 ? torus(24, 12, 3, 1, {true, 1, 0.3, seed}) : rectangle(24, 16, 3, 2, 0.6, seed);
+        const TriMesh mesh = with_holes(base, 1 + seed % 4, 1 + seed % 2, seed);
+        if (!is_sound(mesh)) continue;
+        const Hierarchy hierarchy(mesh);
+        const Curves curves = random_arcs(hierarchy, 1 + seed % 5, random);
+        if (curves.arcs.empty()) continue;
+        const Solution s = solve_curves(hierarchy, curves);
+        expect_result(hierarchy, s, boundary_count(mesh));
+        ++solved;
+        const hmf_loop_set set = curves.view();
+        const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* e) {
+            return hmf_cylinders(s.foliation.get(), &set, nullptr, out, e);
+        });
+        ASSERT_TRUE(cylinders);
+        for (size_t c = 0; c < cylinders->count; ++c)
+            EXPECT_EQ(cylinders->list[c].height, curves.loops.weights[cylinders->list[c].loop]);
+        for (const bool merge : {false, true}) {
+            hmf_quad_mesh* raw = nullptr;
+            hmf_error error{};
+            const hmf_quad_options options = quad_options(800, merge, merge ? 10 : 0);
+            const hmf_status status = hmf_quads(s.foliation.get(), &options, nullptr, &raw, &error);
+            const Owned<hmf_quad_mesh> quads(raw);
+            if (status == HMF_ERROR_UNSUPPORTED) { // a handle that no arc crosses
+                ++refused;
+                continue;
+            }
+            ASSERT_EQ(status, HMF_OK) << error.message;
+            expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            ++made;
+        }
+    }
+    EXPECT_GE(solved, 12u);
+    EXPECT_GE(made, 3 * refused);
+}
+
+namespace {
+
+// The calls of the interface on a surface with boundary, one after the other.
+struct Calls {
+    const TriMesh& mesh;
+    const hmf_build_options& options;
+    hmf_hierarchy* hierarchy = nullptr;
+    hmf_loop_set* loops = nullptr;
+    hmf_foliation* foliation = nullptr;
+
+    Calls(const TriMesh& m, const hmf_build_options& o) : mesh(m), options(o) {}
+    ~Calls() {
+        hmf_free(loops);
+        hmf_foliation_destroy(foliation);
+        hmf_destroy(hierarchy);
+    }
+    // visit(call) runs it; anything but HMF_OK ends.
+    template <class Visit>
+    hmf_status run(Visit visit) {
+        hmf_error error{};
+        hmf_status status = visit([&](const hmf_control* control) {
+            hmf_design* design = nullptr;
+            hmf_design_options wish{};
+            wish.struct_size = sizeof wish;
+            wish.build = &options;
+            wish.solve_limit = 3;
+            const hmf_status s = hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                                 mesh.triangle_count(), &wish, control, &design, &error);
+            EXPECT_EQ(design != nullptr, s == HMF_OK);
+            hmf_free(design);
+            return s;
+        });
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                return hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), &options, control, &hierarchy, &error);
+            });
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                return hmf_loops(hierarchy, 0, HMF_LOOPS_PANTS, control, &loops, &error);
+            });
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                return hmf_solve(hierarchy, loops, nullptr, control, &foliation, &error);
+            });
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                hmf_quad_options wish = quad_options(0, true, 2);
+                hmf_quad_mesh* quads = nullptr;
+                const hmf_status s = hmf_quads(foliation, &wish, control, &quads, &error);
+                EXPECT_EQ(quads != nullptr, s == HMF_OK);
+                hmf_free(quads);
+                return s;
+            });
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                hmf_cylinder_set* cylinders = nullptr;
+                const hmf_status s = hmf_cylinders(foliation, loops, control, &cylinders, &error);
+                hmf_free(cylinders);
+                return s;
+            });
+        return status;
+    }
+};
+
+TriMesh mesh_with_boundary() { return with_holes(torus(24, 12, 3, 1, {true, 1, 0.3, 3}), 2, 2, 3); }
+
+} // namespace
+
+// Closed meshes that the library makes for itself count as well.
+TEST(Boundary, MemoryLimitIsKept) {
+    const TriMesh mesh = mesh_with_boundary();
+    uint64_t refused = 0;
+    bool done = false;
+    for (uint64_t limit = 4096; !done; limit += limit / 16 + 1) {
+        Meter meter;
+        {
+            hmf_build_options options = meter.options();
+            options.memory_limit = limit;
+            Calls calls(mesh, options);
+            size_t number = 0;
+            const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {
+                const uint64_t kept = calls.hierarchy ? meter.used - hmf_hierarchy_memory(calls.hierarchy) : 0;
+                meter.peak = meter.used;
+                const hmf_status s = call(nullptr);
+                EXPECT_LE(meter.peak - kept, limit) << "call " << number;
+                ++number;
+                return s;
+            });
+            done = status == HMF_OK;
+            refused += !done;
+            if (!done) { ASSERT_EQ(status, HMF_ERROR_MEMORY_LIMIT) << limit; }
+        }
+        ASSERT_EQ(meter.used, 0u);
+        ASSERT_LT(limit, uint64_t{1} << 32) << "no limit is enough";
+    }
+    EXPECT_GT(refused, 10u);
+}
+
+TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
+    const TriMesh mesh = mesh_with_boundary();
+    Meter meter;
+    {
+        const hmf_build_options options = meter.options();
+        Calls calls(mesh, options);
+        size_t number = 0;
+        const hmf_status status = calls.run([&](const std::function<hmf_status(const hmf_control*)>& call) {
+            SCOPED_TRACE(testing::Message() << "call " << number);
+            // First in vain, then as it is.
+            const uint64_t held = meter.used;
+            const auto fails = [&](uint64_t fail, uint64_t stop, uint64_t& allocations, uint64_t& reports) {
+                Progress progress;
+                progress.stop = stop;
+                const hmf_control control = progress.control();
+                meter.calls = 0;
+                meter.fail = fail;
+                const hmf_status s = call(&control);
+                allocations = meter.calls;
+                reports = progress.calls;
+                meter.fail = 0;
+                EXPECT_TRUE(progress.rising);
+                return s;
+            };
+            uint64_t allocations = 0, reports = 0, ignored = 0;
+            const bool keeps = number == 1 || number == 2 || number == 3;
+            if (!keeps) { // the counts of a call that leaves nothing
+                EXPECT_EQ(fails(0, 0, allocations, reports), HMF_OK);
+                EXPECT_EQ(meter.used, held);
+            } else allocations = 4000, reports = 2000;
+            for (uint64_t n = 1; n <= allocations; n += 1 + allocations / 48) {
+                const hmf_status s = fails(n, 0, ignored, ignored);
+                if (s == HMF_OK && keeps) return ++number, s; // there were fewer
+                EXPECT_EQ(s, HMF_ERROR_MEMORY) << "allocation " << n;
+                EXPECT_EQ(meter.used, held);
+            }
+            for (uint64_t n = 1; n < reports; n += 1 + reports / 24) {
+                const hmf_status s = fails(0, n, ignored, ignored);
+                if (s == HMF_OK && keeps) return ++number, s;
+                EXPECT_EQ(s, HMF_CANCELLED) << "report " << n;
+                if (keeps && calls.foliation) { // had been found
+                    hmf_foliation_destroy(calls.foliation);
+                    calls.foliation = nullptr;
+                }
+                EXPECT_EQ(meter.used, held);
+            }
+            ++number;
+            return call(nullptr);
+        });
+        EXPECT_EQ(status, HMF_OK);
+        EXPECT_EQ(number, 6u);
+    }
+    EXPECT_EQ(meter.used, 0u);
 }

@@ -99,7 +99,7 @@ struct Start {
     }
     // weight[c] of loop c, in 2^-bits; 0: not there.
     void load(const std::vector<int64_t>& weight) {
-        state.load(hierarchy.coarsest(), hmf::Side::intrinsic);
+        state.load(hierarchy.coarsest(), hmf::Triangulation::intrinsic);
         weights.start(memory);
         std::vector<int64_t> all(loops.count(), 0);
         for (size_t c = 0; c < weight.size() && c < all.size(); ++c) all[c] = weight[c] << bits;

@@ -167,7 +167,7 @@ TEST(Extremes, ValuesThatADoubleCannotHold) {
     hmf::Call call(memory, &error, nullptr, nullptr);
     hmf::State state;
     ASSERT_TRUE(state.allocate(*hierarchy.get(), 0, memory));
-    state.load(0, hmf::Side::input);
+    state.load(0, hmf::Triangulation::input);
     for (size_t e = 0; e < hierarchy.edges(0); ++e) state.foliation.value[e] = int64_t{1} << 53;
     hmf::Making making;
     making.unit = 0.5;

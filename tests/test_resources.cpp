@@ -158,6 +158,32 @@ TEST(Resources, MemoryLimitHoldsToTheByte) {
     }
 }
 
+// What a foliation says it holds is what the allocator sees, before and after a use that keeps something.
+TEST(Resources, MemoryOfAFoliation) {
+    Meter meter;
+    const Hierarchy hierarchy(pretzel(2, 1), meter.options());
+    ASSERT_TRUE(hierarchy);
+    EXPECT_EQ(hmf_foliation_memory(nullptr), 0u);
+    const uint64_t held = meter.used;
+    {
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(solution.status, HMF_OK);
+        const hmf_foliation* const f = solution.foliation.get();
+        EXPECT_EQ(hmf_foliation_memory(f), meter.used - held);
+        EXPECT_GE(hmf_foliation_memory(f), 8 * solution.values.size());
+        hmf_parameterization* map = nullptr;
+        ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
+        hmf_free(map);
+        const uint64_t after = hmf_foliation_memory(f);
+        EXPECT_GT(after, 16 * solution.values.size());
+        EXPECT_EQ(after, meter.used - held);
+        ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
+        hmf_free(map);
+        EXPECT_EQ(hmf_foliation_memory(f), after);
+    }
+    EXPECT_EQ(meter.used, held);
+}
+
 // A hundred rounds on one hierarchy: memory returns to where it was.
 TEST(Resources, MemoryIsFlat) {
     Meter meter;

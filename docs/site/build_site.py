@@ -140,9 +140,6 @@ hmf_loops                     Hierarchy.loops              Hierarchy.loops      
 hmf_initialize                Hierarchy.initialize         Hierarchy.initialize             Hierarchy.initialize         Hierarchy.initialize
 hmf_foliation_create          Hierarchy.foliation          Hierarchy.foliation              Hierarchy.foliation          Hierarchy.foliation
 hmf_foliation_destroy         -                            -                                Foliation.dispose            -
-hmf_foliation_values          Foliation.values             Foliation.values                 Foliation.values             Foliation.values
-hmf_foliation_level           Foliation.level              Foliation.level                  Foliation.level              Foliation.level
-hmf_foliation_unit            Foliation.unit               Foliation.unit                   Foliation.unit               Foliation.unit
 hmf_foliation_report          Solution.report              Foliation.report                 Foliation.report             Foliation.report
 hmf_solve                     Hierarchy.solve              Hierarchy.solve                  Hierarchy.solve              Hierarchy.solve
 hmf_relax                     Foliation.relax              Foliation.relax                  Foliation.relax              Foliation.relax
@@ -164,11 +161,13 @@ def reference_page(pages: Path, functions: list[str]) -> None:
     for function in functions:
         if function in names:
             continue
-        # A new one: by its own name, where a language has that.
-        name = function[len("hmf_"):]
+        # A new one: by its own name, of its object, where a language has that.
+        owner, name = re.fullmatch(r"hmf_(foliation_|hierarchy_|)(\w+)", function).groups()
+        prefix = f"{owner[:-1].capitalize()}." if owner else ""
         camel = re.sub(r"_(\w)", lambda m: m[1].upper(), name)
         guesses = {language: camel if language == "JavaScript" else name for language in SOURCES}
-        names[function] = [g if re.search(rf"\b{g}\b", texts[language]) else "-" for language, g in guesses.items()]
+        names[function] = [prefix + g if re.search(rf"\b{g}\b", texts[language]) else "-"
+                           for language, g in guesses.items()]
     rows = ["# Reference, side by side\n\nEach function of the C interface and what the other languages call it. "
             "The contracts are on the page [C](c.md).\n", "| C | " + " | ".join(SOURCES) + " |", "|---|" + "---|" * len(SOURCES)]
     contracts = (pages / "c.md").read_text()
@@ -189,8 +188,13 @@ def python_page(pages: Path) -> None:
     public = set(re.findall(r'"(\w+)"', (package / "__init__.py").read_text().split("__all__", 1)[1].split("]", 1)[0]))
     out = ["# Python, every function\n\nFrom the docstrings; `help` shows the same.\n"]
 
+    # As _options.takes puts them into the documentation.
+    options = [node for node in ast.parse((package / "_options.py").read_text()).body
+               if isinstance(node, ast.ClassDef) and node.name.endswith("Options")]
+    words = "\n".join(ast.get_docstring(node).split("\n\n", 1)[1] for node in options)
+
     def entry(level: int, node: ast.AST, prefix: str = "") -> None:
-        doc = ast.get_docstring(node) or ""
+        doc = (ast.get_docstring(node) or "").replace("{options}", words)
         title = node.name if isinstance(node, ast.ClassDef) else f"{node.name}({ast.unparse(node.args)})"
         out.append(f"{'#' * level} {prefix}{node.name}\n\n```python\n{prefix}{title}\n```\n\n" + (f"```text\n{doc}\n```\n" if doc else ""))
         if isinstance(node, ast.ClassDef):

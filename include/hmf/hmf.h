@@ -59,9 +59,10 @@
  *             level 0 the caller sees the surface only, and energies and areas
  *             are those of the surface; the coarser levels are levels of the
  *             double, and so are counts of poles, zeros and indices.  Leaves run
- *             along the boundary or meet it at right angles.  The two halves
- *             agree up to the residual, not in the last bits; what the caller
- *             gets is one of them.
+ *             along the boundary or meet it at right angles.  Values of level 0
+ *             are exactly symmetric: what the caller gets is one half, and can
+ *             be read back.  The minimum on the intrinsic triangulation, where
+ *             energy and residual are measured, is so up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -525,8 +526,7 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
  * inequalities that hold with equality; start from loops instead.  Values with
  * poles are accepted for hmf_singularities and hmf_energy; all other calls
  * refuse them with HMF_ERROR_VALUE_POLE.  With boundary the values of the mirror
- * image are the same; where leaves run along the boundary but only up to the
- * residual, this may be a foliation with poles.
+ * image are the same.
  */
 HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
                                         size_t count, const hmf_control *control, hmf_foliation **out,
@@ -545,6 +545,11 @@ HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 
 /* The power of two that all values are multiples of; 0 for NULL. */
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
+
+/* Bytes held by the foliation; 0 for NULL.  Not with them the hierarchy, which it
+   keeps alive.  Grows once, when hmf_parameterize, hmf_quads or hmf_trace makes
+   what it then keeps for the next such call. */
+HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
 
 /* ------------------------------------------------------------------------
  * Solve
@@ -574,6 +579,8 @@ typedef struct hmf_solve_options {
                                     Others: sweeps on stop_level go on until it is reached, whatever the energy does,
                                     or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
                                     energy, and 1e-8 counts as converged */
+    uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
+                                    many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
@@ -697,7 +704,9 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
    weight * F over sector k and P over all edges; sectors that are one
    direction around a cluster of zero edges count as one.  0 everywhere means:
-   this is the unique minimum. */
+   this is the unique minimum.  Where the 60 bits inside are too short for the
+   tolerance of a solve (needles, caps) it is that of values with a part of a
+   unit more at some vertices, which the foliation keeps. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
 

@@ -243,13 +243,13 @@ typedef struct hmf_quad_mesh {
     uint64_t quad_count;
     const double *positions;     /* vertex_count x 3; points of the surface */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
-    uint64_t irregular_count;    /* vertices with another number of edges than 4 */
+    uint64_t irregular_count;    /* vertices with another number of edges than 4, on the boundary than 3 */
     uint64_t inverted_count;     /* quads with a corner of 180 degrees or more, seen along the normal of the quad */
     double edge_length;          /* root of the area of the surface / number of quads */
 } hmf_quad_mesh;
 
 /*
- * A closed quad mesh along the leaves: a grid on each cylinder, glued along the
+ * A quad mesh along the leaves: a grid on each cylinder, glued along the
  * critical leaves.
  *
  * The first vertices are the zeros, in the order of hmf_singularities; a zero of
@@ -258,7 +258,7 @@ typedef struct hmf_quad_mesh {
  * marked vertex with one prong is left out: one quad lies over it, and the two
  * vertices beside it have 3 edges; where a leaf of two columns joins two of them,
  * one quad with four such vertices closes the end.
- * Closed, oriented and manifold by construction, genus as before; no two edges
+ * Oriented and manifold by construction, genus as before; no two edges
  * have the same ends.
  * In quad (a, b, c, d) the sides a-d and b-c lie on leaves.  All edges are about
  * equally long in the metric du^2 + dv^2: longer in space where the foliation is
@@ -270,6 +270,13 @@ typedef struct hmf_quad_mesh {
  * cylinder needs.  relax evens out angles and sides (about 20 steps do): the sides
  * lie on leaves no longer, but vertices stay on the surface; where a row or column
  * runs along edges sharper than 40 degrees, its vertices move onto them.
+ *
+ * With boundary (level 0): the boundary of the quads lies on that of the surface,
+ * row by row where leaves run along it, and where they meet it column by column;
+ * its vertices stay when others are relaxed.  A marked vertex of the boundary with
+ * one prong is a corner, and zeros of the boundary are vertices of it: a rectangle
+ * becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
+ * (all of their corners on it, as a rule) may be left out.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
  * crosses, or if there is no match for edges so long; HMF_ERROR_OPTIONS if there

@@ -2,6 +2,7 @@
 // levels they are the same.
 #pragma once
 
+#include "../leaves/mirror_symmetry.hpp"
 #include "../solve/state.hpp"
 
 namespace hmf {
@@ -19,5 +20,11 @@ Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& si
 
 // caller[internal[i]] = i
 [[nodiscard]] hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
+
+// The mirror image on the half-edges of a double.
+[[nodiscard]] hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call& call);
+
+// The state, on the caller's side of level 0 of a double, becomes exactly symmetric if it can.
+[[nodiscard]] hmf_status make_symmetric(State& state, Call& call);
 
 } // namespace hmf

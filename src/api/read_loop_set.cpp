@@ -56,8 +56,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
             const SurfaceLoops surface = {all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements,
                                           all.arcs};
             if (double_loops(h, surface, call, doubled)) return call.status();
-            loops.offsets.swap(doubled.loops.offsets);
-            loops.crossings.swap(doubled.loops.crossings);
+            loops.swap(doubled.loops);
             out.of.swap(doubled.of);
         }
         for (uint64_t c = 0; all.arcs && !h.is_double() && c < all.count; ++c)

@@ -43,8 +43,19 @@ struct Leaves {
     const uint32_t* faces = nullptr;
     Cylinders cylinders;
 
-    hmf_status load(const hmf_foliation& f, Call& call) {
+    // reflection: filled on level 0 of a double, whose clusters on the boundary are then taken apart; NULL: not wanted.
+    hmf_status load(const hmf_foliation& f, Call& call, Reflection* reflection = nullptr) {
         if (load_values(f, f.level, state, call)) return call.status();
+        if (reflection && f.level == 0 && f.hierarchy->is_double()) {
+            if (read_reflection(*f.hierarchy, *reflection, call)) return call.status();
+            const Foliation& at = state.foliation;
+            cylinders.graph.on_boundary = reflection->is_boundary.data();
+            for (uint32_t e = 0; e < at.mesh.edge_count; ++e) {
+                const bool behind = !reflection->is_front[2 * e] && !reflection->is_front[2 * e + 1];
+                uint32_t& widest = cylinders.graph.closed_leaf;
+                if (behind && (widest == NONE || at.value[e] > at.value[widest])) widest = e;
+            }
+        }
         if (f.level == 0) {
             if (caller_faces(*f.hierarchy, face_order, call)) return call.status();
             vertices = f.hierarchy->vertex_internal;
@@ -54,13 +65,6 @@ struct Leaves {
         return cylinders.build(state.foliation, vertices, faces, call);
     }
 };
-
-// What is not made of surfaces with boundary.
-hmf_status refuse_boundary(const hmf_foliation& foliation, const char* what, Call& call) {
-    if (!foliation.hierarchy->is_double()) return HMF_OK;
-    return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                     "%s are not available on surfaces with boundary in this version.", what);
-}
 
 constexpr double FEWEST_TO_REFINE = 8000; // quads
 constexpr int STEPS_ON_FINER = 4;         // of relaxation
@@ -237,7 +241,7 @@ hmf_status write_triangles(const Parameterization& from, const Mesh& mesh, const
                            hmf_parameterization& to, Call& call) {
     double* uv = fill(to.corner_uv);
     for (size_t t = 0; t < to.triangle_count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
+        if (t % 16384 == 0 && !call.tick(0.98)) return call.was_cancelled();
         const AffineMap& map = from.map[t];
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         fill(to.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
@@ -261,9 +265,10 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
         || !outer.allocate_filled(call.memory, to.edge_count, uint8_t{0}))
         return call.out_of_memory();
     const bool has_boundary = foliation.level == 0 && h.is_double();
+    if (!call.tick(0.99)) return call.was_cancelled();
     for (size_t c = 0; has_boundary && c < 3 * to.triangle_count; ++c) outer[h.triangle_edges[c]] ^= 1;
     for (size_t t = 0; t < to.triangle_count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
+        if (t % 16384 == 0 && !call.tick(0.99)) return call.was_cancelled();
         uint32_t g = side[t];
         for (size_t s = 0; s < 3; ++s, g = mesh.next[g]) {
             const uint32_t internal = edge_of(g);
@@ -412,7 +417,7 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
         return call.status();
 
     Array<uint8_t> arcs;
-    if (h.is_double() && keep_front_cylinders(h, *loops, given, list, heights, curves, triangles, arcs, call))
+    if (h.is_double() && loops && keep_front_cylinders(h, *loops, given, list, heights, curves, triangles, arcs, call))
         return call.status();
     const size_t count = list.size();
     struct Made {
@@ -442,7 +447,6 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     if (!(all.edge_length >= 0) || !std::isfinite(all.edge_length))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "edge_length must be finite and not negative; 0 means the default.");
-    if (refuse_boundary(*foliation, "Quad meshes", call)) return call.status();
     if (all.edge_length > 0 && all.count > 0)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length and count are both given. Choose one.");
     if (all.count > MOST_QUADS || all.relax > MOST_RELAX_STEPS)
@@ -452,12 +456,26 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     Leaves leaves;
     FlatMetric metric;
     QuadMesh made;
-    if (leaves.load(*foliation, call)) return call.status();
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    const bool has_boundary = h.is_double();
+    if (has_boundary && foliation->level > 0)
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, foliation->level,
+                         "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
+                         "hmf_interpolate.",
+                         static_cast<unsigned long long>(foliation->level));
+    Reflection reflection;
+    FrontParts front;
+    const FrontParts* const parts = has_boundary ? &front : nullptr;
+    if (leaves.load(*foliation, call, &reflection)) return call.status();
     Foliation& f = leaves.state.foliation;
-    const double* position = foliation->hierarchy->levels[foliation->level].position;
-    if (flat_metric(f, position, leaves.cylinders, metric, call)) return call.status();
+    const double* position = h.levels[foliation->level].position;
+    if (flat_metric(f, position, leaves.cylinders, metric, call)
+        || (parts && front.build(f, reflection, leaves.cylinders, call)))
+        return call.status();
+    metric.area *= h.share();
+    metric.flat_area *= h.share();
     QuadWish wish;
-    const double by_default = 0.5 * static_cast<double>(f.mesh.face_count);
+    const double by_default = 0.5 * h.share() * static_cast<double>(f.mesh.face_count);
     const double number = all.count > 0       ? static_cast<double>(all.count)
                         : all.edge_length > 0 ? metric.area / (all.edge_length * all.edge_length)
                                               : by_default;
@@ -469,7 +487,8 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     // Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.
     int halvings = 0;
     double fewer = number;
-    for (; all.relax > 0 && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < 12; ++halvings) fewer /= 4;
+    for (; all.relax > 0 && !parts && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < 12; ++halvings)
+        fewer /= 4;
     wish.step = std::sqrt(metric.flat_area / fewer);
     wish.count = all.count > 0 ? static_cast<int64_t>(std::floor(fewer + 0.5)) : 0;
     wish.merge = all.merge != 0;
@@ -477,12 +496,12 @@ hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_options* opt
     if (!(wish.step > 0) || !std::isfinite(wish.step))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
     QuadFigures figures;
-    if (make_quads(f, position, leaves.cylinders, wish, made, call)) return call.status();
+    if (make_quads(f, position, leaves.cylinders, parts, wish, made, call)) return call.status();
     const int steps = static_cast<int>(all.relax);
     if (steps > 0) {
         size_t snapped = 0;
         if (relax_quads(f.mesh, position, steps, made, call)
-            || snap_to_sharp_edges(f.mesh, position, made, snapped, call)
+            || snap_to_sharp_edges(f.mesh, position, parts ? &reflection : nullptr, made, snapped, call)
             || (snapped > 0 && relax_quads(f.mesh, position, steps, made, call)))
             return call.status();
     }

@@ -12,21 +12,10 @@ namespace {
 // In place of an index: the cluster is on the list.
 constexpr int32_t LISTED = INT32_MIN;
 
-// The next half-edge that is not zero round the boundary of a cluster,
-// counter-clockwise; closed: a closed corner lies between.
-uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
-    const uint32_t ahead = f.mesh.rotate_ccw(g);
-    if (f.at(ahead) > 0) {
-        closed = f.corner2(g) == 0;
-        return ahead;
-    }
-    closed = false;
-    return twin(f.mesh.next[g]); // same neighbour, seen from the other end of the zero edge
-}
-
 } // namespace
 
 Done CriticalGraph::start(const Foliation& f, Memory& memory) {
+    memory_ = &memory;
     zeros.start(memory);
     sectors.start(memory);
     arcs.start(memory);
@@ -72,6 +61,9 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
 
 // The cluster of the vertex is f.members.
 Done CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
+    bool done = false;
+    if (on_boundary && euler >= 0 && !add_zeros_on_boundary(f, index, done)) return false;
+    if (done) return true;
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     if (!zeros.push({false, vertex, index, euler})) return false;
     for (const uint32_t u : f.members)
@@ -93,8 +85,8 @@ hmf_status CriticalGraph::trace(const Foliation& f, Call& call) {
         if (trace_boundary(f, first, call)) return call.status();
     }
     if (zeros.empty()) {
-        uint32_t widest = 0;
-        for (uint32_t e = 1; e < f.mesh.edge_count; ++e)
+        uint32_t widest = closed_leaf == NONE ? 0 : closed_leaf;
+        for (uint32_t e = 1; closed_leaf == NONE && e < f.mesh.edge_count; ++e)
             if (f.value[e] > f.value[widest]) widest = e;
         const int64_t middle = f.value[widest] / 2 * 2;
         if (trace_boundary(f, {2 * widest, middle - 1}, call)

@@ -24,6 +24,15 @@
 //        .------------------.          its sectors are those half-edges of the
 //       (  p ------------ q  )         circle that start at p and at q
 //        '------------------'
+//
+// On an exactly symmetric double a leaf can run along the boundary.  All its vertices
+// there have one image, a cluster.  With on_boundary set it is taken apart (boundary_zeros.cpp):
+// a zero at each vertex where prongs leave and at each marked one, and between
+// them arcs along the boundary, again the parts of the circle between their sectors:
+//
+//           |           |
+//     ======x1---------x2=====p     x1, x2: three prongs each, p: marked, one prong
+//           |           |
 #pragma once
 
 #include "../base/sparse_map.hpp"
@@ -84,6 +93,10 @@ public:
     Array<Crossing> crossings;
     Array<Mark> marks; // ascending on each edge
 
+    // Wishes, before build().
+    const uint8_t* on_boundary = nullptr; // per vertex; NULL: clusters there stay whole
+    uint32_t closed_leaf = NONE;          // where there is no zero: an edge that the leaf crosses in its middle
+
     // vertex_order, face_order: internal numbers in the order in which zeros
     // are listed, and behind them the marked vertices that are none; NULL: as
     // they are.  Without any of these (genus 1) one closed leaf
@@ -122,6 +135,11 @@ private:
                                         Call& call);
     [[nodiscard]] hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                                          const uint32_t* cluster, Call& call);
+    struct Piece;
+    Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
+    Done find_roots(const Foliation& f, SparseMap& root, bool& any);
+    Done read_pieces(const Foliation& f, uint32_t h, const SparseMap& root, const SparseMap& place, bool is_ring,
+                     Array<Piece>& pieces);
     Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
     Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
     Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
@@ -130,12 +148,25 @@ private:
     [[nodiscard]] hmf_status pair_arcs(Call& call);
     Done sort_marks(const Foliation& f, Memory& memory);
 
-    static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices
+    static constexpr uint32_t BETWEEN = NONE - 1; // of a half-edge: between two marked vertices or zeros
     SparseMap at_vertex_, at_tripod_;             // half-edge to sector
     SparseMap marked_;                            // edge to its number among those with marks
     Array<uint32_t> mark_offset_;                 // of these, and the end
     Array<uint32_t> circle_;
+    Memory* memory_ = nullptr;
     uint64_t crossing_limit_ = 0;
 };
+
+// The next half-edge that is not zero round the boundary of a cluster,
+// counter-clockwise; closed: a closed corner lies between.
+inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
+    const uint32_t ahead = f.mesh.rotate_ccw(g);
+    if (f.at(ahead) > 0) {
+        closed = f.corner2(g) == 0;
+        return ahead;
+    }
+    closed = false;
+    return twin(f.mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+}
 
 } // namespace hmf

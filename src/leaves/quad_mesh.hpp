@@ -2,15 +2,19 @@
 #pragma once
 
 #include "cylinder_classes.hpp"
+#include "front_parts.hpp"
 #include "quad_sizes.hpp"
 
 namespace hmf {
+
+// A vertex of the boundary of the surface.
+constexpr uint8_t AT_BOUNDARY = 2;
 
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
     Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
-    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays
+    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; AT_BOUNDARY likewise
 
     void start(Memory& memory) {
         positions.start(memory);
@@ -29,9 +33,10 @@ struct QuadWish {
     bool keep_poles = false; // poles stay vertices with two edges
 };
 
-// position: of the vertices of f.mesh.  Cylinders of the same f.
+// position: of the vertices of f.mesh.  Cylinders of the same f.  front: of a double, only
+// what lies in front; NULL: the surface is closed.
 [[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
-                                    const QuadWish& wish, QuadMesh& out, Call& call);
+                                    const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call);
 
 // Areas of the surface, in space and in the flat metric (squared units of f).
 struct FlatMetric {

@@ -21,7 +21,7 @@ Done quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
     if (!uses.allocate_filled(call.memory, n, 0u) || !number.allocate_filled(call.memory, n, NONE)) return false;
     for (const uint32_t v : mesh.quads) ++uses[v];
     for (uint32_t v = 0; v < n; ++v)
-        if (uses[v] == 2) {
+        if (uses[v] == 2 && mesh.held[v] != AT_BOUNDARY) {
             number[v] = static_cast<uint32_t>(poles.size());
             if (!poles.push(v)) return false;
         }
@@ -52,7 +52,7 @@ Done quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
             const uint32_t b = other[(at + 1) % 4], a = quad[(k + 1) % 4];
             const uint32_t y = quad[(k + 2) % 4];
             if (quad[(k + 3) % 4] != b || other[(at + 3) % 4] != a || other[(at + 2) % 4] == y) continue;
-            if (uses[a] < 3 || uses[b] < 3) continue;
+            if (uses[a] < 3 || uses[b] < 3 || mesh.held[a] == AT_BOUNDARY || mesh.held[b] == AT_BOUNDARY) continue;
             --uses[a];
             --uses[b];
             uses[v] = 0;
@@ -69,7 +69,7 @@ Done quads_over_poles(QuadMesh& mesh, size_t& left, Call& call) {
         poles.clear();
         for (uint32_t v = 0; v < n; ++v) {
             number[v] = NONE;
-            if (uses[v] != 2) continue;
+            if (uses[v] != 2 || mesh.held[v] == AT_BOUNDARY) continue;
             number[v] = static_cast<uint32_t>(poles.size());
             if (!poles.push(v)) return false;
         }

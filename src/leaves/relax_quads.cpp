@@ -139,7 +139,8 @@ private:
                 if (worst_corner(quads_, q) < WELL)
                     for (size_t k = 0; k < 4; ++k) {
                         region_[quads_.quads[4 * q + k]] = 1;
-                        if (round > 0) quads_.held[quads_.quads[4 * q + k]] = 0; // without them it did not help
+                        uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
+                        if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
                     }
             list_.clear();
             for (int ring = 0; ring <= RINGS; ++ring) {
@@ -256,7 +257,8 @@ hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call)
     figures = {};
     if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
     for (const uint32_t v : quads.quads) ++valence[v];
-    for (const uint32_t n : valence) figures.irregular += n != 4;
+    for (uint32_t v = 0; v < quads.vertex_count(); ++v)
+        figures.irregular += valence[v] != (quads.held[v] == AT_BOUNDARY ? 2 : 4);
     for (size_t q = 0; q < quads.quad_count(); ++q) {
         if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
         figures.inverted += !(worst_corner(quads, q) > 0);

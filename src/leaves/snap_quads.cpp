@@ -122,7 +122,8 @@ double fold(const Mesh& mesh, const double* position, uint32_t h) {
 
 } // namespace
 
-hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, QuadMesh& quads, size_t& snapped, Call& call) {
+hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads,
+                               size_t& snapped, Call& call) {
     Memory& memory = call.memory;
     const uint32_t n = quads.vertex_count();
     snapped = 0;
@@ -153,15 +154,16 @@ hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, QuadMes
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         const uint32_t h = 2 * e;
         if (e % 16384 == 0 && !call.tick(0)) return call.was_cancelled();
+        if (front && (front->on_boundary(h) || !front->is_front[h])) continue;
         if (fold(mesh, position, h) > SHARP) continue;
         const double* const a = position + size_t{3} * mesh.origin[h];
         const double* const b = position + size_t{3} * mesh.target(h);
         const double parts =
             std::floor(static_cast<double>(SAMPLES_PER_SIDE) * std::sqrt(square_distance(a, b)) / mean) + 1;
         if (static_cast<double>(samples.size()) + parts > static_cast<double>(MOST_SAMPLES)) return HMF_OK;
-        for (double i = 0.5; i < parts; i += 1) {
+        for (uint32_t i = 0; i + 0.5 < parts; ++i) {
             Sample s{{}, h};
-            for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * (i / parts);
+            for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * ((i + 0.5) / parts);
             if (!samples.push(s)) return call.out_of_memory();
         }
     }

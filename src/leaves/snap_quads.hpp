@@ -7,8 +7,8 @@ namespace hmf {
 
 // Where a row or a column of quads runs along edges sharper than 40 degrees, within
 // half a side of a quad, its vertices move onto them and are held there.
-// snapped: how many.
-[[nodiscard]] hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, QuadMesh& quads, size_t& snapped,
-                                             Call& call);
+// front: of a double, only the edges inside the surface count.  snapped: how many.
+[[nodiscard]] hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front,
+                                             QuadMesh& quads, size_t& snapped, Call& call);
 
 } // namespace hmf

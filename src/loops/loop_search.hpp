@@ -24,21 +24,20 @@ namespace hmf {
 
 class LoopSearch {
 public:
-    // edge_length: per edge.  edge_label: of a Restriction, or NULL.
+    // edge_length: per edge.  edge_label: of a LoopCondition, or NULL.
     LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call) :
         cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
 
     static constexpr size_t MOST_STATES = 256; // per region
 
-    // For a new cut; all bounds become 0.  False: out of memory.
+    // For a new cut; all bounds become 0.
     Done prepare(const Signatures& signatures, size_t states_per_region);
 
     static constexpr double SLACK = 1.7;
     static constexpr size_t MOST_LOOPS = 16; // of one search
 
     // Looks for loops through the root that are shorter than `limit`, with the
-    // way from the root to them and back, and gets bounds.  False: out of memory
-    // or cancelled.
+    // way from the root to them and back, and gets bounds.
     Done search(uint32_t root, double limit);
     // The loops found, shortest first: cycles of half-segments, not longer.
     size_t count() const { return closings_.size(); }

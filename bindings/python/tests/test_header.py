@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 import foliations
+import foliations._options
 import foliations.foliation
 import foliations.hierarchy
 import pytest
@@ -64,7 +65,7 @@ def test_each_error_has_a_class() -> None:
 @pytest.mark.parametrize(
     ("prefix", "literal"),
     [
-        ("HMF_METHOD_", foliations.foliation.Method),
+        ("HMF_METHOD_", foliations._options.Method),
         ("HMF_COLLAPSE_", foliations.hierarchy.Collapse),
         ("HMF_LOOPS_", foliations.hierarchy.LoopsKind),
         ("HMF_LEAVES_", foliations.leaves.LeavesKind),

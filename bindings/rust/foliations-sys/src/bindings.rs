@@ -282,6 +282,7 @@ pub struct hmf_solve_options {
     pub stop_level: u64,
     pub start: *const hmf_foliation,
     pub residual_tolerance: f64,
+    pub step_limit: u64,
 }
 impl Default for hmf_solve_options {
     fn default() -> Self {
@@ -664,6 +665,7 @@ extern "C" {
     ) -> *const f64;
     pub fn hmf_foliation_level(foliation: *const hmf_foliation) -> usize;
     pub fn hmf_foliation_unit(foliation: *const hmf_foliation) -> f64;
+    pub fn hmf_foliation_memory(foliation: *const hmf_foliation) -> u64;
     pub fn hmf_foliation_report(foliation: *const hmf_foliation) -> *const hmf_report;
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
