@@ -247,7 +247,8 @@ else skip debian "no debhelper"; fi
 if { "$work/venv/bin/pip" install -q conan && "$work/venv/bin/conan" --version; } > "$work/conan-install.log" 2>&1; then
     export CONAN_HOME=$work/conan
     "$work/venv/bin/conan" profile detect --force > /dev/null 2>&1
-    check conan "$work/venv/bin/conan" create "$packaging/conan"
+    # With the program that uses it built here, not in the sources.
+    check conan "$work/venv/bin/conan" create -c "tools.cmake.cmake_layout:test_folder=$work/conan-test" "$packaging/conan"
 else skip conan "it cannot be installed"; fi
 if command -v vcpkg > /dev/null; then check vcpkg vcpkg install hmf --overlay-ports="$packaging/vcpkg/ports" --x-install-root="$work/vcpkg"
 else skip vcpkg "no vcpkg"; fi

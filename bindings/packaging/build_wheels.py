@@ -111,7 +111,8 @@ def check_binary(module: Path, name: str) -> None:
         raise SystemExit(f"{name}: asks for glibc {versions}")
     # Only PyInit__native is exported, so a mangled name among the dynamic symbols is one that nobody has.
     undefined = module.name.startswith("_native") and data[:4] == b"\x7fELF" and re.search(rb"\0_Z[A-Z]", data)
-    if b"libstdc++" in data or re.search(rb"libc\+\+\.(so|1\.dylib)", data) or undefined:
+    # That of macOS is a part of the system.
+    if b"libstdc++" in data or b"libc++.so" in data or undefined:
         raise SystemExit(f"{name}: {module.name} asks for a C++ library")
 
 
@@ -189,7 +190,8 @@ def pack(name: str, module: Path, tool: Path, source: Path, out: Path) -> Path:
             # The same bytes each time.
             entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith((".so", ".pyd")) or "/scripts/" in path else 0o644) << 16
+            # A regular file: else pip does not make the tool executable.
+            entry.external_attr = (0o100755 if path.endswith((".so", ".pyd")) or "/scripts/" in path else 0o100644) << 16
             archive.writestr(entry, data)
     return wheel
 
