@@ -154,6 +154,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     const SingularityCount count = count_singularities(state.foliation);
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
