@@ -1,10 +1,11 @@
 #!/bin/bash
 # Builds the tool and makes a picture of the built-in sample.
-# Installs what is missing for it (Debian).
+# Installs what is missing for it (Debian), or says the command (Fedora, Arch, Alpine, macOS).
 #
 #     ./demo.sh [FOLDER]      default hmf-demo
 set -eu
-folder=$(realpath -m "${1:-hmf-demo}")
+folder=${1:-hmf-demo}
+case $folder in /*) ;; *) folder=$PWD/$folder ;; esac
 cd "$(dirname "$0")"
 
 missing=()
@@ -15,18 +16,9 @@ need() { # package, command that succeeds when it is there
 }
 need build-essential sh -c 'command -v c++ && command -v make'
 need cmake command -v cmake
-if [ ${#missing[@]} -gt 0 ]; then
-    if ! command -v apt-get > /dev/null; then
-        echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."
-        exit 1
-    fi
-    sudo=
-    [ "$(id -u)" -eq 0 ] || sudo=sudo
-    echo "Installing: ${missing[*]}"
-    $sudo apt-get update -q
-    DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "${missing[@]}"
-fi
+. bindings/packaging/system_packages.sh
+[ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
 
 cmake -B build -DCMAKE_BUILD_TYPE=Release
-cmake --build build -j "$(nproc)"
+cmake --build build -j "$(getconf _NPROCESSORS_ONLN)"
 build/hmf demo "$folder"

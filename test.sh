@@ -1,5 +1,6 @@
 #!/bin/bash
-# ./test.sh           all but the long variants at the end of the list; installs what is missing
+# ./test.sh           all but the long variants at the end of the list; installs what is missing (Debian; on Fedora, Arch,
+#                     Alpine and macOS it says the command)
 # ./test.sh NAME...   only these variants
 # ./test.sh list      the names
 #
@@ -13,9 +14,9 @@
 set -u
 cd "$(dirname "$0")"
 
-default_variants="format header symbols plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
-variants="$default_variants corpus-large campaign mutations machines static tsan"
-jobs=${JOBS:-$(nproc)}
+default_variants="format header symbols abi plain install packages bindings release debug asan-ubsan fuzz valgrind corpus"
+variants="$default_variants corpus-large campaign mutations machines static tsan coverage reproducible fuzzing"
+jobs=${JOBS:-$(nproc 2> /dev/null || getconf _NPROCESSORS_ONLN)}
 results=$PWD/build/results
 passed=0 failed=0 skipped=0
 
@@ -24,6 +25,7 @@ describe() {
 format        layout of the C and C++ sources
 header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
+abi           the interface against the recorded one; what breaks programs is seen (docs/abi.md)
 plain         compiles without a build system; same bits with each compiler and optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
 packages      one version everywhere, manifests; with HMF_PACKAGES=1 wheels, Debian, Conan, vcpkg, conda
@@ -39,12 +41,17 @@ campaign      2 000 random problems with three hierarchies each (long; not in th
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
 static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
 tsan          threads under the thread sanitizer (minutes; not in the default run)
-mutations     defects put into a copy of the sources, each of which a test must notice (not in the default run)
+coverage      lines of the core that tests and fuzz corpora reach: at least 97.5 % (long)
+reproducible  two builds in different folders give the same bytes (not in the default run)
+fuzzing       each fuzz target with libFuzzer and sanitizers, half an hour each (long; HMF_FUZZ_SECONDS)
+mutations     defects that a test must notice: a table of them, and 300 derived from the sources (long;
+              HMF_MUTATIONS, HMF_MUTATION_SEED)
 END
 }
 
 # --- What is needed --------------------------------------------------------
 
+. bindings/packaging/system_packages.sh
 ensure_packages() {
     local missing=()
     need() { # package, command that succeeds when it is there
@@ -65,14 +72,7 @@ ensure_packages() {
     need libeigen3-dev test -e $include/eigen3/Eigen/Core
     [ ${#missing[@]} -eq 0 ] && return 0
 
-    local sudo=
-    if ! command -v apt-get > /dev/null; then
-        echo "Missing, with the names of Debian: ${missing[*]}.  Please install them."
-        return 1
-    fi
-    [ "$(id -u)" -eq 0 ] || sudo=sudo
-    echo "Installing: ${missing[*]}"
-    $sudo apt-get update -q && DEBIAN_FRONTEND=noninteractive $sudo apt-get install -q -y --no-install-recommends "${missing[@]}"
+    install_packages "${missing[@]}"
 }
 
 # --- Counting --------------------------------------------------------------
@@ -163,6 +163,10 @@ run_ctest() { # preset, options of ctest ...
 
 variant_format() { run_check format tests/check_format.sh; }
 variant_header() { run_check header tests/check_header.sh; }
+variant_abi() {
+    install_if_possible abigail-tools
+    run_check abi tests/check_abi.sh build/abi
+}
 variant_plain() { run_check plain tests/check_plain.sh build/plain; }
 variant_install() { run_check install tests/check_install.sh build/install; }
 variant_packages() { run_check packages tests/check_packages.sh build/packages; }
@@ -193,9 +197,10 @@ variant_fuzz() {
         [ -x "$program" ] || continue
         found=1
         name=$(basename "$program" _replay)
-        local inputs=()
+        local inputs=() runs=2000
+        case $name in differential | faults) runs=200 ;; esac # whole solves, several for each input
         [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
-        if timeout 300 "$program" "${inputs[@]}" --random 2000 1 > "$results/fuzz-$name.log" 2>&1; then
+        if timeout 300 "$program" "${inputs[@]}" --random $runs 1 > "$results/fuzz-$name.log" 2>&1; then
             echo "ok fuzz $name: $(tail -1 "$results/fuzz-$name.log")"
             add 1 0 0
         else
@@ -262,7 +267,7 @@ variant_campaign() {
     HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_campaign
     grep -A14 ' problems, seeds ' "$results/campaign.log"
 }
-# For long variants: what cannot be installed is skipped there.
+# What cannot be installed is skipped there.
 install_if_possible() { # package ...
     local package sudo=
     command -v apt-get > /dev/null || return 0
@@ -281,7 +286,47 @@ variant_machines() {
         g++-mingw-w64-x86-64-posix wine wine64
     run_check machines tests/check_machines.sh build/machines
 }
-variant_mutations() { run_check mutations tests/mutations.sh build/mutations; }
+variant_coverage() {
+    install_if_possible clang llvm
+    run_check coverage python3 tests/coverage.py build/coverage
+}
+variant_reproducible() { run_check reproducible tests/check_reproducible.sh build/reproducible; }
+# HMF_FUZZ_SECONDS: for each target.  Findings and the grown corpora stay in build/fuzzing.
+variant_fuzzing() {
+    install_if_possible clang libclang-rt-14-dev zip
+    local work=$PWD/build/fuzzing target name seconds=${HMF_FUZZ_SECONDS:-1800}
+    mkdir -p "$work/out" "$work/work" "$work/src"
+    ln -sfn "$PWD" "$work/src/hmf"
+    if ! CC=clang CXX=clang++ CFLAGS='' SRC=$work/src WORK=$work/work OUT=$work/out LIB_FUZZING_ENGINE=-fsanitize=fuzzer \
+            CXXFLAGS="-O1 -gline-tables-only -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all" \
+            bash -eu fuzz/oss-fuzz/build.sh > "$results/fuzzing-build.log" 2>&1; then
+        echo "not ok fuzzing: the build failed, see $results/fuzzing-build.log"
+        add 0 1 0
+        return
+    fi
+    for target in fuzz/*.cpp; do
+        name=$(basename "$target" .cpp)
+        [ "$name" = driver ] && continue
+        mkdir -p "$work/corpus/$name" "$work/found/$name"
+        if "$work/out/$name" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4000 -print_final_stats=1 \
+                -artifact_prefix="$work/found/$name/" "$work/corpus/$name" $([ -d "fuzz/corpus/$name" ] && echo "fuzz/corpus/$name") > "$results/fuzzing-$name.log" 2>&1; then
+            echo "ok fuzzing $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$results/fuzzing-$name.log") inputs, \
+$(grep -o 'cov: [0-9]*' "$results/fuzzing-$name.log" | tail -1 | cut -c 6-) edges reached"
+            add 1 0 0
+        else
+            echo "not ok fuzzing $name: see $results/fuzzing-$name.log; the input is in $work/found/$name"
+            tail -5 "$results/fuzzing-$name.log"
+            add 0 1 0
+        fi
+    done
+}
+variant_mutations() {
+    run_check mutations tests/mutations.sh build/mutations
+    install_if_possible clang llvm
+    [ -e build/coverage/reach.json ] || python3 tests/coverage.py build/coverage --quick > "$results/reach.log" 2>&1
+    run_check derived-mutations python3 tests/derived_mutations.py build/derived \
+        --count "${HMF_MUTATIONS:-300}" --seed "${HMF_MUTATION_SEED:-1}"
+}
 variant_corpus() { run_corpus corpus 250000 900; }
 variant_corpus-large() { HMF_CORPUS_ALL_RATIOS=1 run_corpus corpus-large 2000000 14400; }
 

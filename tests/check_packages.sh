@@ -2,8 +2,9 @@
 # check_packages.sh WORK_FOLDER
 #
 # The recipes and manifests of packages: one version, licence, authors and keywords in each; and what can be built here.
-# Environment: HMF_PACKAGES=1  also what takes minutes: wheels by the cross compiler, Debian, Conan, vcpkg, conda
-#              HMF_PACKAGE_TARGETS  of the wheels (default: that of this machine)
+# Environment: HMF_PACKAGES=1  also what takes minutes: wheels by the cross compiler, Ray and Dask, npm, Debian, Conan, vcpkg, conda
+#              HMF_PACKAGE_TARGETS  of the wheels (default: that of this machine); all: manylinux-aarch64 is run under qemu
+#              HMF_MUSL_PYTHON  a Python linked with musl, for the wheel of musllinux
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
@@ -61,7 +62,53 @@ for line in (root / "LICENSE").read_text().split("\n\n")[2].split("\n"):  # the 
 END
 }
 check manifests manifests
+# Where there is no apt-get, the command of the system with its own names.
+system_names() {
+    local manager expected
+    while read -r manager expected; do
+        rm -rf "$work/system"
+        mkdir "$work/system"
+        printf '#!/bin/sh\n' > "$work/system/$manager"
+        chmod +x "$work/system/$manager"
+        printed=$(PATH=$work/system "$BASH" -c '. "$1"; install_packages build-essential clang-format python3-venv libgtest-dev libeigen3-dev pkg-config' - \
+            "$packaging/system_packages.sh") && return 1
+        [ "${printed##*: }" = "$expected" ] || { echo "$printed"; echo "expected: $expected"; return 1; }
+    done <<'END'
+dnf sudo dnf install gcc-c++ make clang-tools-extra python3 gtest-devel eigen3-devel pkgconf-pkg-config
+pacman sudo pacman -S --needed base-devel clang python gtest eigen pkgconf
+apk sudo apk add build-base clang-extra-tools python3 gtest-dev eigen-dev pkgconf
+brew xcode-select --install; brew install clang-format python3 googletest eigen pkgconf
+none build-essential clang-format python3-venv libgtest-dev libeigen3-dev pkg-config.  Please install them.
+END
+}
+check system-names system_names
 check release-script bash -n "$packaging/release.sh"
+
+# The bill of materials names every run-time need of the manifests once, refers to nothing that is not there, and is
+# the same twice.
+bill_of_materials() {
+    python3 "$packaging/sbom.py" "$work/bill.json" && python3 "$packaging/sbom.py" | cmp - "$work/bill.json" && python3 - "$root" "$work/bill.json" <<'END'
+import json, re, sys, tomllib
+from pathlib import Path
+root = Path(sys.argv[1])
+bill = json.loads(Path(sys.argv[2]).read_text())
+assert bill["bomFormat"] == "CycloneDX" and bill["specVersion"] == "1.5" and re.fullmatch(r"urn:uuid:[0-9a-f-]{36}", bill["serialNumber"])
+parts = [bill["metadata"]["component"]] + bill["components"]
+refs = [p["bom-ref"] for p in parts]
+assert len(refs) == len(set(refs)) and all(p["name"] and p["type"] == "library" for p in parts)
+for of in bill["dependencies"]:
+    assert of["ref"] in refs and set(of["dependsOn"]) <= set(refs), of
+python = tomllib.loads((root / "bindings/python/pyproject.toml").read_text())["project"]["dependencies"]
+assert python
+for need in python:
+    name = re.match("[A-Za-z0-9_.-]+", need)[0]
+    assert [p["scope"] for p in parts if p["purl"] == "pkg:pypi/" + name] == ["required"], need
+lock = tomllib.loads((root / "bindings/rust/Cargo.lock").read_text())["package"]
+cc = next(p for p in lock if p["name"] == "cc")
+assert f"pkg:cargo/cc@{cc['version']}" in refs and all("pkg:cargo/" + n.split()[0] in " ".join(refs) for n in cc["dependencies"])
+END
+}
+if python3 -c 'import tomllib' 2> /dev/null; then check bill-of-materials bill_of_materials; else skip bill-of-materials "python3 is older than 3.11"; fi
 
 # npm: what would be in the package.
 npm_package() {
@@ -88,7 +135,7 @@ else
 fi
 
 if [ "${HMF_PACKAGES:-}" != 1 ]; then
-    for name in wheel debian conan vcpkg conda; do skip $name "takes minutes; HMF_PACKAGES=1 runs it"; done
+    for name in wheel ray-and-dask npm-install debian conan vcpkg conda; do skip $name "takes minutes; HMF_PACKAGES=1 runs it"; done
     exit $failed
 fi
 
@@ -105,23 +152,86 @@ make_wheels() {
     # shellcheck disable=SC2086
     "$work/venv/bin/python" "$packaging/build_wheels.py" --out "$work/dist" ${HMF_PACKAGE_TARGETS:-$native}
 }
+# The first sh and python blocks of the README of Python, verbatim, with the wheel in dist.
 use_wheel() {
     rm -rf "$work/clean"
-    mkdir -p "$work/clean/run"
-    python3 -m venv "$work/clean/venv" &&
-        CC=/bin/false CXX=/bin/false "$work/clean/venv/bin/pip" install -q --only-binary :all: "$(ls "$work"/dist/*manylinux*"$(uname -m)".whl)[plot]" &&
-        cd "$work/clean/run" && PATH=$work/clean/venv/bin "$work/clean/venv/bin/python" -m foliations.sample pretzel.obj &&
-        PATH=$work/clean/venv/bin "$work/clean/venv/bin/python" "$root/bindings/python/examples/first.py" && [ -s first.png ] && [ -s first.glb ] && [ -s first.npz ]
+    mkdir -p "$work/clean/dist"
+    cp "$work"/dist/*manylinux*"$(uname -m)".whl "$work/clean/dist"
+    for kind in sh python; do
+        awk -v begin="^\`\`\`$kind\$" '$0 ~ begin { on = 1; next } /^```/ { if (on) exit } on' "$root/bindings/python/README.md" > "$work/clean/readme.$kind"
+    done
+    python3 -m venv "$work/clean/venv" && cd "$work/clean" &&
+        PATH=$work/clean/venv/bin:/usr/bin:/bin CC=/bin/false CXX=/bin/false PIP_ONLY_BINARY=:all: bash -eux readme.sh &&
+        PATH=$work/clean/venv/bin python readme.python && [ -s look.png ] && [ -s look.glb ] && [ -s first.png ] && [ -s first.glb ] && [ -s first.npz ]
+}
+# Ray Data and Dask with clusters on this machine; a test that skips is a failure here.
+many_machines() {
+    (cd "$work" && "$work/clean/venv/bin/python" -m pytest -q -c "$root/bindings/python/pyproject.toml" --rootdir "$root/bindings/python" \
+        -p no:cacheprovider "$root/bindings/python/tests/test_rows.py") > "$work/rows.log" 2>&1
+    local code=$?
+    cat "$work/rows.log"
+    [ $code -eq 0 ] && ! grep -q skipped "$work/rows.log"
+}
+# A wheel of another machine, run by an interpreter for it: the same bits as C.
+other_wheel() { # pattern of the wheel, interpreter ...
+    local wheel
+    wheel=$(echo "$work"/dist/$1)
+    shift
+    mkdir -p "$work/bits"
+    cd "$work/bits" || return 1
+    "$work/venv/bin/python" "$packaging/try_wheel.py" "$wheel" "$@" > "$work/other_wheel.txt" && cat "$work/other_wheel.txt" &&
+        c++ -std=c++17 -O2 -ffp-contract=off -I"$root/include" -c "$root"/src/*/*.cpp && cc -std=c99 -I"$root/include" "$root/bindings/same_bits/same_bits.c" ./*.o -lstdc++ -lm -o same_bits &&
+        ./same_bits | diff - <(head -3 "$work/other_wheel.txt") && grep -q image.png "$work/other_wheel.txt"
+}
+# The Python of Debian for arm64, unpacked, for qemu.
+arm64_python() {
+    local apt=$work/arm64/apt options version
+    rm -rf "$work/arm64"
+    mkdir -p "$apt/lists/partial" "$apt/archives/partial" "$apt/none"
+    touch "$apt/status"
+    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian stable main" > "$apt/sources.list"
+    options=(-o Dir::State="$apt" -o Dir::State::lists="$apt/lists" -o Dir::Cache="$apt" -o Dir::Etc::sourcelist="$apt/sources.list" -o Dir::Etc::sourceparts="$apt/none"
+        -o Dir::State::status="$apt/status" -o APT::Architectures::=arm64 -o APT::Sandbox::User=root)
+    cd "$work/arm64" && apt-get "${options[@]}" update || return 1
+    version=$(apt-cache "${options[@]}" show python3-minimal:arm64 | sed -n 's/^Depends:.*python\(3\.[0-9]*\)-minimal.*/\1/p' | head -1)
+    apt-get "${options[@]}" download "python$version-minimal:arm64" "libpython$version-minimal:arm64" "libpython$version-stdlib:arm64" libc6:arm64 libgcc-s1:arm64 \
+        libstdc++6:arm64 libexpat1:arm64 zlib1g:arm64 libffi8:arm64 || return 1
+    for package in *.deb; do dpkg-deb -x "$package" root || return 1; done
+    printf '%s\n' "$work/arm64/root/usr/bin/python$version" > "$work/arm64/interpreter"
 }
 if [ -z "$native" ] || ! { python3 -m venv "$work/venv" && "$work/venv/bin/pip" install -q ziglang cffi build scikit-build-core; } > "$work/venv.log" 2>&1; then
     skip wheel "no environment with ziglang, cffi, build"
 else
     check wheel make_wheels
     case $native in
-    manylinux*) check wheel-in-clean-environment use_wheel ;;
+    manylinux*)
+        check wheel-in-clean-environment use_wheel
+        if "$work/clean/venv/bin/pip" install -q --only-binary :all: pytest dask distributed 'ray[data]' > "$work/ray.log" 2>&1; then
+            check ray-and-dask many_machines
+        else skip ray-and-dask "they cannot be installed"; fi
+        ;;
     *) skip wheel-in-clean-environment "written for Linux" ;;
     esac
+    if ! ls "$work"/dist/*manylinux*aarch64.whl > /dev/null 2>&1; then skip wheel-aarch64 "HMF_PACKAGE_TARGETS does not name it"
+    elif [ "$(uname -m)" != x86_64 ] || ! command -v qemu-aarch64 > /dev/null; then skip wheel-aarch64 "no qemu-aarch64, or another machine"
+    elif ! arm64_python > "$work/arm64.log" 2>&1; then skip wheel-aarch64 "no Python for arm64 can be had"
+    else check wheel-aarch64 other_wheel '*manylinux*aarch64.whl' qemu-aarch64 -L "$work/arm64/root" "$(cat "$work/arm64/interpreter")"; fi
+    if ! ls "$work"/dist/*musllinux*"$(uname -m)".whl > /dev/null 2>&1; then skip wheel-musl "HMF_PACKAGE_TARGETS does not name it"
+    elif [ -z "${HMF_MUSL_PYTHON:-}" ]; then skip wheel-musl "HMF_MUSL_PYTHON is not set"
+    else check wheel-musl other_wheel "*musllinux*$(uname -m).whl" "$HMF_MUSL_PYTHON"; fi
 fi
+
+# What npm packs, installed in an empty folder: the program of the README.
+npm_install() {
+    rm -rf "$work/npm"
+    mkdir -p "$work/npm"
+    (cd "$root/bindings/javascript" && npm pack --silent --pack-destination "$work/npm") && cd "$work/npm" && npm init -y > /dev/null &&
+        npm install --silent --no-audit --no-fund ./foliations-*.tgz && awk '/^```js$/ { on = 1; next } /^```/ { if (on) exit } on' "$root/bindings/javascript/README.md" > example.mjs &&
+        node example.mjs | tee printed && grep -q 'genus 1' printed
+}
+if command -v npm > /dev/null && echo 'int main() { return 0; }' | clang++ --target=wasm32-wasi -mexec-model=reactor -fno-exceptions -x c++ - -o "$work/probe.wasm" > /dev/null 2>&1; then
+    check npm-install npm_install
+else skip npm-install "no npm, or no clang for WebAssembly"; fi
 
 debian_package() {
     rm -rf "$work/debian"
@@ -137,7 +247,8 @@ else skip debian "no debhelper"; fi
 if { "$work/venv/bin/pip" install -q conan && "$work/venv/bin/conan" --version; } > "$work/conan-install.log" 2>&1; then
     export CONAN_HOME=$work/conan
     "$work/venv/bin/conan" profile detect --force > /dev/null 2>&1
-    check conan "$work/venv/bin/conan" create "$packaging/conan"
+    # With the program that uses it built here, not in the sources.
+    check conan "$work/venv/bin/conan" create -c "tools.cmake.cmake_layout:test_folder=$work/conan-test" "$packaging/conan"
 else skip conan "it cannot be installed"; fi
 if command -v vcpkg > /dev/null; then check vcpkg vcpkg install hmf --overlay-ports="$packaging/vcpkg/ports" --x-install-root="$work/vcpkg"
 else skip vcpkg "no vcpkg"; fi

@@ -581,7 +581,7 @@ class Solve(Case):
         self.assertNotIn("dilatation_mean", found)
         self.assertEqual(found["singularities"], [])
         self.assertEqual(found["options"], {
-            "loops": "cut", "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
+            "loops": "cut", "through": None, "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 1000, "mollify": None,
             "tolerance": 1e-8, "time-limit": None, "threads": found["threads"], "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes", "camera": "auto", "image-size": "1400x1050", "legend": False, "period": found["options"]["period"],
             "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": False})
         # What it says are the defaults gives the same bits.
@@ -716,6 +716,22 @@ class Solve(Case):
         self.refused(3, "solve", self.mesh, "--method", "whitehead", "--tolerance", "0.1", "--obj", self.path("u.obj"), "--values", self.path("u.csv"),
                      says=["--method newton"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
+
+    def test_atlas(self):
+        """Every corner in the unit square, together with the area that the report tells."""
+        self.run_tool("solve", self.mesh, "--atlas", self.path("a.obj"), "--report", self.path("a.json"))
+        lines = [line.split() for line in self.read("a.obj").decode().splitlines()]
+        vt = [tuple(map(float, line[1:])) for line in lines if line[0] == "vt"]
+        faces = [[vt[int(corner.split("/")[1]) - 1] for corner in line[1:]] for line in lines if line[0] == "f"]
+        self.assertEqual(len(faces), len(self.triangles))
+        self.assertTrue(all(0 <= x <= 1 for place in vt for x in place))
+        area = sum((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) for a, b, c in faces) / 2
+        report = json.loads(self.read("a.json"))
+        self.assertAlmostEqual(area, report["atlas_used_area"], 6)
+        self.assertEqual(report["options"]["loops"], "even")
+        self.run_tool("solve", self.mesh, "--atlas", self.path("a.glb"), "--loops", "cut")
+        self.assertEqual(self.read("a.glb")[:4], b"glTF")
+        self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
@@ -903,6 +919,56 @@ class Solve(Case):
             self.assertEqual(len(report["levels"]) > 1, coarsest == "100")
             energies.append(report["energy"])
         self.assertAlmostEqual(energies[0] / energies[1], 1, 9)
+
+    def test_through(self):
+        """Loops drawn by picked vertices or places: the shortest way along edges from each to the next."""
+        saved, report = self.path("saved.txt"), self.path("r.json")
+
+        def drawn(picked, *options):
+            self.run_tool("solve", self.mesh, "--through", picked, "--save-loops", saved, "--report", report, *options)
+            head, *lines = self.read("saved.txt").decode().splitlines()
+            return [list(map(int, line[3:].split())) for line in lines], json.loads(self.read("r.json"))
+
+        # Round the tube: vertices 0 to 15.
+        (loop,), found = drawn("0 5 10")
+        self.assertEqual(loop, list(range(16)))
+        self.assertEqual((found["class"], found["options"]["through"], found["options"]["loops"]), ("proven", "0 5 10", None))
+        self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", " ".join(map(str, range(16)))), "--report", report)
+        self.assertEqual(json.loads(self.read("r.json"))["energy"], found["energy"])
+        places = " ".join(",".join("%.3f" % (x + 0.004) for x in self.points[v]) for v in (0, 5, 10, 0))
+        self.assertEqual(drawn(places)[0], [loop])
+        # Round the hole; each way is as short as any other, found by relaxing every edge.
+        picked = [16 * i for i in range(0, 24, 6)]
+        (loop,), _ = drawn(" ".join(map(str, picked)))
+        sides = {(a, b) for t in self.triangles for a, b in ((t[0], t[1]), (t[1], t[2]), (t[2], t[0]))}
+        sides |= {(b, a) for a, b in sides}
+        self.assertTrue(set(zip(loop, loop[1:] + loop[:1])) <= sides)
+        size = lambda a, b: math.dist(self.points[a], self.points[b])
+        least = 0
+        for a, b in zip(picked, picked[1:] + picked[:1]):
+            distance = dict.fromkeys(range(len(self.points)), math.inf)
+            distance[a] = 0
+            changed = True
+            while changed:
+                changed = False
+                for u, v in sides:
+                    if distance[u] + size(u, v) < distance[v]:
+                        distance[v], changed = distance[u] + size(u, v), True
+            least += distance[b]
+        self.assertAlmostEqual(sum(map(size, loop, loop[1:] + loop[:1])), least, 12)
+        # Two components, a loop on each.
+        scene = self.write("scene.obj", obj_text(*beside((self.points, self.triangles), (self.points, self.triangles))))
+        n = len(self.points)
+        done = self.run_tool("solve", scene, "--through", "0 5 10; %d %d %d" % (n, n + 5, n + 10))
+        self.assertIn("2 components, 2 solved", done.stdout)
+        self.refused(2, "solve", scene, "--through", "0 5 %d" % n, says=["--through: loop 1", "one component"])
+        for picked, says in (("", "nothing is picked"), (" ; ", "loop 1 has 0"), ("0 5", "loop 1 has 2 picked vertices"), ("0 0 5 0", "loop 1 has 2"),
+                             ("0 5 x", "\"x\""), ("0 5 -1", "\"-1\""), ("0 5 99999", "vertex 99999 does not exist"), ("0 5 1,2", "no place"), ("0 5 1,2,nan", "no place"),
+                             ("0 5 1,2,3,4", "no place"), ("0 5 10;0 1", "loop 2 has 2")):
+            self.refused(2, "solve", self.mesh, "--through", picked, says=["--through", says])
+        self.refused(3, "solve", self.mesh, "--through", "0 1 2", says=["--through, loop 1", "goes back the way it came"])
+        self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--loops", "cut", says=["--through", "--loops"])
+        self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--weights", "1,2", says=["2 weights for 1 loops"])
 
     def test_bad_loops(self):
         def bad(text, *says):

@@ -86,10 +86,11 @@ T sized() {
 }
 
 // A structure of an older header ends early, and what is not there is the
-// default; one of a newer header must end in zeros.  call(structure, error)
+// default; one of a newer header must end in zeros.  A size that no structure can
+// have, which may cut a pointer in two, is refused.  call(structure, error)
 // returns a status; `least` bytes are enough for it to succeed.
 template <class T, class Call>
-void expect_sizes(const T& good, Call&& call, size_t least = sizeof(uint32_t)) {
+void expect_sizes(const T& good, Call&& call, size_t least = alignof(T)) {
     struct Longer {
         T known;
         uint64_t future;
@@ -103,18 +104,23 @@ void expect_sizes(const T& good, Call&& call, size_t least = sizeof(uint32_t)) {
     expect_error(call(&longer.known, &error), HMF_ERROR_OPTIONS, error);
     // What lies beyond struct_size is not read.
     T cut;
-    for (size_t size = least; size < sizeof good; size += 4) {
+    for (size_t size = least; size < sizeof good; size += alignof(T)) {
         std::memset(static_cast<void*>(&cut), 0xff, sizeof cut);
         std::memcpy(static_cast<void*>(&cut), &good, size);
         cut.struct_size = static_cast<uint32_t>(size);
         error = hmf_error{};
         EXPECT_EQ(call(&cut, &error), HMF_OK) << size << " bytes: " << error.message;
     }
-    for (const uint32_t size : {0u, 1u, 3u, 1u << 20}) {
+    std::vector<uint32_t> refused{0, 1u << 20, 8u << 20, UINT32_MAX, UINT32_MAX - 7};
+    for (uint32_t size = 1; size < sizeof longer; ++size)
+        if (size % alignof(T) != 0) refused.push_back(size);
+    for (const uint32_t size : refused) {
         cut = good;
         cut.struct_size = size;
         error = hmf_error{};
         expect_error(call(&cut, &error), HMF_ERROR_OPTIONS, error);
+        EXPECT_EQ(error.element, HMF_ELEMENT_OPTION);
+        EXPECT_EQ(error.index, 0u);
     }
 }
 
@@ -213,6 +219,8 @@ protected:
             refused, [&](auto out, hmf_error* e) { return hmf_cylinders(f.get(), nullptr, nullptr, out, e); });
         expect_failure<hmf_quad_mesh>(
             refused, [&](auto out, hmf_error* e) { return hmf_quads(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_chart_set>(
+            refused, [&](auto out, hmf_error* e) { return hmf_atlas(f.get(), nullptr, nullptr, out, e); });
     }
 };
 
@@ -284,6 +292,8 @@ TEST_F(OnTorus, NullPointers) {
              [&](auto out, auto e) { return hmf_cylinders(y, nullptr, nullptr, out, e); });
         make(static_cast<hmf_quad_mesh*>(nullptr),
              [&](auto out, auto e) { return hmf_quads(y, nullptr, nullptr, out, e); });
+        make(static_cast<hmf_chart_set*>(nullptr),
+             [&](auto out, auto e) { return hmf_atlas(y, nullptr, nullptr, out, e); });
     }
     expect_failure<hmf_foliation>(HMF_ERROR_NULL, [&](auto out, hmf_error* e) {
         return hmf_foliation_create(hierarchy.get(), 0, nullptr, count, nullptr, out, e);
@@ -384,6 +394,14 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         });
     }
     {
+        SCOPED_TRACE("hmf_atlas_options");
+        expect_sizes(sized<hmf_atlas_options>(), [&](const hmf_atlas_options* o, hmf_error* error) {
+            *error = outcome<hmf_chart_set>(
+                [&](auto out, hmf_error* e) { return hmf_atlas(harmonic.foliation.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
         SCOPED_TRACE("hmf_loop_set");
         Loops loops;
         loops.add(ring(1));
@@ -456,6 +474,8 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         wish.relax = 2;
         making(static_cast<hmf_quad_mesh*>(nullptr),
                [&](auto c, auto out, auto e) { return hmf_quads(best, &wish, c, out, e); });
+        making(static_cast<hmf_chart_set*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_atlas(best, nullptr, c, out, e); });
         // Without the function there is nothing to call.
         hmf_control none = control;
         none.struct_size = offsetof(hmf_control, progress);

@@ -146,7 +146,7 @@ std::vector<Sample> samples() {
             {"sheared torus", torus(40, 20, 2, 1, sheared), {0.7}},
             {"pretzel 2", pretzel(2, 2), {1, 1}},
             {"pretzel 3", pretzel(3, 2), {1, 2.5, 0.3}},
-            {"plate 2", plate(2), {1, 3}},
+            {"plate 2", plate(2), {3, 1}},
             {"finger", torus_with_finger(24, 12, 8, 3), {1}},
             {"bad triangles", with_bad_triangles(pretzel(2, 2), 12, 0.5, 3), {1, 1}}};
 }

@@ -282,8 +282,10 @@ void expect_pants(const TriMesh& mesh) {
         hmf::Multicurve curves;
         hmf::CutSurface cut;
         ASSERT_TRUE(curves.allocate(on, memory));
-        ASSERT_EQ(hmf::disjoint(on, loops, 0, loops.count(), curves, nullptr, memory), hmf::Answer::yes);
-        ASSERT_TRUE(cut.build(on, curves, false, memory));
+        bool are_disjoint = false;
+        ASSERT_TRUE(hmf::disjoint(on, loops, 0, loops.count(), curves, nullptr, memory, are_disjoint));
+        ASSERT_TRUE(are_disjoint);
+        ASSERT_TRUE(cut.build(on, curves, false, call));
         std::vector<uint32_t> parent(cut.region_count);
         for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
         for (size_t s = 0; s < cut.segment_count; ++s)

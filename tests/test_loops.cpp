@@ -38,7 +38,7 @@ Pieces pieces(const Mesh& mesh, const Loops& loops) {
     CutSurface cut;
     EXPECT_TRUE(curves.allocate(mesh, c.memory) && curves.add(loops.crossings.data(), loops.crossings.size()));
     EXPECT_TRUE(curves.is_normal(mesh));
-    EXPECT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, false, c.memory));
+    EXPECT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, false, c.call));
     EXPECT_EQ(curves.components.count(), loops.count());
     std::vector<uint32_t> parent(cut.region_count);
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
@@ -637,7 +637,7 @@ TEST(CutSystem, EachIsTheShortest) {
             const double straight = curve({loop, loop + n});
             CutSurface cut;
             Signatures signatures;
-            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.memory)
+            ASSERT_TRUE(curves.trace(mesh, c.memory) && cut.build(mesh, curves, true, c.call)
                         && signatures.build(cut, c.call));
             for (uint32_t root = 0; root < cut.region_count; ++root) {
                 std::vector<double> distance(cut.region_count, HUGE_VAL);

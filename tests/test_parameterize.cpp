@@ -60,6 +60,16 @@ Solution harmonic(const Hierarchy& hierarchy, const Loops* loops = nullptr) {
     return s;
 }
 
+// Round a vertex (u, v) comes back with the opposite sign exactly where the cone angle is an odd multiple of pi.
+void expect_parity(const LevelMesh& mesh, const Flat& flat) {
+    std::vector<int> turn(mesh.vertex_count, 1);
+    for (size_t e = 0; e < mesh.edge_count; ++e)
+        for (size_t end = 0; end < 2; ++end)
+            if (flat.transition[3 * e] < 0) turn[mesh.edge_vertices[2 * e + end]] *= -1;
+    for (size_t v = 0; v < mesh.vertex_count; ++v)
+        EXPECT_EQ(turn[v] < 0, flat.cone[v] % 2 != 0) << "vertex " << v << ", cone " << flat.cone[v];
+}
+
 // Everything that holds for every parameterisation.  share: of the vertices, at least, whose triangles are all sound.
 void expect_flat_surface(const LevelMesh& mesh, const Foliation& foliation, const Flat& flat, size_t genus,
                          double share = 0.9) {
@@ -93,6 +103,7 @@ void expect_flat_surface(const LevelMesh& mesh, const Foliation& foliation, cons
     long sum = 0;
     for (const int32_t c : flat.cone) sum += 2 - c;
     EXPECT_EQ(sum, 4 - 4 * static_cast<long>(genus));
+    expect_parity(mesh, flat);
     // The angle in the plane is the cone angle where no triangle at the vertex is flipped; u is the foliation but near
     // the zeros.
     std::vector<double> angle(mesh.vertex_count, 0), area(mesh.vertex_count, 0);
@@ -418,6 +429,7 @@ TEST(Parameterize, DeadLimbsAreDegenerateNotWrong) {
     long sum = 0;
     for (const int32_t c : flat.cone) sum += 2 - c;
     EXPECT_EQ(sum, 0);
+    expect_parity(read_level(hierarchy, 0), flat);
 }
 
 // A few vertices above the tolerance may be the work of the flips; many say that the values are not harmonic,

@@ -1,7 +1,11 @@
-// What pictures are drawn from: patterns without seams, loops that are shortest in their strip.
+// What pictures are drawn from: patterns without seams, loops that are shortest in their strip, the view, zeros.
+#include "../bindings/cli/camera.cpp"
+#include "../bindings/cli/canvas.cpp"
 #include "../bindings/cli/closed_pattern.cpp"
+#include "../bindings/cli/drawing.cpp"
 #include "../bindings/cli/loop_lines.cpp"
 #include "../bindings/cli/potential.cpp"
+#include "../bindings/cli/render.cpp"
 #include "../bindings/cli/whole_stripes.cpp"
 
 #include "support/surface.hpp"
@@ -100,7 +104,7 @@ TEST(Pictures, CommonPeriod) {
 TEST(Pictures, CheckerboardsHaveNoSeams) {
     const std::vector<std::pair<TriMesh, std::vector<double>>> cases = {{torus(24, 16, 2, 0.8), {1}},
                                                                         {trefoil(60, 8, 0.3), {1}},
-                                                                        {pretzel(2, 2), {1, 1.5}},
+                                                                        {pretzel(2, 2), {1, 1.7}},
                                                                         {pretzel(3, 2), {1, 1, 3}},
                                                                         {torus_with_finger(20, 12, 6, 2), {1}}};
     for (const auto& [mesh, weights] : cases) {
@@ -170,4 +174,64 @@ TEST(Pictures, LoopsAreShortestInTheirStrip) {
             }
     }
     EXPECT_EQ(edges_found, count);
+}
+
+// Whatever side of a surface the zeros are on, it is looked at from there.
+TEST(Pictures, TheDefaultViewSeesTheZeros) {
+    const TriMesh mesh = torus(60, 40, 2, 0.8);
+    std::vector<cli::Vec> points;
+    for (size_t v = 0; v < mesh.vertex_count(); ++v)
+        points.push_back({mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]});
+    const cli::Samples samples = cli::sample_surface(points, mesh.triangles);
+    const std::vector<cli::Vec> sides = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (const cli::Vec side : sides) {
+        std::vector<cli::Target> targets;
+        for (size_t v = 0; v < points.size(); ++v) {
+            bool is_highest = true; // of the points at hand
+            for (size_t w = 0; w < points.size(); w += 7)
+                is_highest = is_highest && cli::dot(side, points[w]) <= cli::dot(side, points[v]) + 0.02;
+            if (is_highest) targets.push_back({{points[v]}, 1});
+        }
+        ASSERT_GE(targets.size(), 1u);
+        const cli::View view = cli::best_view(samples, targets);
+        EXPECT_GT(cli::dot(cli::unit(view.from), side), 0.1) << side.x << side.y << side.z;
+    }
+}
+
+// Zeros at one place are drawn beside each other; a number tells an order above 1.
+TEST(Pictures, ZerosThatLieTogetherAreAllSeen) {
+    Solved s(torus(60, 40, 2, 0.8), {1});
+    cli::PictureStyle style;
+    style.width = 400;
+    style.height = 300;
+    style.has_view = true;
+    style.view = {{0, 0, 1}, {0, 1, 0}};
+    const double period = cli::wanted_period(s.f);
+    // The highest vertex, which is seen from above.
+    size_t top = 0;
+    for (size_t v = 0; v < s.f.positions.size() / 3; ++v)
+        if (s.f.positions[3 * v + 2] > s.f.positions[3 * top + 2]) top = v;
+    const auto blue = [&](const std::vector<int>& orders) {
+        s.f.singular.clear();
+        for (const int order : orders) {
+            hmf_singularity zero{};
+            zero.index = -order;
+            for (size_t k = 0; k < 3; ++k) zero.position[k] = s.f.positions[3 * top + k];
+            s.f.singular.push_back(zero);
+        }
+        const cli::Image image = cli::render(s.f, cli::local_potential(s.f, period), {}, {}, style);
+        size_t count = 0;
+        for (size_t k = 0; k < image.rgb.size(); k += 3)
+            count += image.rgb[k + 2] > 120 && image.rgb[k + 2] > 2 * image.rgb[k]
+                  && image.rgb[k + 2] > image.rgb[k + 1] + 60;
+        return double(count);
+    };
+    const double one = blue({1});
+    EXPECT_EQ(blue({}), 0);
+    EXPECT_GT(one, 10);
+    EXPECT_GT(blue({1, 1}), 1.7 * one);
+    EXPECT_GT(blue({1, 1, 1, 1}), 3.2 * one);
+    // The number covers some of its ball.
+    EXPECT_LT(blue({2}), 0.9 * one);
+    EXPECT_GT(blue({2}), 0.3 * one);
 }

@@ -118,9 +118,11 @@ TEST(Resources, MemoryLimitIsKept) {
         hmf_loop_set* loops = nullptr;
         hmf_foliation* f = nullptr;
         hmf_quad_mesh* quads = nullptr;
+        hmf_chart_set* charts = nullptr;
         if (!status) status = hmf_loops(h, 0, HMF_LOOPS_CUT, nullptr, &loops, nullptr);
         if (!status) status = hmf_solve(h, loops, nullptr, nullptr, &f, nullptr);
         if (!status) status = hmf_quads(f, nullptr, nullptr, &quads, nullptr);
+        if (!status) status = hmf_atlas(f, nullptr, nullptr, &charts, nullptr);
         ASSERT_LE(meter.peak, limit);
         if (status == HMF_OK) {
             done = true;
@@ -130,6 +132,7 @@ TEST(Resources, MemoryLimitIsKept) {
         }
         hmf_free(loops);
         hmf_free(quads);
+        hmf_free(charts);
         hmf_foliation_destroy(f);
         hmf_destroy(h);
         ASSERT_EQ(meter.used, 0u);
@@ -156,6 +159,32 @@ TEST(Resources, MemoryLimitHoldsToTheByte) {
         EXPECT_LE(meter.peak, options.memory_limit);
         EXPECT_EQ(meter.used, 0u);
     }
+}
+
+// What a foliation says it holds is what the allocator sees, before and after a use that keeps something.
+TEST(Resources, MemoryOfAFoliation) {
+    Meter meter;
+    const Hierarchy hierarchy(pretzel(2, 1), meter.options());
+    ASSERT_TRUE(hierarchy);
+    EXPECT_EQ(hmf_foliation_memory(nullptr), 0u);
+    const uint64_t held = meter.used;
+    {
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(solution.status, HMF_OK);
+        const hmf_foliation* const f = solution.foliation.get();
+        EXPECT_EQ(hmf_foliation_memory(f), meter.used - held);
+        EXPECT_GE(hmf_foliation_memory(f), 8 * solution.values.size());
+        hmf_parameterization* map = nullptr;
+        ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
+        hmf_free(map);
+        const uint64_t after = hmf_foliation_memory(f);
+        EXPECT_GT(after, 16 * solution.values.size());
+        EXPECT_EQ(after, meter.used - held);
+        ASSERT_EQ(hmf_parameterize(f, nullptr, nullptr, &map, nullptr), HMF_OK);
+        hmf_free(map);
+        EXPECT_EQ(hmf_foliation_memory(f), after);
+    }
+    EXPECT_EQ(meter.used, held);
 }
 
 // A hundred rounds on one hierarchy: memory returns to where it was.

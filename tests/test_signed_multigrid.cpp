@@ -480,7 +480,7 @@ TEST(SignedMultigrid, EveryAllocationMayFail) {
         {
             hmf::Memory memory(allocate, release, &failing, 0);
             hmf::SignedMultigrid multigrid;
-            done = multigrid.setup(s.matrix(), memory);
+            done = static_cast<bool>(multigrid.setup(s.matrix(), memory));
             if (!done) { EXPECT_EQ(memory.failure(), HMF_ERROR_MEMORY); }
         }
         EXPECT_EQ(failing.open, 0u);

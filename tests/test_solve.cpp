@@ -676,6 +676,41 @@ TEST(ResidualTolerance, OutOfRange) {
     }
 }
 
+// A limit of steps ends the solve where it is; one that is not reached changes nothing.
+TEST(StepLimit, EndsNewton) {
+    const Hierarchy hierarchy(torus(60, 40, 3, 1));
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0);
+    hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-12);
+    const Solution whole = solve(hierarchy, &loops, options);
+    ASSERT_EQ(whole.status, HMF_OK) << whole.error.message;
+    double before = 1e300;
+    uint64_t ended = 0;
+    for (options.step_limit = 1; options.step_limit <= 60; ++options.step_limit) {
+        SCOPED_TRACE(options.step_limit);
+        const Solution part = solve(hierarchy, &loops, options);
+        EXPECT_LE(part.report.energy, before * (1 + 1e-12));
+        EXPECT_EQ(part.report.class_state, HMF_CLASS_PROVEN);
+        EXPECT_EQ(part.report.poles, 0u);
+        before = part.report.energy;
+        if (part.status == HMF_OK) {
+            EXPECT_EQ(part.values, whole.values);
+            break;
+        }
+        EXPECT_EQ(part.status, HMF_LIMIT_ITERATIONS);
+        EXPECT_NE(std::string(part.error.message).find("step_limit"), std::string::npos) << part.error.message;
+        EXPECT_GT(part.report.residual_max, 1e-12);
+        ++ended;
+    }
+    EXPECT_GT(ended, 0u);
+    EXPECT_LT(ended, 60u);
+    // Sweeps have a limit of their own.
+    options = solve_options(HMF_METHOD_WHITEHEAD, 1e-6, many);
+    const Solution sweeps = solve(hierarchy, &loops, options);
+    options.step_limit = 1;
+    EXPECT_EQ(solve(hierarchy, &loops, options).values, sweeps.values);
+}
+
 // --- Determinism -------------------------------------------------------------
 
 TEST(Determinism, SameBitsTwiceAndFromManyThreads) {

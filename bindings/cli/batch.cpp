@@ -1,18 +1,13 @@
-// Each mesh is solved by a child process, so that one that takes all memory or dies ends alone.
 #include "batch.hpp"
 
-#include <poll.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <set>
 #include <thread>
 
+#include "children.hpp"
 #include "output.hpp"
 #include "progress.hpp"
 #include "read_mesh.hpp"
@@ -29,14 +24,6 @@ Json parsed(std::string_view text) {
     try {
         return readers::parse_json(text);
     } catch (const readers::JsonError&) { return {}; }
-}
-
-Json failed(const std::string& mesh, int status, const std::string& sentence) {
-    return {{"version", version_text()},
-            {"input", mesh},
-            {"exit_status", status},
-            {"errors", std::vector<std::string>{sentence}},
-            {"class", "none"}};
 }
 
 int status_in(const Json& result) {
@@ -75,68 +62,16 @@ std::set<std::string> done_in(const std::string& path) {
     return done;
 }
 
-struct Child {
-    std::string mesh;
-    pid_t process;
-    int pipe;
-    std::string text;
-};
-
-[[noreturn]] void solve_in_child(const std::string& mesh, std::vector<std::string> words, int pipe) {
-    // Control-C is for the parent too, which then starts no other.
-    dup2(pipe, STDOUT_FILENO);
-    std::freopen("/dev/null", "w", stderr);
-    int status = EXIT_RESOURCES;
-    std::string sentence = "out of memory";
-    try {
-        words.insert(words.begin(), {mesh, "--report", "-"});
-        status = solve(words).exit_status;
-        sentence.clear();
-    } catch (const Failure& failure) {
-        status = failure.exit_status;
-        sentence = failure.what();
-    } catch (const std::exception&) {}
-    if (!sentence.empty()) std::printf("%s", failed(mesh, status, sentence).dump().c_str());
-    std::fflush(stdout);
-    std::_Exit(status);
-}
-
-Child start(const std::string& mesh, const std::vector<std::string>& words) {
-    int ends[2];
-    std::fflush(nullptr);
-    const bool piped = pipe(ends) == 0;
-    const pid_t process = piped ? fork() : -1;
-    if (process < 0)
-        throw Failure(EXIT_RESOURCES, std::string("no process can be started (") + std::strerror(errno) + ")");
-    if (process == 0) {
-        close(ends[0]);
-        solve_in_child(mesh, words, ends[1]);
-    }
-    close(ends[1]);
-    return {mesh, process, ends[0], {}};
-}
-
-// Waits for some text of a child; true: it has ended.
-bool listen(Child& child) {
-    char block[4096];
-    const ssize_t count = read(child.pipe, block, sizeof block);
-    if (count > 0) child.text.append(block, static_cast<size_t>(count));
-    return count == 0 || (count < 0 && errno != EINTR);
-}
-
-Json result_of(Child& child) {
-    close(child.pipe);
-    int status = 0;
-    while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {}
-    Json result = parsed(child.text);
-    if (result.is_object()) return result;
-    return failed(child.mesh, EXIT_RESOURCES,
-                  WIFSIGNALED(status) ? std::string("ended by signal ") + std::to_string(WTERMSIG(status))
-                                            + (WTERMSIG(status) == 9 ? ", as when memory is out" : "")
-                                      : "ended without a report");
-}
-
 } // namespace
+
+std::string report_of_failure(const std::string& mesh, int exit_status, const std::string& sentence) {
+    return Json{{"version", version_text()},
+                {"input", mesh},
+                {"exit_status", exit_status},
+                {"errors", std::vector<std::string>{sentence}},
+                {"class", "none"}}
+        .dump();
+}
 
 ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     std::string folder, out;
@@ -160,6 +95,8 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     }
     parse(options, words, "batch");
     if (out.empty() || out == "-") throw Failure(EXIT_USAGE, "--out is missing; write --out FILE.ndjson");
+    if (jobs > Children::most())
+        throw Failure(EXIT_USAGE, "--jobs: on this system meshes are solved one after the other; leave it out");
     std::vector<std::string> how;
     for (size_t i = own; i < options.size(); ++i)
         for (const std::string& value : options[i].given) {
@@ -183,20 +120,15 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     if (!file) throw Failure(EXIT_RESOURCES, out + ": cannot be written");
 
     const Progress interrupts; // no bar, but Control-C
-    std::vector<Child> children;
+    Children children(out + ".part.json");
     size_t next = 0, count = all - meshes.size();
     bool written = true;
-    while (written && (!children.empty() || (next < meshes.size() && !was_interrupted()))) {
-        while (next < meshes.size() && children.size() < jobs && !was_interrupted())
-            children.push_back(start(meshes[next++], how));
-        std::vector<pollfd> waits;
-        for (const Child& child : children) waits.push_back({child.pipe, POLLIN, 0});
-        if (poll(waits.data(), waits.size(), -1) < 0) continue;
-        for (size_t i = children.size(); i-- > 0;) {
-            if (!waits[i].revents || !listen(children[i])) continue;
-            const Json result = result_of(children[i]);
-            const std::string mesh = children[i].mesh;
-            children.erase(children.begin() + std::ptrdiff_t(i));
+    while (written && (children.count() > 0 || (next < meshes.size() && !was_interrupted()))) {
+        while (next < meshes.size() && children.count() < jobs && !was_interrupted())
+            children.start(meshes[next++], how);
+        for (const Ended& child : children.wait()) {
+            Json result = parsed(child.report);
+            if (!result.is_object()) result = parsed(report_of_failure(child.mesh, EXIT_RESOURCES, child.how));
             // What was interrupted is tried again the next time.
             if (was_interrupted() && status_in(result) == EXIT_LIMIT) continue;
             const std::string line = result.dump() + "\n";
@@ -205,7 +137,8 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             const Json* const errors = result.find("errors");
             const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
             const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
-            std::printf("[%zu/%zu] %s: %s\n", ++count, all, mesh.c_str(), sentence ? sentence->c_str() : "solved");
+            std::printf("[%zu/%zu] %s: %s\n", ++count, all, child.mesh.c_str(),
+                        sentence ? sentence->c_str() : "solved");
             std::fflush(stdout);
         }
     }

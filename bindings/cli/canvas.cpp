@@ -72,12 +72,14 @@ void Canvas::find_visible() {
 void Canvas::find_rough() {
     const uint32_t surface = uint32_t(sheets_[0].triangles->size() / 3);
     std::vector<uint32_t> slot(front_.size(), NONE);
+    const float step = float(8 * pixel_);
     const auto differ = [&](size_t a, size_t b) {
         const Hit &p = front_[a], &q = front_[b];
         if (p.triangle == q.triangle) return false;
         if (p.triangle == NONE || q.triangle == NONE || (p.triangle < surface) != (q.triangle < surface)) return true;
-        const double z = 1 / double(p.w), y = 1 / double(q.w);
-        return std::fabs(z - y) > 8 * std::min(z, y) * pixel_ || dot(shaded_[a].normal(), shaded_[b].normal()) < 0.94;
+        const float *const m = shaded_[a].n, *const n = shaded_[b].n;
+        // Distances that differ by more than 8 pixels.
+        return std::fabs(p.w - q.w) > step * std::min(p.w, q.w) || m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.94f;
     };
     const auto mark = [&](size_t at) {
         if (slot[at] != NONE) return;
@@ -160,64 +162,93 @@ double Canvas::depth_at(double x, double y) const {
     return double(front_[size_t(y) * width_ + size_t(x)].w);
 }
 
-// Share of light that reaches each pixel: neighbours above the tangent plane take some away.  Found at every second
-// pixel of every second row, then blurred, as the directions alternate.
+// Share of light that reaches each pixel: neighbours above the tangent plane take some away.  Found at every third
+// pixel of every third row, blurred there, as the directions alternate, and interpolated; never across a step in depth.
 std::vector<float> Canvas::ambient_light(double radius) const {
-    constexpr unsigned DIRECTIONS = 8, STEPS = 4, PATTERNS = 16;
+    constexpr unsigned DIRECTIONS = 8, STEPS = 4, PATTERNS = 16, GRID = 3;
     static const auto turns = [] {
-        std::array<std::array<double, 2>, DIRECTIONS * PATTERNS> table{};
+        std::array<std::array<float, 2>, DIRECTIONS * PATTERNS> table{};
         for (size_t k = 0; k < table.size(); ++k) {
             const double angle = 6.283185307179586 * double(k) / double(table.size());
-            table[k] = {std::cos(angle), std::sin(angle)};
+            table[k] = {float(std::cos(angle)), float(std::sin(angle))};
         }
         return table;
     }();
-    const unsigned half_width = (width_ + 1) / 2, half_height = (height_ + 1) / 2;
-    std::vector<float> raw(size_t{half_width} * half_height, 1.0f), light(front_.size(), 1.0f);
-    for (unsigned j = 0; j < half_height; ++j)
-        for (unsigned i = 0; i < half_width; ++i) {
-            const size_t x = 2 * i, y = 2 * j, at = y * width_ + x;
-            if (front_[at].triangle == NONE) continue;
-            const Vec here = position_at(x, y), n = shaded_[at].normal();
-            const double reach = radius * scale_ * double(front_[at].w);
+    struct Node {
+        float x = 0, y = 0, z = 0; // in the camera's frame; z 0: background
+    };
+    const unsigned wide = (width_ + GRID - 1) / GRID, high = (height_ + GRID - 1) / GRID;
+    std::vector<Node> nodes(size_t{wide} * high);
+    for (unsigned j = 0; j < high; ++j)
+        for (unsigned i = 0; i < wide; ++i) {
+            if (front_[size_t{GRID} * (size_t{j} * width_ + i)].triangle == NONE) continue;
+            const Vec p = position_at(size_t{GRID} * i, size_t{GRID} * j);
+            nodes[size_t{j} * wide + i] = {float(p.x), float(p.y), float(p.z)};
+        }
+    std::vector<float> raw(nodes.size(), 1.0f), blurred(nodes.size(), 1.0f), light(front_.size(), 1.0f);
+    const float spread = float(2 / (radius * radius)), jump = float(0.5 * radius);
+    for (unsigned j = 0; j < high; ++j)
+        for (unsigned i = 0; i < wide; ++i) {
+            const size_t at = size_t{GRID} * (size_t{j} * width_ + i);
+            const Node here = nodes[size_t{j} * wide + i];
+            if (here.z == 0) continue;
+            const float* const n = shaded_[at].n;
             const unsigned pattern = (i & 3u) + 4 * (j & 3u);
-            double taken = 0;
+            const float reach = float(radius * scale_ * double(front_[at].w) / (GRID * STEPS)),
+                        inset = 0.5f * float(pattern * 7 % 16) / 16;
+            float taken = 0;
             for (unsigned d = 0; d < DIRECTIONS; ++d) {
                 const auto [ux, uy] = turns[d * PATTERNS + pattern];
                 for (unsigned s = 1; s <= STEPS; ++s) {
-                    const double r = reach * (s - 0.5 * ((pattern * 7 % 16) / 16.0)) / STEPS;
-                    const double qx = double(x) + 0.5 + r * ux, qy = double(y) + 0.5 + r * uy;
-                    if (!(qx >= 0 && qy >= 0 && qx < width_ && qy < height_)) continue;
-                    const size_t ix = size_t(qx), iy = size_t(qy);
-                    if (front_[iy * width_ + ix].triangle == NONE) continue;
-                    const Vec to = position_at(ix, iy) - here;
-                    const double square = dot(to, to), above = dot(n, to);
-                    if (!(above > 0)) continue;
-                    const double share = above / std::sqrt(square) - 0.12;
-                    if (share > 0) taken += share / (1 + 2 * square / (radius * radius));
+                    const float r = reach * (float(s) - inset);
+                    const float qx = float(i) + 0.5f + r * ux, qy = float(j) + 0.5f + r * uy;
+                    if (!(qx >= 0 && qy >= 0 && qx < float(wide) && qy < float(high))) continue;
+                    const Node there = nodes[size_t(qy) * wide + size_t(qx)];
+                    if (there.z == 0) continue;
+                    const float x = there.x - here.x, y = there.y - here.y, z = there.z - here.z;
+                    const float above = n[0] * x + n[1] * y + n[2] * z, square = x * x + y * y + z * z;
+                    // Lower than 7 degrees: nothing.
+                    if (!(above > 0) || above * above <= 0.0144f * square) continue;
+                    taken += (above / std::sqrt(square) - 0.12f) / (1 + spread * square);
                 }
             }
-            raw[size_t{j} * half_width + i] = float(std::max(0.25, 1 - 1.5 * taken / (DIRECTIONS * STEPS)));
+            raw[size_t{j} * wide + i] = std::max(0.25f, 1 - 1.5f * taken / (DIRECTIONS * STEPS));
         }
-    const auto smooth = [&](size_t at, size_t x, size_t y) {
-        const double z = front_[at].triangle != NONE ? 1 / double(front_[at].w) : 0;
-        double sum = 0, count = 0;
-        for (int j = -2; j < 2; ++j)
-            for (int i = -2; i < 2; ++i) {
-                const int qx = int((x + 1) / 2) + i, qy = int((y + 1) / 2) + j;
-                if (qx < 0 || qy < 0 || qx >= int(half_width) || qy >= int(half_height)) continue;
-                const Hit& other = front_[size_t(2 * qy) * width_ + size_t(2 * qx)];
-                if (other.triangle == NONE || (z > 0 && std::fabs(1 / double(other.w) - z) > 0.5 * radius)) continue;
-                sum += double(raw[size_t(qy) * half_width + size_t(qx)]);
-                count += 1;
-            }
-        if (count > 0) light[at] = float(sum / count);
+    for (unsigned j = 0; j < high; ++j)
+        for (unsigned i = 0; i < wide; ++i) {
+            const float z = nodes[size_t{j} * wide + i].z;
+            if (z == 0) continue;
+            float sum = 0, count = 0;
+            for (unsigned b = j > 1 ? j - 2 : 0; b < std::min(high, j + 2); ++b)
+                for (unsigned a = i > 1 ? i - 2 : 0; a < std::min(wide, i + 2); ++a) {
+                    const size_t other = size_t{b} * wide + a;
+                    if (nodes[other].z == 0 || std::fabs(nodes[other].z - z) > jump) continue;
+                    sum += raw[other];
+                    count += 1;
+                }
+            blurred[size_t{j} * wide + i] = sum / count; // its own is among them
+        }
+    const auto interpolate = [&](size_t at, size_t x, size_t y) {
+        const float z = front_[at].triangle != NONE ? -1 / front_[at].w : 0;
+        const size_t i = x / GRID, j = y / GRID;
+        const float over = float(x % GRID) / GRID, down = float(y % GRID) / GRID;
+        float sum = 0, all = 0;
+        for (size_t k = 0; k < 4; ++k) {
+            const size_t a = i + (k & 1), b = j + (k >> 1);
+            const float weight = ((k & 1) ? over : 1 - over) * ((k >> 1) ? down : 1 - down);
+            if (a >= wide || b >= high || weight == 0) continue;
+            const Node& node = nodes[b * wide + a];
+            if (node.z == 0 || (z != 0 && std::fabs(node.z - z) > jump)) continue;
+            sum += weight * blurred[b * wide + a];
+            all += weight;
+        }
+        if (all > 0) light[at] = sum / all;
     };
     for (size_t y = 0, at = 0; y < height_; ++y)
         for (size_t x = 0; x < width_; ++x, ++at)
-            if (front_[at].triangle != NONE) smooth(at, x, y);
+            if (front_[at].triangle != NONE) interpolate(at, x, y);
     for (const uint32_t at : rough_)
-        if (front_[at].triangle == NONE) smooth(at, at % width_, at / width_);
+        if (front_[at].triangle == NONE) interpolate(at, at % width_, at / width_);
     return light;
 }
 

@@ -51,10 +51,11 @@ public:
     Image paint(double occlusion_radius, const Shade& shade) {
         find_visible();
         shaded_.resize(front_.size());
+        Current current;
         for (size_t y = 0, at = 0; y < height_; ++y)
             for (size_t x = 0; x < width_; ++x, ++at)
                 if (front_[at].triangle != NONE)
-                    shaded_[at] = shade_at(front_[at].triangle, double(x) + 0.5, double(y) + 0.5, shade);
+                    shaded_[at] = shade_at(front_[at].triangle, double(x) + 0.5, double(y) + 0.5, shade, current);
         find_rough();
         const std::vector<float> open = ambient_light(occlusion_radius);
         std::vector<Colour> sum(rough_.size());
@@ -76,7 +77,7 @@ public:
                 if (hits[s].triangle != NONE)
                     c = double(open[rough_[r]])
                       * shade_at(hits[s].triangle, double(rough_[r] % width_) + (x / count + 0.5) / SIDE,
-                                 double(rough_[r] / width_) + (y / count + 0.5) / SIDE, shade)
+                                 double(rough_[r] / width_) + (y / count + 0.5) / SIDE, shade, current)
                             .colour();
                 sum[r] = sum[r] + (count / FINE) * c;
             }
@@ -111,13 +112,22 @@ private:
     };
     static Setup set_up(const ScreenPoint* a, const ScreenPoint* b, const ScreenPoint* c);
 
+    // The triangle that was shaded last: the next pixel often lies on it too.
+    struct Current {
+        uint32_t triangle = NONE;
+        Setup setup;
+    };
+
     template <class Shade>
-    Lit shade_at(uint32_t triangle, double x, double y, const Shade& shade) const {
-        size_t sheet = 0, local = triangle;
-        while (local >= sheets_[sheet].triangles->size() / 3) local -= sheets_[sheet++].triangles->size() / 3;
-        const std::vector<ScreenPoint>& p = *sheets_[sheet].points;
-        const uint32_t* const corner = &(*sheets_[sheet].triangles)[3 * local];
-        const Setup s = set_up(&p[corner[0]], &p[corner[1]], &p[corner[2]]);
+    Lit shade_at(uint32_t triangle, double x, double y, const Shade& shade, Current& current) const {
+        if (current.triangle != triangle) {
+            size_t sheet = 0, local = triangle;
+            while (local >= sheets_[sheet].triangles->size() / 3) local -= sheets_[sheet++].triangles->size() / 3;
+            const std::vector<ScreenPoint>& p = *sheets_[sheet].points;
+            const uint32_t* const corner = &(*sheets_[sheet].triangles)[3 * local];
+            current = {triangle, set_up(&p[corner[0]], &p[corner[1]], &p[corner[2]])};
+        }
+        const Setup& s = current.setup;
         double screen[3], inverse = 0, inverse_x = 0, inverse_y = 0;
         for (int m = 0; m < 3; ++m) {
             screen[m] = std::max(0.0, s.e[m] + x * s.ex[m] + y * s.ey[m]);

@@ -179,7 +179,7 @@ void Component::solve(const SolveRequest& request, double time_limit, std::vecto
     foliation_.reset(raw);
     const bool of_line =
         error.status == status_ && error.element == HMF_ELEMENT_LOOP && error.index < read_.lines.size();
-    const std::string line = of_line ? shown(request.loops) + ":" + std::to_string(read_.lines[error.index]) : "";
+    const std::string line = of_line ? request.name_of_loop(read_.lines[error.index]) : "";
     if (status_ >= HMF_ERROR_NULL) {
         if (of_line) fail_with(status_, error, line);
         if (!alone_ && status_ == HMF_ERROR_UNSUPPORTED) return refuse(status_, hmf_status_string(status_));
@@ -239,6 +239,12 @@ const hmf_parameterization* Component::parameterize(const hmf_control* control) 
         return hmf_parameterize(foliation_.get(), nullptr, control, out, error);
     });
     return parameterization_.get();
+}
+
+Owned<hmf_chart_set> Component::make_atlas(const hmf_control* control) const {
+    return make<hmf_chart_set>(subject_, [&](hmf_chart_set** out, hmf_error* error) {
+        return hmf_atlas(foliation_.get(), nullptr, control, out, error);
+    });
 }
 
 std::vector<double> Component::checkerboard_uv(double period) const {

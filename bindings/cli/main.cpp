@@ -1,4 +1,9 @@
 // hmf: harmonic measured foliations from the command line.
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#endif
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -180,6 +185,10 @@ int run(const Words& words) {
 } // namespace
 
 int main(int argc, char** argv) {
+#ifdef _WIN32
+    // Standard input and output carry files as they are.
+    for (std::FILE* const stream : {stdin, stdout}) _setmode(_fileno(stream), _O_BINARY);
+#endif
     try {
         return run(Words(argv + 1, argv + std::max(argc, 1)));
     } catch (const cli::Failure& failure) {

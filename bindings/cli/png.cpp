@@ -1,10 +1,11 @@
 // Rows are filtered (each byte minus what the rule of Paeth expects), then deflated: RFC 1951 with the fixed Huffman
-// codes, and matches found by hashes of three bytes.
+// codes, and matches found by hashes of four bytes.
 #include "png.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <cstring>
 
 namespace cli {
 
@@ -12,16 +13,18 @@ namespace {
 
 class Deflate {
 public:
-    explicit Deflate(const std::string& bytes) : in_(bytes) {
+    explicit Deflate(const std::string& bytes) :
+        in_(reinterpret_cast<const unsigned char*>(bytes.data())), size_(bytes.size()) {
+        out_.reserve(size_ / 4);
         put(1, 1); // the last block
         put(1, 2); // fixed codes
-        head_.assign(size_t{1} << HASH_BITS, -1);
-        before_.assign(WINDOW, -1);
-        for (size_t at = 0; at < in_.size();) {
+        head_.assign(size_t{1} << HASH_BITS, 0);
+        before_.assign(WINDOW, 0);
+        for (size_t at = 0; at < size_;) {
             size_t distance = 0;
             const size_t length = longest_match(at, distance);
             if (length < SHORTEST) {
-                put_symbol(static_cast<unsigned char>(in_[at]));
+                put_symbol(in_[at]);
                 insert(at++);
                 continue;
             }
@@ -38,35 +41,42 @@ public:
 
 private:
     static constexpr size_t SHORTEST = 4, LONGEST = 258, WINDOW = 32768;
-    static constexpr int HASH_BITS = 15, TRIES = 8;
+    static constexpr int HASH_BITS = 15, TRIES = 4;
 
-    uint32_t hash(size_t at) const {
-        const auto byte = [&](size_t k) { return uint32_t{static_cast<unsigned char>(in_[at + k])}; };
-        return (byte(0) | byte(1) << 8 | byte(2) << 16) * 2654435761u >> (32 - HASH_BITS);
+    uint32_t first_four(size_t at) const {
+        uint32_t four;
+        std::memcpy(&four, in_ + at, 4);
+        return four;
     }
+    uint32_t hash(size_t at) const { return first_four(at) * 2654435761u >> (32 - HASH_BITS); }
 
+    // Positions plus 1; 0: none.  Those below 2^32 bytes are found again.
     void insert(size_t at) {
-        if (at + 3 > in_.size()) return;
-        int64_t& head = head_[hash(at)];
+        if (at + 4 > size_) return;
+        uint32_t& head = head_[hash(at)];
         before_[at % WINDOW] = head;
-        head = static_cast<int64_t>(at);
+        head = static_cast<uint32_t>(at + 1);
     }
 
     size_t longest_match(size_t at, size_t& distance) const {
-        if (at + SHORTEST > in_.size()) return 0;
-        const size_t limit = std::min(LONGEST, in_.size() - at);
+        if (at + SHORTEST > size_) return 0;
+        const size_t limit = std::min(LONGEST, size_ - at);
+        const uint32_t four = first_four(at);
         size_t best = 0;
-        int64_t candidate = head_[hash(at)];
-        for (int t = 0; t < TRIES && candidate >= 0 && at - static_cast<size_t>(candidate) < WINDOW; ++t) {
-            const size_t from = static_cast<size_t>(candidate);
-            size_t length = 0;
-            while (length < limit && in_[from + length] == in_[at + length]) ++length;
-            if (length > best) {
-                best = length;
-                distance = at - from;
-                if (length == limit) break;
+        uint32_t candidate = head_[hash(at)];
+        for (int t = 0; t < TRIES && candidate > 0 && at - (candidate - 1) < WINDOW; ++t) {
+            const size_t from = candidate - 1;
+            if (from >= at) break; // beyond 2^32 bytes
+            if (first_four(from) == four && (best == 0 || in_[from + best] == in_[at + best])) {
+                size_t length = SHORTEST;
+                while (length < limit && in_[from + length] == in_[at + length]) ++length;
+                if (length > best) {
+                    best = length;
+                    distance = at - from;
+                    if (length == limit) break;
+                }
             }
-            const int64_t older = before_[from % WINDOW];
+            const uint32_t older = before_[from % WINDOW];
             if (older >= candidate) break; // overwritten
             candidate = older;
         }
@@ -123,11 +133,12 @@ private:
         put((distance - 1) & ((1u << extra) - 1), static_cast<int>(extra));
     }
 
-    const std::string& in_;
+    const unsigned char* in_;
+    size_t size_;
     std::string out_;
     uint64_t pending_ = 0;
     int pending_count_ = 0;
-    std::vector<int64_t> head_, before_;
+    std::vector<uint32_t> head_, before_;
 };
 
 std::string big_endian(uint32_t n) {
@@ -171,16 +182,18 @@ std::string chunk(const std::string& name, const std::string& data) {
 
 std::string filtered(const Image& image) {
     const size_t row = 3 * size_t{image.width};
-    std::string bytes;
-    bytes.reserve((row + 1) * image.height);
+    std::string bytes((row + 1) * image.height, '\4'); // Paeth
+    const std::vector<uint8_t> nothing(row, 0);
     for (size_t y = 0; y < image.height; ++y) {
-        bytes += '\4'; // Paeth
-        const uint8_t *here = image.rgb.data() + y * row, *above = y ? here - row : here;
-        for (size_t x = 0; x < row; ++x) {
-            const int left = x < 3 ? 0 : here[x - 3], up = y ? above[x] : 0, corner = x < 3 || !y ? 0 : above[x - 3];
+        const uint8_t *const here = image.rgb.data() + y * row, *const above = y ? here - row : nothing.data();
+        char* const out = &bytes[y * (row + 1) + 1];
+        const auto filter = [&](size_t x, int left, int corner) {
+            const int up = above[x];
             const int a = std::abs(up - corner), b = std::abs(left - corner), c = std::abs(left + up - 2 * corner);
-            bytes += static_cast<char>(here[x] - (a <= b && a <= c ? left : b <= c ? up : corner));
-        }
+            out[x] = static_cast<char>(here[x] - (a <= b && a <= c ? left : b <= c ? up : corner));
+        };
+        for (size_t x = 0; x < std::min<size_t>(3, row); ++x) filter(x, 0, 0);
+        for (size_t x = 3; x < row; ++x) filter(x, here[x - 3], above[x - 3]);
     }
     return bytes;
 }

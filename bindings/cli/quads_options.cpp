@@ -18,6 +18,7 @@ Options quads_options(SolveRequest& r) {
         Option{"--no-poles", &r.no_poles, "", "no vertex is marked by the tool: limbs that no loop goes round are lost"}
             .without("--marks"),
         loops_option(r),
+        through_option(r),
         weights_option(r),
         marks_option(r),
         repair_option(r.repairs),

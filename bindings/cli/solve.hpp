@@ -16,6 +16,7 @@ constexpr int32_t LOOPS_EVEN = -1; // beside HMF_LOOPS_*
 struct SolveRequest {
     std::string mesh;
     std::string loops = "cut";   // cut, handle, tunnel, pants, even, or a file
+    std::string through;         // picked points of loops instead; empty: none
     std::vector<double> weights; // of the loops; empty: all 1
     std::string marks = "auto";  // auto, none, or a file
     std::string start;           // values to start from instead of loops; empty: none
@@ -27,7 +28,7 @@ struct SolveRequest {
     uint64_t threads = 0; // 0: one for each processor
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, quads, obj, textured, save_loops, save_mesh, save_marks;
+    std::string report, history, image, leaves, quads, obj, textured, atlas, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0;  // of leaves, of quads
     uint64_t count = 0, relax = 0; // of quads: how many instead of their size; steps of relaxation
     bool merges = false;           // quads: short critical leaves
@@ -38,12 +39,16 @@ struct SolveRequest {
     double period = 0; // of stripes and squares; 0: chosen
     bool legend = false;
     bool conformality = false; // in the report
+
+    // How an error names a loop of the caller: a line of the file, or its number.
+    std::string name_of_loop(size_t line) const;
 };
 
 Options solve_options(SolveRequest& request);
 Options quads_options(SolveRequest& request);
 // Of both.
 Option loops_option(SolveRequest& request);
+Option through_option(SolveRequest& request);
 Option weights_option(SolveRequest& request);
 Option marks_option(SolveRequest& request);
 Option mollify_option(SolveRequest& request);

@@ -27,6 +27,15 @@ Option loops_option(SolveRequest& r) {
         .reads("");
 }
 
+Option through_option(SolveRequest& r) {
+    return Option{
+        "--through", &r.through, "\"POINTS\"",
+        "instead of --loops: loops drawn through picked points, the shortest way along edges from each to the\n"
+        "next and back to the first: vertex indices from 0, or places X,Y,Z near the surface, separated by\n"
+        "blanks, at least three, on all sides of what the loop goes round; \";\" begins another loop"}
+        .without("--loops --start");
+}
+
 Option weights_option(SolveRequest& r) {
     return Option{"--weights", &r.weights, "W,W,...",
                   "one weight > 0 per loop, else those of the FILE of --loops or of even, else all 1"};
@@ -53,6 +62,7 @@ Options solve_options(SolveRequest& r) {
         repair_option(r.repairs),
         join_option(r.joins),
         loops_option(r),
+        through_option(r),
         weights_option(r),
         marks_option(r),
         Option{"--start", &r.start, "FILE.csv|FILE.npy",
@@ -124,6 +134,10 @@ Options solve_options(SolveRequest& r) {
         Option{"--textured", &r.textured, "FILE",
                "the same in one file: .glb with the texture in it, .ply with s, t of each vertex, which seams double"}
             .writes(".glb .ply"),
+        Option{"--atlas", &r.atlas, "FILE",
+               "charts without overlap in the unit square, as texture coordinates of an .obj or .glb, to paint or\n"
+               "bake; without --loops and --start the loops are even"}
+            .writes(".obj .glb", ".mtl .png"),
         Option{"--leaves", &r.leaves, "FILE.obj", "leaves as polylines: level sets and the leaves between zeros"}
             .writes(".obj"),
         Option{"--spacing", &r.spacing, "X",

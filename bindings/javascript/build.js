@@ -1,5 +1,6 @@
 // npm run build: dist/hmf.wasm, the core as WebAssembly, dist/layout.js, what
-// hmf.h and uses.h say about functions, structures and constants, and a copy of LICENSE.
+// hmf.h and uses.h say about functions, structures and constants, dist/options.d.ts,
+// the types of options that are numbers, and a copy of LICENSE.
 //
 // The layout is read from the syntax tree of clang and measured by a program
 // that the same clang compiles for the same target, so neither can differ from
@@ -88,14 +89,41 @@ async function measure(structures) {
     }
 }
 
+// Numbers that are no options of JavaScript: arrays know their length.
+const NO_OPTIONS = ['struct_size', 'reserved', 'position_stride', 'marked_count'];
+
+/** The options of hmf_build and hmf_solve that are numbers: whatever is new in the header is an option at once. */
+function numericOptions(structures) {
+    const numbers = fields => fields.filter(({ name, type }) => ['f64', 'u64', 'u32'].includes(type) && !NO_OPTIONS.includes(name));
+    return Object.fromEntries(['hmf_build_options', 'hmf_solve_options'].map(name => [name, numbers(structures[name]).map(field => field.name)]));
+}
+
+/** Their types, with the words of the header. */
+function optionTypes(options) {
+    const text = readFileSync(join(include, 'hmf', 'hmf.h'), 'utf8');
+    const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
+    const interfaces = Object.entries(options).map(([name, fields]) => {
+        const body = text.slice(text.indexOf(`typedef struct ${name} {`), text.indexOf(`} ${name};`));
+        const lines = fields.map(field => {
+            const [, words = ''] = new RegExp(`\\b${field};\\s*/\\*([\\s\\S]*?)\\*/`).exec(body) ?? [];
+            return `    /** ${words.trim().replace(/\s+/g, ' ')} */\n    ${camel(field)}?: number;\n`;
+        });
+        return `export interface ${name === 'hmf_build_options' ? 'BuildNumbers' : 'SolveNumbers'} {\n${lines.join('')}}\n`;
+    });
+    return `// Made by build.js from hmf.h; do not edit.\n${interfaces.join('\n')}`;
+}
+
 const { functions, structures, constants } = readHeader();
+const options = numericOptions(structures);
 const measured = await measure(structures);
 mkdirSync(join(here, 'dist'), { recursive: true });
 writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h and uses.h; do not edit.
 export const functions = ${JSON.stringify(functions, null, 4)};
 export const structures = ${JSON.stringify(measured, null, 4)};
 export const constants = ${JSON.stringify(constants, null, 4)};
+export const options = ${JSON.stringify(options, null, 4)};
 `);
+writeFileSync(join(here, 'dist', 'options.d.ts'), optionTypes(options));
 
 // npm takes the licence only from the folder of the package.
 copyFileSync(join(root, 'LICENSE'), join(here, 'LICENSE'));

@@ -4,12 +4,13 @@
     build_wheels.py [--out DIR] [TARGET ...]      without targets: all
     build_wheels.py --list
 
-The module is made by cffi with the stable ABI, so one wheel serves every Python from 3.10 on.  The compiler is Zig
-(package ziglang), which carries the C and C++ libraries of all targets; the C++ library is linked into the module.
+The module is made by cffi with the stable ABI, so one wheel serves every Python from 3.10 on; the tool, hmf, comes with
+it.  The compiler is Zig (package ziglang), which carries the C and C++ libraries of all targets; the C++ library is
+linked into both.
 Needs: ziglang, cffi, build, scikit-build-core, wheel.
 
-Tags are derived, not claimed: of a Linux wheel from the symbol versions that its module asks for, of each from the
-machine in the header of the module; a module that needs more than its tag promises is refused.
+Tags are checked, not claimed: of a Linux wheel by the symbol versions that its module and tool ask for, of each by the
+machine in their headers; what needs more than its tag promises is refused.
 """
 
 from __future__ import annotations
@@ -94,26 +95,29 @@ def machine_of(module: bytes) -> bytes:
     return b"unknown"
 
 
-def check_module(module: Path, name: str) -> None:
-    """What the tag promises, against the file itself."""
+def check_binary(module: Path, name: str) -> None:
+    """What the tag promises, against the module or the tool itself."""
     _, tag, _, machine = TARGETS[name]
     data = module.read_bytes()
     if machine_of(data) != machine:
-        raise SystemExit(f"{name}: the module is for {machine_of(data)!r}, not {machine!r}")
+        raise SystemExit(f"{name}: {module.name} is for {machine_of(data)!r}, not {machine!r}")
     versions = sorted({tuple(map(int, v.split(b"."))) for v in re.findall(rb"GLIBC_(\d+\.\d+)", data)})
     if glibc := re.match(r"manylinux_(\d+)_(\d+)", tag):
         promised = tuple(map(int, glibc.groups()))
         if not versions or versions[-1] > promised:
-            raise SystemExit(f"{name}: asks for glibc {versions[-1:]}, the tag promises {promised}")
-        print(f"{name}: asks for glibc {'.'.join(map(str, versions[-1]))}")
+            raise SystemExit(f"{name}: {module.name} asks for glibc {versions[-1:]}, the tag promises {promised}")
+        print(f"{name}: {module.name} asks for glibc {'.'.join(map(str, versions[-1]))}")
     elif versions:
         raise SystemExit(f"{name}: asks for glibc {versions}")
     # Only PyInit__native is exported, so a mangled name among the dynamic symbols is one that nobody has.
-    if b"libstdc++.so" in data or b"libc++.so" in data or data[:4] == b"\x7fELF" and re.search(rb"\0_Z[A-Z]", data):
-        raise SystemExit(f"{name}: asks for a C++ library")
+    undefined = module.name.startswith("_native") and data[:4] == b"\x7fELF" and re.search(rb"\0_Z[A-Z]", data)
+    # That of macOS is a part of the system.
+    if b"libstdc++" in data or b"libc++.so" in data or undefined:
+        raise SystemExit(f"{name}: {module.name} asks for a C++ library")
 
 
-def compile_module(name: str, work: Path, jobs: int) -> Path:
+def compile_binaries(name: str, work: Path, jobs: int) -> tuple[Path, Path]:
+    """The module and the tool."""
     target, _, suffix, _ = TARGETS[name]
     folder = work / name
     folder.mkdir(parents=True)
@@ -128,14 +132,18 @@ def compile_module(name: str, work: Path, jobs: int) -> Path:
         shutil.copytree(sysconfig.get_paths()["include"], folder / "include", symlinks=False)
         (folder / "include" / "pyconfig.h").write_text(WINDOWS_CONFIG)
         includes = ["-I", folder / "include"]
-    sources = sorted((ROOT / "src").glob("*/*.cpp"))
-    objects = [folder / f"{n}.o" for n in range(len(sources))]
+    core = sorted((ROOT / "src").glob("*/*.cpp"))
+    of_tool = [ROOT / "src" / "pool.cpp", *sorted((ROOT / "bindings").glob("cli/*.cpp")), *sorted((ROOT / "bindings").glob("readers/*.cpp"))]
 
-    def one(pair: tuple[Path, Path]) -> None:
-        run([*zig, "c++", *common, "-std=c++17", "-fno-exceptions", "-fno-rtti", "-c", pair[0], "-o", pair[1]])
+    def one(source: Path) -> Path:
+        target = folder / f"{source.parent.name}-{source.stem}.o"
+        plain = ["-fno-exceptions", "-fno-rtti"] if source in core else []
+        run([*zig, "c++", *common, "-std=c++17", *plain, "-c", source, "-o", target])
+        return target
 
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        list(pool.map(one, zip(sources, objects)))
+        compiled = list(pool.map(one, core + of_tool))
+    objects, tool_objects = compiled[: len(core)], compiled[len(core) :]
     native = folder / "native.o"
     run([*zig, "cc", *common, *includes, "-DPy_LIMITED_API=0x030A0000", "-c", work / "_native.c", "-o", native])
     module = folder / f"_native{suffix}"
@@ -152,18 +160,22 @@ def compile_module(name: str, work: Path, jobs: int) -> Path:
         run([*zig, "dlltool", "-m", "i386:x86-64", "-d", folder / "python3.def", "-l", folder / "libpython3.a"])
         link += [folder / "libpython3.a"]
     run(link)
-    check_module(module, name)
-    return module
+    tool = folder / ("hmf.exe" if windows else "hmf")
+    run([*zig, "c++", "-target", target, "-s", "-o", tool, *objects, *tool_objects])
+    for binary in (module, tool):
+        check_binary(binary, name)
+    return module, tool
 
 
-def pack(name: str, module: Path, source: Path, out: Path) -> Path:
-    """A wheel (PEP 427) of the Python files, the module and the metadata of the source distribution."""
+def pack(name: str, module: Path, tool: Path, source: Path, out: Path) -> Path:
+    """A wheel (PEP 427) of the Python files, the module, the tool and the metadata of the source distribution."""
     tag = f"cp310-abi3-{TARGETS[name][1]}"
     metadata = (source / "PKG-INFO").read_bytes()
     version = re.search(rb"^Version: (.+)$", metadata, re.M)[1].decode().strip()
     info = f"foliations-{version}.dist-info"
     files = {f"foliations/{p.name}": p.read_bytes() for p in sorted((source / "src" / "foliations").iterdir()) if p.is_file()}
     files[f"foliations/{module.name}"] = module.read_bytes()
+    files[f"foliations-{version}.data/scripts/{tool.name}"] = tool.read_bytes()
     files[f"{info}/METADATA"] = metadata
     files[f"{info}/licenses/LICENSE"] = (source / "core" / "LICENSE").read_bytes()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: hmf build_wheels\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
@@ -178,7 +190,8 @@ def pack(name: str, module: Path, source: Path, out: Path) -> Path:
             # The same bytes each time.
             entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if path.endswith((".so", ".pyd")) else 0o644) << 16
+            # A regular file: else pip does not make the tool executable.
+            entry.external_attr = (0o100755 if path.endswith((".so", ".pyd")) or "/scripts/" in path else 0o100644) << 16
             archive.writestr(entry, data)
     return wheel
 
@@ -208,7 +221,7 @@ def main() -> None:
         headers = [ROOT / "include" / "hmf" / h for h in ("hmf.h", "uses.h")]
         run([sys.executable, packaging / "declarations.py", *headers, packaging / "progress.c", work / "_native.c"])
         for name in given.targets or TARGETS:
-            wheel = pack(name, compile_module(name, work, given.jobs), source, given.out)
+            wheel = pack(name, *compile_binaries(name, work, given.jobs), source, given.out)
             print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.2f} MB", flush=True)
 
 

@@ -16,12 +16,14 @@ python3 bindings/packaging/check_versions.py
 ! git rev-parse -q --verify "refs/tags/v$version" > /dev/null || fail "v$version is tagged already"
 ! grep -q "^## $version (not released)" CHANGELOG.md || fail "CHANGELOG.md says that $version is not released"
 [ -n "${HMF_RELEASE_UNTESTED:-}" ] || ./test.sh
+tests/check_abi.sh build/abi --exact || fail "the interface is not as recorded in tests/abi"
 
 git archive --prefix="hmf-$version/" -o "$out/hmf-$version.tar.gz" HEAD
+python3 bindings/packaging/sbom.py "$out/hmf-$version.cdx.json"
 python3 -m venv "$out/.venv"
 "$out/.venv/bin/pip" install -q ziglang cffi build scikit-build-core
 "$out/.venv/bin/python" bindings/packaging/build_wheels.py --out "$out"
-(cd bindings/rust && cargo package --locked -p foliations-sys && cp target/package/*.crate "$out")
+(cd bindings/rust && cargo package --locked --workspace --no-verify && cp target/package/*.crate "$out")
 (cd bindings/javascript && npm pack --pack-destination "$out")
 rm -r "$out/.venv"
 (cd "$out" && sha256sum ./*.* > SHA256SUMS)

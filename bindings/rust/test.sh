@@ -45,16 +45,38 @@ has() { # component, command
 
 documentation() { RUSTDOCFLAGS="-D warnings" cargo doc --quiet --locked --no-deps; }
 
-# The package of foliations-sys holds the sources of the library, and builds from them alone.
+# The package of foliations-sys holds the sources of the library; a program builds from the two packages alone, and runs.
 packages() {
-    local files
+    local files crates=$work/crates
     cargo package --list --allow-dirty --locked -p foliations > "$work/foliations.list" &&
         cargo package --list --allow-dirty --locked -p foliations-sys > "$work/foliations-sys.list" || return 1
     for files in "$root"/src/*/*.[ch]pp "$root"/include/hmf/hmf.h "$root"/include/hmf/uses.h; do
         grep -qxF "core/${files#"$root"/}" "$work/foliations-sys.list" || { echo "the package lacks $files"; return 1; }
     done
-    grep -qx LICENSE "$work/foliations-sys.list" && grep -qx LICENSE "$work/foliations.list" && grep -qx README.md "$work/foliations.list" &&
+    grep -qx LICENSE "$work/foliations-sys.list" && grep -qx LICENSE "$work/foliations.list" && grep -qx README.md "$work/foliations.list" || return 1
+    # Both at once since 1.90; the second needs the first in a registry before.
+    if ! cargo package --help | grep -q -- --workspace || [ "$(cargo --version | sed 's/^cargo 1\.\([0-9]*\).*/\1/')" -lt 90 ]; then
         cargo package --allow-dirty --locked -p foliations-sys
+        return
+    fi
+    cargo package --workspace --no-verify --allow-dirty --locked || return 1
+    rm -rf "$crates"
+    mkdir -p "$crates/program/src"
+    for files in "$CARGO_TARGET_DIR"/package/*.crate; do tar xzf "$files" -C "$crates" || return 1; done
+    cp "$crates"/foliations-[0-9]*/examples/plate.rs "$crates/program/src/main.rs"
+    cat > "$crates/program/Cargo.toml" <<END
+[package]
+name = "program"
+version = "0.1.0"
+edition = "2021"
+[dependencies]
+foliations = { path = "$(echo "$crates"/foliations-[0-9]*)" }
+[patch.crates-io]
+foliations-sys = { path = "$(echo "$crates"/foliations-sys-*)" }
+[workspace]
+END
+    cp Cargo.lock "$crates/program"
+    (cd "$crates/program" && CARGO_TARGET_DIR=$crates/target cargo run --quiet --offline) | grep '^energy '
 }
 
 # The first sh block of the README, beside what a clean clone would hold.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The reference site: static pages made from the headers, the docstrings, the gallery and the texts of the repository.
 
-    build_site.py FOLDER      needs mkdocs; FOLDER/index.html is the start
+    build_site.py FOLDER      needs mkdocs; FOLDER/index.html is the start; with cargo and npm also the pages of
+                              rustdoc and TypeDoc (HMF_SITE_API=0: without)
     build_site.py --check FOLDER   no dead link or picture in it
 
 Nothing is written twice: every page is a text of the repository, or is read out of the sources.
@@ -139,9 +140,6 @@ hmf_loops                     Hierarchy.loops              Hierarchy.loops      
 hmf_initialize                Hierarchy.initialize         Hierarchy.initialize             Hierarchy.initialize         Hierarchy.initialize
 hmf_foliation_create          Hierarchy.foliation          Hierarchy.foliation              Hierarchy.foliation          Hierarchy.foliation
 hmf_foliation_destroy         -                            -                                Foliation.dispose            -
-hmf_foliation_values          Foliation.values             Foliation.values                 Foliation.values             Foliation.values
-hmf_foliation_level           Foliation.level              Foliation.level                  Foliation.level              Foliation.level
-hmf_foliation_unit            Foliation.unit               Foliation.unit                   Foliation.unit               Foliation.unit
 hmf_foliation_report          Solution.report              Foliation.report                 Foliation.report             Foliation.report
 hmf_solve                     Hierarchy.solve              Hierarchy.solve                  Hierarchy.solve              Hierarchy.solve
 hmf_relax                     Foliation.relax              Foliation.relax                  Foliation.relax              Foliation.relax
@@ -153,6 +151,7 @@ hmf_parameterize              parameterize                 Foliation.parameteriz
 hmf_trace                     trace                        Foliation.trace                  Foliation.trace              Foliation.trace
 hmf_cylinders                 cylinders                    Foliation.cylinders              Foliation.cylinders          Foliation.cylinders
 hmf_quads                     quads                        Foliation.quads                  Foliation.quads              Foliation.quads
+hmf_atlas                     atlas                        Foliation.atlas                  Foliation.atlas              Foliation.atlas
 """
 
 
@@ -163,11 +162,13 @@ def reference_page(pages: Path, functions: list[str]) -> None:
     for function in functions:
         if function in names:
             continue
-        # A new one: by its own name, where a language has that.
-        name = function[len("hmf_"):]
+        # A new one: by its own name, of its object, where a language has that.
+        owner, name = re.fullmatch(r"hmf_(foliation_|hierarchy_|)(\w+)", function).groups()
+        prefix = f"{owner[:-1].capitalize()}." if owner else ""
         camel = re.sub(r"_(\w)", lambda m: m[1].upper(), name)
         guesses = {language: camel if language == "JavaScript" else name for language in SOURCES}
-        names[function] = [g if re.search(rf"\b{g}\b", texts[language]) else "-" for language, g in guesses.items()]
+        names[function] = [prefix + g if re.search(rf"\b{g}\b", texts[language]) else "-"
+                           for language, g in guesses.items()]
     rows = ["# Reference, side by side\n\nEach function of the C interface and what the other languages call it. "
             "The contracts are on the page [C](c.md).\n", "| C | " + " | ".join(SOURCES) + " |", "|---|" + "---|" * len(SOURCES)]
     contracts = (pages / "c.md").read_text()
@@ -188,8 +189,13 @@ def python_page(pages: Path) -> None:
     public = set(re.findall(r'"(\w+)"', (package / "__init__.py").read_text().split("__all__", 1)[1].split("]", 1)[0]))
     out = ["# Python, every function\n\nFrom the docstrings; `help` shows the same.\n"]
 
+    # As _options.takes puts them into the documentation.
+    options = [node for node in ast.parse((package / "_options.py").read_text()).body
+               if isinstance(node, ast.ClassDef) and node.name.endswith("Options")]
+    words = "\n".join(ast.get_docstring(node).split("\n\n", 1)[1] for node in options)
+
     def entry(level: int, node: ast.AST, prefix: str = "") -> None:
-        doc = ast.get_docstring(node) or ""
+        doc = (ast.get_docstring(node) or "").replace("{options}", words)
         title = node.name if isinstance(node, ast.ClassDef) else f"{node.name}({ast.unparse(node.args)})"
         out.append(f"{'#' * level} {prefix}{node.name}\n\n```python\n{prefix}{title}\n```\n\n" + (f"```text\n{doc}\n```\n" if doc else ""))
         if isinstance(node, ast.ClassDef):
@@ -217,9 +223,46 @@ def gallery_pages(pages: Path) -> None:
     shell, program = (re.search(rf"```{kind}\n(.*?)```", first, re.S)[1] for kind in ("sh", "python"))
     steps = re.findall(r"^hmf .*$", (ROOT / "README.md").read_text(), re.M)
     (pages / "tutorial.md").write_text(
-        "# Tutorial\n\n## From a clone to a picture\n\n```sh\n" + shell + "```\n\nThe program:\n\n```python\n" + program
+        "# Tutorial\n\n## From a wheel to a picture\n\nInstall, load a mesh, draw a loop, solve, look, save; `pretzel.obj` stands for your own.\n\n```sh\n" + shell + "```\n\nThe same in Python:\n\n```python\n" + program
         + "```\n\n![The picture it makes](gallery_first.png)\n\nThe tests run both as they stand here.\n\n## With the tool\n\n```sh\n" + "\n".join(steps)
         + "\n```\n\nWhat each option does: `hmf solve --help`, or `man hmf`.\n")
+
+
+def rustdoc(pages: Path, work: Path) -> None:
+    """Pages of both crates; nothing of C++ is compiled for them."""
+    environment = {**os.environ, "DOCS_RS": "1", "CARGO_TARGET_DIR": str(work / "target"), "CARGO_TERM_COLOR": "never"}
+    subprocess.run(["cargo", "doc", "--quiet", "--locked", "--no-deps"], cwd=BINDINGS / "rust", env=environment, check=True)
+    shutil.copytree(work / "target" / "doc", pages / "rustdoc", ignore=shutil.ignore_patterns(".lock"))
+    (pages / "rustdoc" / "index.html").write_text('<!DOCTYPE html><meta http-equiv="refresh" content="0; url=foliations/index.html"><a href="foliations/index.html">foliations</a>')
+
+
+def typedoc(pages: Path, work: Path) -> None:
+    """Pages of the types of the npm package, by a copy of it."""
+    package = work / "javascript"
+    package.mkdir()
+    for name in ("lib", "package.json", "README.md"):
+        source = BINDINGS / "javascript" / name
+        (shutil.copytree if source.is_dir() else shutil.copy2)(source, package / name)
+    (package / "tsconfig.json").write_text('{"compilerOptions": {"target": "es2022", "module": "nodenext", "strict": true}, "include": ["lib/*.d.ts"]}')
+    subprocess.run(["npm", "install", "--silent", "--no-save", "--no-audit", "--no-fund", "typedoc@0.28", "typescript@5.8"], cwd=package, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([package / "node_modules/.bin/typedoc", "--readme", "none", "--logLevel", "Error", "--disableGit", "--sourceLinkTemplate", "hmf:{path}",
+                    "--disableSources", "--out", pages / "typedoc", "lib/index.d.ts"], cwd=package, check=True)
+
+
+def generated_pages(pages: Path, work: Path) -> None:
+    """What other tools make, linked from the page of the language; what cannot be made here is said there."""
+    for language, tools, make, start in (("rust", ["cargo"], rustdoc, "rustdoc/foliations/index.html"), ("javascript", ["node", "npm"], typedoc, "typedoc/index.html")):
+        made = os.environ.get("HMF_SITE_API") != "0" and all(map(shutil.which, tools))
+        if made:
+            try:
+                make(pages, work)
+            except subprocess.CalledProcessError as error:
+                print(f"{make.__name__}: {error}", file=sys.stderr)
+                made = False
+        page = pages / f"{language}.md"
+        first, rest = page.read_text().split("\n", 1)
+        note = f"[Every item of the interface, by {make.__name__}]({start})" if made else f"(The pages of {make.__name__} were not made for this copy of the site.)"
+        page.write_text(f"{first}\n\n{note}\n{rest}")
 
 
 def concepts_page(pages: Path) -> None:
@@ -248,6 +291,7 @@ def build(out: Path) -> None:
         python_page(pages)
         gallery_pages(pages)
         concepts_page(pages)
+        generated_pages(pages, Path(folder))
         (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n")
         navigation = "\n".join(f'  - "{title}": {page}' for title, page in NAVIGATION)
         (Path(folder) / "mkdocs.yml").write_text(
@@ -290,7 +334,9 @@ def check(out: Path) -> int:
             target = (path.parent / urllib.parse.unquote(address.split("?")[0])).resolve() if address else path
             if target.is_dir():
                 target = target / "index.html"
-            if not target.is_file() or part and target in parsed and urllib.parse.unquote(part) not in parsed[target].names:
+            # rustdoc makes names of lines while the page is shown.
+            ours = path.relative_to(out.resolve()).parts[0] not in ("rustdoc", "typedoc")
+            if not target.is_file() or ours and part and target in parsed and urllib.parse.unquote(part) not in parsed[target].names:
                 dead.append(f"{os.path.relpath(path, out)}: {link}")
     print("\n".join(dead) if dead else f"{len(parsed)} pages, {sum(len(p.links) for p in parsed.values())} links, none is dead")
     return 1 if dead or len(parsed) < len(NAVIGATION) else 0

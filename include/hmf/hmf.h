@@ -425,11 +425,15 @@ typedef struct hmf_loop_set {
 /*
  * Loops made by the library on a level, as triangle loops: simple, disjoint,
  * essential, pairwise not freely homotopic, and short.  Candidates are found on
- * the coarsest level; of these the classes with the shortest closed geodesics
- * are chosen one after another, measured on finer levels where they are close,
- * up to the mesh of the caller.  So they mostly belong to the surface and
- * not to its hierarchy; not always on fine detail, where the coarsest level has
- * less than about 100 vertices for each handle.
+ * the coarsest level of a hierarchy with the default options; of these the classes
+ * with the shortest closed geodesics are chosen one after another, measured on
+ * finer levels where they are close, up to the mesh of the caller.  A hierarchy
+ * with other options gets the loops from there, for the time and the memory of
+ * another hmf_build.  So the classes do not depend on ratio, collapse and coarsest.
+ * Other triangles of the same shape, or the same ones in another order, may have
+ * other classes where fine detail is close to the size of the triangles of the
+ * coarsest level: it has a thousand vertices, or forty for each handle if that is
+ * more, and what is smaller it cannot tell apart.
  * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
  * along z, from one end of the surface to the other.  Loop c is in the same class on
  * every level.  With boundary: level 0 only.
@@ -550,6 +554,11 @@ HMF_API size_t hmf_foliation_level(const hmf_foliation *foliation);
 /* The power of two that all values are multiples of; 0 for NULL. */
 HMF_API double hmf_foliation_unit(const hmf_foliation *foliation);
 
+/* Bytes held by the foliation; 0 for NULL.  Not with them the hierarchy, which it
+   keeps alive.  Grows once, when hmf_parameterize, hmf_quads or hmf_trace makes
+   what it then keeps for the next such call. */
+HMF_API uint64_t hmf_foliation_memory(const hmf_foliation *foliation);
+
 /* ------------------------------------------------------------------------
  * Solve
  * --------------------------------------------------------------------- */
@@ -578,6 +587,8 @@ typedef struct hmf_solve_options {
                                     Others: sweeps on stop_level go on until it is reached, whatever the energy does,
                                     or end with HMF_LIMIT_*.  Default: newton: tolerance; others: sweeps stop by the
                                     energy, and 1e-8 counts as converged */
+    uint64_t step_limit;         /* newton: steps on stop_level, each of them one linear solve or a few; default 0, as
+                                    many as it takes.  Unlike time_limit the same result on every machine */
 } hmf_solve_options;
 
 typedef struct hmf_level_report {
@@ -701,7 +712,9 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
    weight * F over sector k and P over all edges; sectors that are one
    direction around a cluster of zero edges count as one.  0 everywhere means:
-   this is the unique minimum. */
+   this is the unique minimum.  Where the 60 bits inside are too short for the
+   tolerance of a solve (needles, caps) it is that of values with a part of a
+   unit more at some vertices, which the foliation keeps. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
 

@@ -140,16 +140,10 @@ enum class LoopsKind : int32_t {
     pants = HMF_LOOPS_PANTS
 };
 
-/* hmf_build_options; zero means the default. */
-struct BuildOptions {
+/* The fields of hmf_build_options; zero means the default.  Two have a type of C++; positions are packed. */
+struct BuildOptions : hmf_build_options {
+    BuildOptions() : hmf_build_options{} {}
     Collapse collapse = Collapse::automatic;
-    double ratio = 0;
-    uint64_t coarsest = 0;
-    uint64_t memory_limit = 0;
-    hmf_allocate_fn allocate = nullptr; /* must outlive the hierarchy, its foliations and their results */
-    hmf_release_fn release = nullptr;
-    void* allocator_user = nullptr;
-    double mollify = 0;
     Span<uint32_t> marked_vertices; /* borrowed until the call ends */
 };
 
@@ -162,13 +156,10 @@ struct DesignOptions {
 
 class Foliation;
 
-/* hmf_solve_options; zero means the default. */
-struct SolveOptions {
+/* The fields of hmf_solve_options; zero means the default.  Two have a type of C++. */
+struct SolveOptions : hmf_solve_options {
+    SolveOptions() : hmf_solve_options{} {}
     Method method = Method::automatic;
-    double tolerance = 0;
-    double time_limit = 0; /* seconds */
-    uint64_t iteration_limit = 0;
-    std::size_t stop_level = 0;
     const Foliation* start = nullptr; /* instead of loops; borrowed until the call ends */
 };
 
@@ -320,16 +311,10 @@ Handle<T> make(const ProgressFunction& progress, Call&& call) {
 }
 
 inline hmf_build_options raw(const BuildOptions& options) {
-    hmf_build_options all = {};
+    hmf_build_options all = options;
     all.struct_size = sizeof all;
     all.collapse = static_cast<int32_t>(options.collapse);
-    all.ratio = options.ratio;
-    all.coarsest = options.coarsest;
-    all.memory_limit = options.memory_limit;
-    all.allocate = options.allocate;
-    all.release = options.release;
-    all.allocator_user = options.allocator_user;
-    all.mollify = options.mollify;
+    all.position_stride = 0; /* packed */
     all.marked_vertices = options.marked_vertices.data();
     all.marked_count = options.marked_vertices.size();
     return all;
@@ -445,6 +430,7 @@ public:
 
     std::size_t level() const noexcept { return hmf_foliation_level(get()); }
     double unit() const noexcept { return hmf_foliation_unit(get()); }
+    uint64_t memory() const noexcept { return hmf_foliation_memory(get()); }
 
     /* One for each edge of the level. */
     Span<double> values() const noexcept {
@@ -536,13 +522,9 @@ struct Solution {
 template <class Call>
 Solution Foliation::solved(const SolveOptions& options, const ProgressFunction& progress, std::size_t genus,
                            Call&& call) {
-    hmf_solve_options all = {};
+    hmf_solve_options all = options;
     all.struct_size = sizeof all;
     all.method = static_cast<int32_t>(options.method);
-    all.tolerance = options.tolerance;
-    all.time_limit = options.time_limit;
-    all.iteration_limit = options.iteration_limit;
-    all.stop_level = options.stop_level;
     all.start = options.start ? options.start->get() : nullptr;
     hmf_error error = {};
     detail::Handle<hmf_foliation> handle = detail::make<hmf_foliation>(

@@ -7,14 +7,15 @@
 namespace hmf {
 
 // A structure of the caller, read with its struct_size: missing fields become
-// zero, a longer structure must end in zeros.  NULL: all zero.
+// zero, a longer structure must end in zeros.  NULL: all zero.  Sizes of structures
+// are multiples of their alignment; another number would cut a pointer in two.
 template <class Options>
 bool copy_options(const Options* from, Options& to) {
     std::memset(static_cast<void*>(&to), 0, sizeof to);
     if (!from) return true;
     uint32_t size = 0;
     std::memcpy(&size, from, sizeof size);
-    if (size < sizeof size || size > 4096) return false;
+    if (size < sizeof size || size > 4096 || size % alignof(Options) != 0) return false;
     const unsigned char* bytes = reinterpret_cast<const unsigned char*>(from);
     for (size_t i = sizeof to; i < size; ++i)
         if (bytes[i] != 0) return false;

@@ -34,7 +34,7 @@ hmf_status load_values(const hmf_foliation& foliation, size_t finest, State& sta
     const hmf_hierarchy& h = *foliation.hierarchy;
     const size_t level = foliation.level;
     if (!state.allocate(h, std::min(level, finest), call.memory)) return call.out_of_memory();
-    state.load(level, Side::input);
+    state.load(level, Triangulation::input);
     for (size_t e = 0; e < foliation.count; ++e) {
         if (e % 131072 == 0 && !call.tick(0, true)) return call.was_cancelled();
         state.foliation.value[internal_edge(h, level, e)] = static_cast<int64_t>(foliation.values[e] / foliation.unit);
@@ -51,7 +51,7 @@ hmf_status load_solved(const hmf_foliation& foliation, State& state, double& uni
     }
     unit = std::ldexp(unit, -static_cast<int>(foliation.solved_bits));
     if (!state.allocate(*foliation.hierarchy, foliation.level, call.memory)) return call.out_of_memory();
-    state.load(foliation.level, Side::intrinsic);
+    state.load(foliation.level, Triangulation::intrinsic);
     std::memcpy(state.foliation.value, foliation.solved, foliation.count * sizeof(int64_t));
     double largest = 0;
     for (size_t e = 0; e < foliation.count; ++e) largest = std::max(largest, foliation.values[e]);
@@ -66,13 +66,13 @@ hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& 
 }
 
 hmf_status coarsen_unit(State& state, uint32_t bits, Call& call) {
-    switch (to_coarser_unit(state.foliation, bits, call.memory)) {
-    case Coarsened::done: state.largest_input_value >>= bits; return HMF_OK;
-    case Coarsened::out_of_memory: return call.out_of_memory();
-    default:
+    bool exact = false;
+    if (!to_coarser_unit(state.foliation, bits, call.memory, exact)) return call.out_of_memory();
+    if (!exact)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "Heights are no multiples of the unit. Please report it.");
-    }
+    state.largest_input_value >>= bits;
+    return HMF_OK;
 }
 
 hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out) {
@@ -86,18 +86,22 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
                              "often. Refine the mesh there, or leave loops out.",
                              static_cast<unsigned long long>(e));
-    hmf_foliation made{&h, state.level, making.unit, n, nullptr, nullptr, making.solved_bits, making.poles, 0, {}, {}};
+    hmf_foliation made{&h,      state.level,  making.unit, n, nullptr, nullptr, making.solved_bits,
+                       nullptr, making.poles, 0,           0, {},      {}};
     ResultBlock block;
     block.room(made, made.values, n);
     if (making.solved) block.array(made, made.solved, n, making.solved);
+    if (making.fraction) block.array(made, made.fraction, f.mesh.vertex_count, making.fraction);
     if (const Recorder* recorder = making.recorder) {
         made.has_report = 1;
         made.report = recorder->report;
         block.array(made, made.report.levels, recorder->levels.size(), recorder->levels.data());
         block.array(made, made.report.history, recorder->history.size(), recorder->history.data());
     }
+    const uint64_t before = call.memory.used();
     hmf_foliation* object = block.make(made, h, call);
     if (!object) return call.status();
+    object->bytes = call.memory.used() - before;
     new (&object->flat) std::atomic<SharedFlat*>(nullptr);
     double* values = fill(object->values);
     for (size_t e = 0; e < n; ++e)
@@ -212,7 +216,7 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
     State state;
     Making making;
     if (!state.allocate(*hierarchy, level, call.memory)) return call.out_of_memory();
-    state.load(level, Side::input);
+    state.load(level, Triangulation::input);
     if (!call.tick(0.1)) return call.was_cancelled();
     Array<double> both;
     if (values && level == 0 && hierarchy->is_double()) {
@@ -243,6 +247,12 @@ const double* hmf_foliation_values(const hmf_foliation* foliation, size_t* count
 size_t hmf_foliation_level(const hmf_foliation* foliation) { return foliation ? foliation->level : 0; }
 
 double hmf_foliation_unit(const hmf_foliation* foliation) { return foliation ? foliation->unit : 0; }
+
+uint64_t hmf_foliation_memory(const hmf_foliation* foliation) {
+    if (!foliation) return 0;
+    const SharedFlat* const kept = foliation->flat.load(std::memory_order_acquire);
+    return foliation->bytes + (kept ? kept->bytes() : 0);
+}
 
 const hmf_report* hmf_foliation_report(const hmf_foliation* foliation) {
     return foliation && foliation->has_report ? &foliation->report : nullptr;

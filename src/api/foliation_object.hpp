@@ -22,14 +22,16 @@ struct SharedFlat;
 struct hmf_foliation {
     const hmf_hierarchy* hierarchy;
     size_t level;
-    double unit;           // a power of two; values are integers of it below 2^53
-    uint64_t count;        // edges of the level; of a double with its back, which the caller does not see
-    const double* values;  // count, in the caller's order
-    const int64_t* solved; // count, internal order, intrinsic side of level 0; NULL: the same as the values
-    uint64_t solved_bits;  // the unit of `solved` is that of the values / 2^solved_bits; heights are multiples of
-                           // that of the values
-    uint64_t poles;        // of the values; only foliations of the caller have any
-    uint64_t has_report;   // 1 or 0
+    double unit;            // a power of two; values are integers of it below 2^53
+    uint64_t count;         // edges of the level; of a double with its back, which the caller does not see
+    const double* values;   // count, in the caller's order
+    const int64_t* solved;  // count, internal order, intrinsic side of level 0; NULL: the same as the values
+    uint64_t solved_bits;   // the unit of `solved` is that of the values / 2^solved_bits; heights are multiples of
+                            // that of the values
+    const double* fraction; // vertices of the level, beyond the integers of `solved` (fraction.hpp); NULL: none
+    uint64_t poles;         // of the values; only foliations of the caller have any
+    uint64_t bytes;         // of its block
+    uint64_t has_report;    // 1 or 0
     hmf_report report;
     mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it
 };
@@ -42,6 +44,7 @@ struct Making {
     uint64_t poles = 0;
     const int64_t* solved = nullptr; // in a unit that is 2^solved_bits times finer
     uint32_t solved_bits = 0;
+    const double* fraction = nullptr;   // of the vertices of the level, or NULL
     const Recorder* recorder = nullptr; // NULL: no report
 };
 

@@ -1,6 +1,6 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../design/conformal_scale.hpp"
-#include "../foliation/whitehead.hpp"
+#include "../solve/fraction.hpp"
 #include "caller_numbers.hpp"
 #include "foliation_object.hpp"
 
@@ -129,7 +129,11 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
     if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
         || !star.allocate(call.memory, rings.max_degree) || !residual.allocate(call.memory, level.mesh.vertex_count))
         return call.out_of_memory();
-    residuals(state.foliation, rings, level.weight, star, residual.data(), call);
+    ResidualResult unused;
+    if (!foliation->fraction) residuals(state.foliation, rings, level.weight, star, residual.data(), call);
+    else if (const hmf_status status = residuals_with_fractions(
+                 state.foliation, rings, level.weight, foliation->fraction, star, residual.data(), call, unused))
+        return status;
     if (call.cancelled()) return call.was_cancelled();
     for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
     return entry.end();
@@ -150,7 +154,7 @@ hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control
     if (log_scale && check_capacity(capacity, shown, "log_scale", call)) return call.status();
     if (!call.tick(0.3)) return call.was_cancelled();
     if (!scale.measure(mesh, foliation->hierarchy->levels[foliation->level].position, state.foliation.value,
-                       foliation->unit, call.memory)
+                       foliation->unit, call.memory, &call)
         || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call)))
         return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();

@@ -2,6 +2,7 @@
 
 #include "../loops/double_loops.hpp"
 #include "caller_numbers.hpp"
+#include "canonical_loops.hpp"
 #include "surface_loops.hpp"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     }
     if (!set) {
         out.level = own;
-        if (library_loops(h, own, HMF_LOOPS_CUT, call, loops)) return call.status();
+        if (canonical_loops(h, own, HMF_LOOPS_CUT, call, loops)) return call.status();
     } else {
         hmf_loop_set all;
         if (read_options(set, all, "hmf_loop_set", call)) return call.status();
@@ -56,8 +57,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
             const SurfaceLoops surface = {all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements,
                                           all.arcs};
             if (double_loops(h, surface, call, doubled)) return call.status();
-            loops.offsets.swap(doubled.loops.offsets);
-            loops.crossings.swap(doubled.loops.crossings);
+            loops.swap(doubled.loops);
             out.of.swap(doubled.of);
         }
         for (uint64_t c = 0; all.arcs && !h.is_double() && c < all.count; ++c)

@@ -10,9 +10,11 @@ namespace hmf {
 struct SharedFlat {
     Memory memory;
     FlatSurface flat; // on the caller's side of the level
+    const uint64_t before;
     // used: what counts towards the limit beside it.
     SharedFlat(const hmf_hierarchy& h, uint64_t used) :
-        memory(h.allocate, h.release, h.allocator_user, h.memory_limit, used) {}
+        memory(h.allocate, h.release, h.allocator_user, h.memory_limit, used), before(used) {}
+    uint64_t bytes() const { return sizeof *this + memory.used() - before; }
 };
 
 // What is kept with a foliation that is a minimum to 1e-8; out is NULL for

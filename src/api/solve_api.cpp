@@ -1,6 +1,7 @@
 // hmf.h: loops, initialize, solve, relax.
 #include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
+#include "canonical_loops.hpp"
 #include "read_loop_set.hpp"
 #include "surface_loops.hpp"
 
@@ -12,35 +13,35 @@ using namespace hmf;
 namespace {
 
 // The solve options with all defaults in place.
-hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy& h, hmf_solve_options& all,
-                              SolveOptions& options, Call& call) {
-    if (read_options(from, all, "hmf_solve_options", call)) return call.status();
-    options.method = all.method ? all.method : HMF_METHOD_NEWTON;
+hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy& h, SolveOptions& options,
+                              Call& call) {
+    hmf_solve_options& given = options;
+    const SolveOptions defaults;
+    if (read_options(from, given, "hmf_solve_options", call)) return call.status();
+    if (options.method == HMF_METHOD_DEFAULT) options.method = defaults.method;
     if (options.method < HMF_METHOD_NEWTON || options.method > HMF_METHOD_PAPER)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no method %d. Use HMF_METHOD_*.",
-                         static_cast<int>(all.method));
-    if (!(all.tolerance >= 0) || !(all.tolerance < 1) || !(all.time_limit >= 0))
+                         static_cast<int>(options.method));
+    if (!(options.tolerance >= 0) || !(options.tolerance < 1) || !(options.time_limit >= 0))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "tolerance must lie in (0, 1) and time_limit must not be negative; 0 means the default.");
-    if (!(all.residual_tolerance >= 0) || !(all.residual_tolerance < 1))
+    if (!(options.residual_tolerance >= 0) || !(options.residual_tolerance < 1))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "residual_tolerance must lie in (0, 1); 0 means the default.");
     const bool newton = options.method == HMF_METHOD_NEWTON;
-    options.tolerance = all.tolerance > 0 ? all.tolerance : newton ? 1e-8 : 1e-6;
-    options.residual_tolerance = all.residual_tolerance;
-    if (newton && all.residual_tolerance > 0) options.tolerance = all.residual_tolerance;
-    if (all.iteration_limit) options.iteration_limit = all.iteration_limit;
-    if (all.stop_level >= h.level_count)
-        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, all.stop_level,
+    if (newton && options.residual_tolerance > 0) options.tolerance = options.residual_tolerance;
+    if (!(options.tolerance > 0)) options.tolerance = newton ? 1e-8 : 1e-6;
+    if (options.iteration_limit == 0) options.iteration_limit = defaults.iteration_limit;
+    if (options.stop_level >= h.level_count)
+        return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, options.stop_level,
                          "stop_level is %llu; the hierarchy has %llu levels, counted from 0.",
-                         static_cast<unsigned long long>(all.stop_level),
+                         static_cast<unsigned long long>(options.stop_level),
                          static_cast<unsigned long long>(h.level_count));
-    options.stop_level = static_cast<size_t>(all.stop_level);
     options.largest_value = largest_inner_value;
     if (options.method == HMF_METHOD_SINGLE_LEVEL && options.stop_level != 0)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "The single-level method works on level 0 only. Set stop_level to 0.");
-    call.set_time_limit(all.time_limit);
+    call.set_time_limit(options.time_limit);
     return HMF_OK;
 }
 
@@ -54,8 +55,9 @@ hmf_status describe(hmf_status status, size_t level, const hmf_report& report, c
             "The time limit ended the optimisation; the values are closed and without poles. Raise time_limit.");
     case HMF_LIMIT_ITERATIONS:
         return call.fail(status, HMF_ELEMENT_LEVEL, level,
-                         "The iteration limit ended the optimisation; the values are closed and without poles. Raise "
-                         "iteration_limit.");
+                         "The limit of %s ended the optimisation; the values are closed and without poles. Raise %s.",
+                         report.method == HMF_METHOD_NEWTON ? "steps" : "sweeps",
+                         report.method == HMF_METHOD_NEWTON ? "step_limit" : "iteration_limit");
     case HMF_LIMIT_STALLED:
         return call.fail(
             status, HMF_ELEMENT_LEVEL, level,
@@ -145,20 +147,25 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
         std::memcpy(solved.data(), state.foliation.value, n * sizeof(int64_t));
     }
     if (state.level == 0 && !state.to_input(call)) return call.stopped();
+    // A call that was cancelled before gives what it has.
+    Call* const watched = call.cancelled() ? nullptr : &call;
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     const SingularityCount count = count_singularities(state.foliation);
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "%llu triangles of the result are not closed. Please report it.",
                          static_cast<unsigned long long>(count.broken_triangles));
     making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     ConformalScale scale;
     if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
-                       making.unit, call.memory))
-        return call.out_of_memory();
+                       making.unit, call.memory, watched))
+        return call.stopped();
     report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
@@ -168,6 +175,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     report.peak_memory_bytes = call.memory.peak() - state.hierarchy->memory.used();
     report.solve_seconds = call.seconds();
     making.recorder = &recorder;
+    if (recorder.certificate.known && recorder.certificate.fractional) making.fraction = recorder.fraction.data();
     if (make_foliation(state, making, call, out)) return call.status();
     if (report.poles > 0 && status == HMF_OK) status = HMF_LIMIT_CLASS;
     return describe(status, state.level, report, watch, call);
@@ -230,7 +238,7 @@ hmf_status load_start(const hmf_hierarchy& h, const hmf_foliation& start, size_t
                          "hmf_interpolate.",
                          static_cast<unsigned long long>(start.level));
     if (!state.allocate(h, 0, call.memory)) return call.out_of_memory();
-    state.load(0, Side::input);
+    state.load(0, Triangulation::input);
     uint64_t poles = 0;
     if (read_values(state, start.values, static_cast<size_t>(start.count), unit, poles, call)) return call.status();
     return refuse_poles(poles, call);
@@ -267,7 +275,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
         return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
     Array<uint32_t> faces, triangle;
-    if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces))
+    if (canonical_loops(*hierarchy, level, kind, call, loops)
+        || name_by_triangles(*hierarchy, level, call, loops, faces))
         return call.status();
     if (level == 0) {
         Array<uint32_t> internal;
@@ -294,7 +303,7 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (read_loop_set(*hierarchy, loops, hierarchy->level_count - 1, given, call)) return call.status();
     State state;
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
-    state.load(given.level, Side::input);
+    state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     if (make_symmetric(state, call)) return call.status();
     Making making;
@@ -306,25 +315,24 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
                      const hmf_control* control, hmf_foliation** out, hmf_error* error) {
     Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
-    hmf_solve_options all;
     SolveOptions solve;
-    if (entry.check(hierarchy, out) || read_solve_options(options, *hierarchy, all, solve, call)) return call.status();
-    if (all.start && loops)
+    if (entry.check(hierarchy, out) || read_solve_options(options, *hierarchy, solve, call)) return call.status();
+    if (solve.start && loops)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "There are loops and a start. Give one of them, the other NULL.");
     // The cascade starts on the coarsest level, to which loops and foliations of finer levels are restricted.
     const size_t start = solve.method == HMF_METHOD_SINGLE_LEVEL ? 0 : hierarchy->level_count - 1;
     State state;
     call.range(0, 0); // the levels share the whole range
-    if (all.start) {
+    if (solve.start) {
         double unit = 1;
-        if (load_start(*hierarchy, *all.start, solve.stop_level, state, unit, call)) return call.status();
+        if (load_start(*hierarchy, *solve.start, solve.stop(), state, unit, call)) return call.status();
         return solve_from(state, start, nullptr, unit, solve, call, out);
     }
     WeightedLoops given;
     if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
-    if (!state.allocate(*hierarchy, std::min(solve.stop_level, given.level), call.memory)) return call.out_of_memory();
-    state.load(given.level, Side::input);
+    if (!state.allocate(*hierarchy, std::min(solve.stop(), given.level), call.memory)) return call.out_of_memory();
+    state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
     return solve_from(state, start, &given, given.unit, solve, call, out);
 }
@@ -334,11 +342,9 @@ hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* op
     const hmf_hierarchy* const hierarchy = foliation ? foliation->hierarchy : nullptr;
     Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
-    hmf_solve_options all;
     SolveOptions solve;
-    if (entry.check(hierarchy, out) || check_foliation(foliation, call)
-        || read_solve_options(options, *hierarchy, all, solve, call))
-        return call.status();
+    if (entry.check(hierarchy, out) || check_foliation(foliation, call)) return call.status();
+    if (read_solve_options(options, *hierarchy, solve, call)) return call.status(); // NOLINT: check refuses NULL
     State state;
     double unit = 1;
     if (load_solved(*foliation, state, unit, call)) return call.status();

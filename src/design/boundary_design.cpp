@@ -54,7 +54,7 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
         if (inner.cancelled() || call_.cancelled()) return call_.was_cancelled();
         return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
     };
-    state_.load(0, Side::input);
+    state_.load(0, Triangulation::input);
     initial_foliation(state_.foliation.mesh, loops.loops, integers_.data(), state_.foliation.value);
     const size_t coarsest = h_.level_count - 1;
     if (!state_.go_to(coarsest, inner) || (coarsest == 0 && !state_.to_intrinsic(inner))) return failed();

@@ -10,6 +10,7 @@
 
 #include "../mesh/weights.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -29,13 +30,15 @@ double natural_log(double x) {
 }
 
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
-                             Memory& memory) {
-    constexpr double least = 1e-14; // of the largest density
+                             Memory& memory, Call* call) {
+    constexpr double least = 1e-14;       // of the largest density
+    constexpr uint32_t stride = 1u << 16; // half-edges, and faces, between two reports
+    const auto go_on = [call] { return !call || call->tick(0, true); };
     mean = offset = across = 0;
     if (!log_scale.allocate_filled(memory, mesh.face_count, 0.0) || !area.allocate_filled(memory, mesh.face_count, 0.0))
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    double largest = 0, low[3], high[3];
+    double largest = 0, low[3] = {}, high[3] = {};
     for (size_t i = 0; i < size_t{3} * mesh.vertex_count; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
         if (x > largest) largest = x;
@@ -46,7 +49,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     std::frexp(largest, &exponent);
     const double shrink = std::ldexp(1.0, -exponent);
     double whole = 0, top = 0, whole_energy = 0, diagonal = 0;
-    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t h, uint32_t g, uint32_t k) {
+    const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k) {
         const uint32_t side[3] = {h, g, k};
         double p[3][3], cross[3];
         for (size_t i = 0; i < 3; ++i)
@@ -72,7 +75,12 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         const double density = energy / (doubled / 2);
         log_scale[t] = density;
         if (density > top && density < HUGE_VAL) top = density;
-    });
+    };
+    const uint32_t half_edges = 2 * mesh.edge_count;
+    for (uint32_t begin = 0; begin < half_edges; begin += std::min(stride, half_edges - begin)) {
+        if (!go_on()) return false;
+        for_each_face(mesh, begin, begin + std::min(stride, half_edges - begin), measure_face);
+    }
     if (!(whole > 0) || !(top > 0)) { // no extent, or no foliation
         for (double& s : log_scale) s = 0;
         return true;
@@ -81,6 +89,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     across = whole_energy > 0 ? std::sqrt(whole_energy / whole * diagonal) : 0;
     offset = exponent * -0.69314718055994531;
     for (size_t t = 0; t < area.size(); ++t) {
+        if (t % stride == 0 && !go_on()) return false;
         area[t] /= whole;
         double density = log_scale[t];
         if (!(density > least * top)) density = least * top;

@@ -16,9 +16,10 @@ struct ConformalScale {
     double across = 0;       // how much u changes along the diagonal of the box at the root mean square of |grad u|
     double mean = 0;         // of log_scale over the surface
 
-    // value: per edge.  Where |grad u| is 1e-7 of the largest or less, that counts.  A tripod has
-    // the gradient that its energy stands for.
-    Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory);
+    // value: per edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest
+    // or less, that counts.  A tripod has the gradient that its energy stands for.
+    Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory,
+                 Call* call = nullptr);
 
     // Standard deviation of log_scale over the surface: 0 for a flat metric that
     // is the surface's own.

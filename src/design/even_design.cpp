@@ -78,13 +78,11 @@ hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, int32_
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
     for (uint32_t& x : loops.crossings) {
         const uint32_t from = vertex[trial.input.origin[x]], to = vertex[trial.input.target(x)];
-        uint32_t h = mesh.out[from];
-        while (mesh.target(h) != to) { // the mesh is simplicial
-            h = mesh.rotate_ccw(h);
-            if (h == mesh.out[from])
-                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "An edge got lost. Please report this.");
-        }
-        x = h;
+        x = NONE;
+        for (const uint32_t h : mesh.around(from))
+            if (mesh.target(h) == to) x = h; // the only one: the mesh is simplicial
+        if (x == NONE)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "An edge got lost. Please report this.");
     }
     return HMF_OK;
 }
@@ -92,15 +90,11 @@ hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, int32_
 // Those with a weight.
 Done keep_loops(const Array<double>& weights, EvenDesign& out, Memory& memory) {
     Loops kept;
-    kept.offsets.start(memory);
-    kept.crossings.start(memory);
     out.weights.start(memory);
-    if (!kept.offsets.push(0)) return false;
+    if (!kept.start(memory)) return false;
     for (size_t c = 0; c < weights.size(); ++c) {
         if (!(weights[c] > 0)) continue;
-        for (uint64_t i = out.loops.offsets[c]; i < out.loops.offsets[c + 1]; ++i)
-            if (!kept.crossings.push(out.loops.crossings[i])) return false;
-        if (!kept.offsets.push(kept.crossings.size()) || !out.weights.push(weights[c])) return false;
+        if (!kept.add(out.loops, c) || !out.weights.push(weights[c])) return false;
     }
     out.loops = static_cast<Loops&&>(kept);
     return true;
@@ -113,7 +107,7 @@ hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint
     LoopCarrier carrier;
     if (level > 0 && !carrier.load(h, level, 0, loops, call.memory)) return call.out_of_memory();
     for (size_t k = level; k-- > 0;) {
-        if (!carrier.refine(call)) return call.was_cancelled();
+        if (!carrier.refine(call)) return call.stopped();
         if (!carrier.read(0, loops.count(), loops, call.memory)
             || !view.make(carrier.mesh(), h.levels[k].position, marks, call.memory))
             return call.out_of_memory();

@@ -142,7 +142,7 @@ hmf_status MarkedTrial::solve() {
         const int64_t w = static_cast<int64_t>(weights[c] / largest * static_cast<double>(LARGEST));
         integer_weights_[c] = w / LABELS * LABELS + static_cast<int64_t>(c);
     }
-    state_.load(coarsest, Side::input);
+    state_.load(coarsest, Triangulation::input);
     initial_foliation(state_.foliation.mesh, loops_, integer_weights_.data(), state_.foliation.value);
     if (coarsest == 0 && !state_.to_intrinsic(call_)) return failed(call_);
     Recorder recorder(false, call_, 1);
@@ -206,7 +206,7 @@ hmf_status MarkedTrial::count_crossings(Array<uint32_t>& offsets, Array<uint32_t
 hmf_status MarkedTrial::derive(bool& known) {
     known = false;
     if (!usable_) return HMF_OK;
-    state_.load(0, Side::intrinsic);
+    state_.load(0, Triangulation::intrinsic);
     Foliation& f = state_.foliation;
     const Mesh &mesh = f.mesh, &input = h_.input;
     std::memcpy(f.value, solved_.data(), mesh.edge_count * sizeof(int64_t));

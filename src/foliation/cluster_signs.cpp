@@ -9,15 +9,12 @@ double sign_regular_cluster(const Foliation& f, const double* weight, int8_t* si
     uint32_t closed_start = NONE;
     size_t sides = 0;
     for (uint32_t v : f.members) {
-        const uint32_t first = mesh.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh.around(v)) {
             const uint32_t ahead = mesh.rotate_ccw(h);
             ++sides;
             sign[h] = f.at(h) != 0 ? static_cast<int8_t>(sign[h] + unvisited) : h & 1 ? -1 : 1;
             if (f.at(h) != 0 && f.at(ahead) != 0 && f.corner2(h) == 0) closed_start = ahead;
-            h = ahead;
-        } while (h != first);
+        }
     }
     double agreement = 0;
     // One turn round the boundary meets each side at most once per zero edge beside it.

@@ -42,6 +42,13 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
     return HMF_OK;
 }
 
+int64_t ClassReference::largest_height() const {
+    int64_t largest = 0;
+    for (const int64_t h : height_)
+        if (h > largest) largest = h;
+    return largest;
+}
+
 hmf_status ClassReference::number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call) {
     CurveNames of_loops;
     of_loops.start(call.memory);

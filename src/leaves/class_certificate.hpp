@@ -58,6 +58,7 @@ public:
     // its leaves do not bound cylinders, as of values that come from no loops.
     [[nodiscard]] hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
     bool known() const { return !height_.empty(); }
+    int64_t largest_height() const; // 0 if it is not known
 
     // Numbers of the loops in messages: those of `loops` on the same mesh, by
     // their classes; or by their weights, in the unit of the foliation.

@@ -47,19 +47,31 @@ public:
         crossing_limit_(64 * uint64_t{g.mesh.edge_count} + (uint64_t{1} << 20)), call_(call) {}
 
     // The points behind c, until u has changed by `room`, a zero is met or the
-    // line is too long; length counts on.
-    hmf_status trace(Crossing c, double room, const CriticalGraph* graph, double& length, int32_t& end) {
+    // line is too long; length counts on.  skip: the line begins in the triangle
+    // behind c, where u has changed by so much.
+    hmf_status trace(Crossing c, double skip, double room, const CriticalGraph* graph, double& length, int32_t& end) {
         double before[3], point[3];
         point_at(g_, position_, c, before);
         end = HMF_END_LIMIT;
         double here = 0;
+        if (skip > 0) {
+            const Crossing next = follow(g_, c);
+            const double grown = change(g_.mesh, du_, c.half_edge, fraction(g_, c), next.half_edge, fraction(g_, next));
+            point_at(g_, position_, next, point);
+            for (int k = 0; k < 3; ++k) before[k] += (point[k] - before[k]) * (skip < grown ? skip / grown : 1);
+            if (!lines_.add(before, NONE)) return call_.out_of_memory();
+        }
         uint32_t inside = graph ? graph->sector_at(g_, c) : NONE;
         for (uint64_t n = 0; n < crossing_limit_; ++n) {
             if (n % 16384 == 0 && !call_.tick(0)) return call_.was_cancelled();
             const Crossing next = follow(g_, c);
             point_at(g_, position_, next, point);
-            const double grown =
+            double grown =
                 du_ ? change(g_.mesh, du_, c.half_edge, fraction(g_, c), next.half_edge, fraction(g_, next)) : 0;
+            if (n == 0 && skip > 0) {
+                here = skip;
+                grown = grown > skip ? grown - skip : 0;
+            }
             const bool arrives = du_ && here + grown >= room;
             if (arrives)
                 for (int k = 0; k < 3; ++k)
@@ -165,13 +177,15 @@ hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t*
             const double ahead = magnitude(there - here), half = levels.height[c] / 2;
             const size_t first = lines.edges.size();
             double point[3];
-            if (tracer.trace(reversed(g, start), half + ahead, nullptr, line.length, line.begin)) return call.status();
+            // It may end in this triangle on both sides.
+            if (tracer.trace(reversed(g, start), ahead - half, half + ahead, nullptr, line.length, line.begin))
+                return call.status();
             lines.reverse(first);
             double other = 0;
             if (ahead < half) {
                 point_at(g, position, start, point);
                 if (!lines.add(point, edge_of(start.half_edge))) return call.out_of_memory();
-                if (tracer.trace(start, half - ahead, nullptr, other, line.end)) return call.status();
+                if (tracer.trace(start, 0, half - ahead, nullptr, other, line.end)) return call.status();
             } else line.end = HMF_END_CRITICAL;
             line.length += other;
             if (!lines.end_line(line)) return call.out_of_memory();
@@ -199,7 +213,7 @@ hmf_status add_conjugate_prongs(Lines& lines, Foliation& g, const double* positi
         const Crossing start{twin(s.last), width(g, s.last) - 1};
         point_at(g, position, start, point);
         if (!lines.add(point, edge_of(s.last))) return call.out_of_memory();
-        if (tracer.trace(start, 0, &graph, line.length, line.end)) return call.status();
+        if (tracer.trace(start, 0, 0, &graph, line.length, line.end)) return call.status();
         if (!lines.end_line(line)) return call.out_of_memory();
     }
     return HMF_OK;

@@ -148,7 +148,7 @@ hmf_status minimise(State& state, const Curves& curves, const Array<int64_t>& ke
         labels.height[c] = static_cast<int64_t>(static_cast<double>(key[c]) * scale);
         while (is_among(labels.height, c, labels.height[c])) labels.height[c] += 1 << 18;
     }
-    state.load(state.level, state.side);
+    state.load(state.level, state.triangulation);
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] = 0;
     for (size_t c = 0; c < n; ++c)
         for (uint64_t i = curves.offsets[c]; i < curves.offsets[c + 1]; ++i)

@@ -13,7 +13,7 @@ namespace {
 hmf_status stretch(const hmf_hierarchy& h, size_t level, const Foliation& f, const Cylinders& cylinders,
                    const Labels& labels, State& stretched, Call& call) {
     if (!stretched.allocate(h, level, call.memory)) return call.out_of_memory();
-    stretched.load(level, Side::input);
+    stretched.load(level, Triangulation::input);
     if (!call.tick(0)) return call.was_cancelled();
     labels.stretch(f, cylinders, stretched.foliation.value);
     return call.tick(0) ? HMF_OK : call.was_cancelled();
@@ -53,7 +53,7 @@ hmf_status loops_on_coarsest(const hmf_hierarchy& h, size_t level, const Loops& 
         || !state.allocate(h, std::min(coarsest, level), call.memory))
         return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) number[c] = static_cast<int64_t>(c + 1) * step;
-    state.load(level, Side::input);
+    state.load(level, Triangulation::input);
     initial_foliation(state.foliation.mesh, loops, number.data(), state.foliation.value);
     if (!state.go_to(coarsest, call) || (coarsest == 0 && !state.to_intrinsic(call))) return call.stopped();
     Cylinders cylinders;

@@ -161,9 +161,9 @@ hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const R
         const double parts =
             std::floor(static_cast<double>(SAMPLES_PER_SIDE) * std::sqrt(square_distance(a, b)) / mean) + 1;
         if (static_cast<double>(samples.size()) + parts > static_cast<double>(MOST_SAMPLES)) return HMF_OK;
-        for (double i = 0.5; i < parts; i += 1) {
+        for (uint32_t i = 0; i + 0.5 < parts; ++i) {
             Sample s{{}, h};
-            for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * (i / parts);
+            for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * ((i + 0.5) / parts);
             if (!samples.push(s)) return call.out_of_memory();
         }
     }

@@ -1,5 +1,6 @@
 #include "annulus.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -42,7 +43,7 @@ Done Annulus::push_border(uint32_t link, uint32_t before, uint32_t after) {
 }
 
 // Copy i is the region between the places i and i + 1 of the loop.
-bool Annulus::build_strip(const Array<Place>& loop) {
+Done Annulus::build_strip(const Array<Place>& loop) {
     const uint32_t n = static_cast<uint32_t>(loop.size());
     for (uint32_t i = 0; i < n; ++i)
         if (!add_copy(other(loop[i]), 0)) return false;
@@ -54,8 +55,7 @@ bool Annulus::build_strip(const Array<Place>& loop) {
         for (uint32_t s = 1; s < copies_[i].sides; ++s)
             if (copies_[i].side[s].half_edge == leave.half_edge && copies_[i].side[s].position == leave.position)
                 exit[i] = s;
-        assert(exit[i] != NONE);
-        if (exit[i] == NONE) return false;
+        assert(exit[i] != NONE); // the next place is at another side of the region
     }
     for (uint32_t i = 0; i < n; ++i) {
         const uint32_t j = i + 1 < n ? i + 1 : 0;
@@ -114,16 +114,11 @@ void Annulus::close_up(uint32_t a) {
 
 // The fan from side a of the border to the next one, if it is more than a full
 // turn round a vertex: its last regions are the first ones again.
-bool Annulus::find_same(uint32_t a) {
+Done Annulus::find_same(uint32_t a) {
     const uint32_t b = border_[a].after, link_a = border_[a].link, link_b = border_[b].link;
     const Place place = copies_[link_a / 4].side[link_a % 4];
     if (a == b || !ends_at_plain_vertex(place)) return true;
-    size_t degree = 0;
-    uint32_t h = twin(place.half_edge);
-    do {
-        ++degree;
-        h = mesh_.rotate_cw(h);
-    } while (h != twin(place.half_edge));
+    const size_t degree = mesh_.degree(mesh_.target(place.half_edge));
     fan_.clear();
     int32_t turns = 0;
     uint32_t at = link_a;
@@ -148,7 +143,7 @@ bool Annulus::find_same(uint32_t a) {
     }
 }
 
-bool Annulus::grow(size_t capacity) {
+Done Annulus::grow(size_t capacity) {
     heap_.clear();
     const auto enqueue = [&](uint32_t b) {
         const uint32_t link = border_[b].link;
@@ -196,7 +191,7 @@ bool Annulus::grow(size_t capacity) {
 // first of these copies, a landmark, bound the way that is left from below
 // (Goldberg, Harrelson: Computing the shortest path, 2005), so that the
 // searches from the others look at little more than the best loops.
-bool Annulus::search(double limit, Array<uint32_t>& out) {
+Done Annulus::search(double limit, Array<uint32_t>& out) {
     const size_t states = copies_.size() * TURNS;
     if (state_.size() < states && !state_.allocate(call_.memory, states)) return false;
     for (size_t i = 0; i < states; ++i) state_[i] = {0, HUGE_VAL, NONE, 0};
@@ -261,17 +256,12 @@ bool Annulus::search(double limit, Array<uint32_t>& out) {
             if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
             state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
         }
-        for (size_t i = 0, j = out.size(); i + 1 < j; ++i) {
-            --j;
-            const uint32_t h = out[i];
-            out[i] = out[j];
-            out[j] = h;
-        }
+        std::reverse(out.begin(), out.end());
     }
     return true;
 }
 
-bool Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
+Done Annulus::shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
                        Array<uint32_t>& out) {
     count_ = &count;
     copies_.clear();

@@ -44,8 +44,8 @@ public:
     // loop leaves regions at the given places.  Copies are at most `capacity`
     // (at least those of the loop).  On success `out` is a shortest loop within
     // the strip, in the same direction, if it is shorter than limit; else it is
-    // empty.  It may go back and forth.  False: out of memory or cancelled.
-    bool shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
+    // empty.  It may go back and forth.
+    Done shortest(const Array<uint32_t>& count, const Array<Place>& loop, size_t capacity, double limit,
                   Array<uint32_t>& out);
 
 private:
@@ -78,11 +78,11 @@ private:
     Place other(Place p) const { return {twin(p.half_edge), count(p.half_edge) - p.position}; }
     Done add_copy(Place entry, double distance);
     Done push_border(uint32_t link, uint32_t before, uint32_t after);
-    bool build_strip(const Array<Place>& loop);
-    bool grow(size_t capacity);
+    Done build_strip(const Array<Place>& loop);
+    Done grow(size_t capacity);
     void close_up(uint32_t a);
-    bool find_same(uint32_t a);
-    bool search(double limit, Array<uint32_t>& out);
+    Done find_same(uint32_t a);
+    Done search(double limit, Array<uint32_t>& out);
 
     const Mesh& mesh_;
     const DualLength& length_;

@@ -2,9 +2,11 @@
 
 #include "disjoint.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
-bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops,
+Done LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops,
                        Memory& memory) {
     hierarchy_ = &hierarchy;
     level_ = level;
@@ -13,23 +15,12 @@ bool LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t fine
     entries_.start(memory);
     scratch_.start(memory);
     free_ = NONE;
-    if (!origin_.allocate(memory, size_t{2} * room.edge_count) || !next_.allocate(memory, size_t{2} * room.edge_count)
-        || !face_.allocate(memory, size_t{2} * room.edge_count) || !out_.allocate(memory, room.vertex_count)
-        || !head_.allocate_filled(memory, room.edge_count, NONE))
-        return false;
-    std::memcpy(origin_.data(), from.origin, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(next_.data(), from.next, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(face_.data(), from.face, size_t{2} * from.edge_count * sizeof(uint32_t));
-    std::memcpy(out_.data(), from.out, from.vertex_count * sizeof(uint32_t));
-    mesh_ = from;
-    mesh_.origin = origin_.data();
-    mesh_.next = next_.data();
-    mesh_.face = face_.data();
-    mesh_.out = out_.data();
+    if (!copy_.allocate(room, memory) || !head_.allocate_filled(memory, room.edge_count, NONE)) return false;
+    mesh_ = copy_.of(from);
     return replace(loops);
 }
 
-bool LoopCarrier::replace(const Loops& loops) {
+Done LoopCarrier::replace(const Loops& loops) {
     for (uint32_t e = 0; e < mesh_.edge_count; ++e) head_[e] = NONE;
     entries_.clear();
     free_ = NONE;
@@ -48,7 +39,7 @@ const LoopCarrier::Entry* LoopCarrier::find(uint32_t edge, uint32_t loop) const 
     return nullptr;
 }
 
-bool LoopCarrier::add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count) {
+Done LoopCarrier::add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count) {
     if (const Entry* found = find(edge, loop)) {
         Entry& entry = entries_[static_cast<size_t>(found - entries_.data())];
         entry.count += count;
@@ -76,16 +67,16 @@ void LoopCarrier::drop_edge(uint32_t edge) {
     }
 }
 
-void LoopCarrier::copy_edge(uint32_t from, uint32_t to, bool reversed) {
+Done LoopCarrier::copy_edge(uint32_t from, uint32_t to, bool reversed) {
     for (uint32_t i = head_[from]; i != NONE;) {
         const Entry entry = entries_[i]; // the array may move
-        if (!add(to, entry.loop, entry.count, reversed ? -entry.signed_count : entry.signed_count))
-            out_of_memory_ = true;
+        if (!add(to, entry.loop, entry.count, reversed ? -entry.signed_count : entry.signed_count)) return false;
         i = entry.next;
     }
+    return true;
 }
 
-void LoopCarrier::unflip_edge(uint32_t edge) {
+Done LoopCarrier::unflip_edge(uint32_t edge) {
     const uint32_t h = 2 * edge, t = twin(h);
     const uint32_t a = mesh_.next[h], b = mesh_.prev(h), c = mesh_.next[t], d = mesh_.prev(t);
     const uint32_t around[5] = {edge, edge_of(a), edge_of(b), edge_of(c), edge_of(d)};
@@ -93,17 +84,14 @@ void LoopCarrier::unflip_edge(uint32_t edge) {
     for (uint32_t e : around) any |= head_[e] != NONE;
     if (!any) {
         unflip(mesh_, edge);
-        return;
+        return true;
     }
     scratch_.clear();
     for (uint32_t e : around)
         for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) {
             bool known = false;
             for (const Entry& entry : scratch_) known |= entry.loop == entries_[i].loop;
-            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) {
-                out_of_memory_ = true;
-                return;
-            }
+            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) return false;
         }
     // After the reversal h is followed by d and a (as seen from the right, see mesh.hpp).
     unflip(mesh_, edge);
@@ -118,20 +106,22 @@ void LoopCarrier::unflip_edge(uint32_t edge) {
             return f ? (side & 1u ? -f->signed_count : f->signed_count) : 0;
         };
         const int64_t ac = count(edge_of(a)) + count(edge_of(c)), bd = count(edge_of(b)) + count(edge_of(d));
-        entry.count = static_cast<uint32_t>((ac > bd ? ac : bd) - count(edge));
+        entry.count = static_cast<uint32_t>(std::max(ac, bd) - count(edge));
         entry.signed_count = -flow(left[0]) - flow(left[1]); // as much goes in as goes out
     }
     drop_edge(edge);
     for (const Entry& entry : scratch_)
         if ((entry.count || entry.signed_count) && !add(edge, entry.loop, entry.count, entry.signed_count))
-            out_of_memory_ = true;
+            return false;
+    return true;
 }
 
-bool LoopCarrier::refine(Call& call) {
+Done LoopCarrier::refine(Call& call) {
     const Level& finer = hierarchy_->levels[level_ - 1];
+    if (!call.tick(0, true)) return false;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
-        unflip_edge(hierarchy_->flips[i]);
+        if (!unflip_edge(hierarchy_->flips[i])) return false;
     }
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
@@ -139,8 +129,9 @@ bool LoopCarrier::refine(Call& call) {
         split(mesh_, c);
         head_[edge_of(c.h)] = head_[edge_of(c.jk)] = head_[edge_of(c.lj)] = NONE;
         // ki and jk both lead to or from k: k -> i beside j -> k; i -> l beside l -> j.
-        if (head_[edge_of(c.ki)] != NONE) copy_edge(edge_of(c.ki), edge_of(c.jk), !((c.ki ^ c.jk) & 1u));
-        if (head_[edge_of(c.il)] != NONE) copy_edge(edge_of(c.il), edge_of(c.lj), !((c.il ^ c.lj) & 1u));
+        if (!copy_edge(edge_of(c.ki), edge_of(c.jk), !((c.ki ^ c.jk) & 1u))
+            || !copy_edge(edge_of(c.il), edge_of(c.lj), !((c.il ^ c.lj) & 1u)))
+            return false;
     }
     --level_;
     mesh_.vertex_count = finer.mesh.vertex_count;
@@ -149,10 +140,8 @@ bool LoopCarrier::refine(Call& call) {
     return true;
 }
 
-bool LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
-    out.offsets.start(memory);
-    out.crossings.start(memory);
-    if (out_of_memory_ || !out.offsets.push(0)) return false;
+Done LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
+    if (!out.start(memory)) return false;
     // One loop after another, each from its crossing numbers.
     Array<uint32_t> edge, begin; // of all loops, sorted by loop
     Multicurve curve;

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
+#include "../mesh/mesh_copy.hpp"
 #include "loops.hpp"
 
 namespace hmf {
@@ -21,16 +22,14 @@ namespace hmf {
 class LoopCarrier {
 public:
     // Loops on `level`, each of them simple; they may cross each other.
-    // Room for the levels down to `finest`.  False: out of memory.
-    bool load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops, Memory& memory);
+    // Room for the levels down to `finest`.
+    Done load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops, Memory& memory);
     // To the next finer level; level 0 is reached on the mesh of the caller.
-    // False: cancelled.  Failures of memory show in read().
-    bool refine(Call& call);
+    Done refine(Call& call);
     // Loops first .. last - 1, which must be disjoint, with their directions.
-    // False: out of memory.
-    bool read(size_t first, size_t last, Loops& out, Memory& memory);
+    Done read(size_t first, size_t last, Loops& out, Memory& memory);
     // Other loops in their place: same number, same level.
-    bool replace(const Loops& loops);
+    Done replace(const Loops& loops);
 
     const Mesh& mesh() const { return mesh_; }
     size_t level() const { return level_; }
@@ -42,21 +41,20 @@ private:
         uint32_t next;
     };
 
-    bool add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count);
+    Done add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count);
     const Entry* find(uint32_t edge, uint32_t loop) const;
-    void copy_edge(uint32_t from, uint32_t to, bool reversed);
-    void unflip_edge(uint32_t edge);
+    Done copy_edge(uint32_t from, uint32_t to, bool reversed);
+    Done unflip_edge(uint32_t edge);
     void drop_edge(uint32_t edge);
 
     const hmf_hierarchy* hierarchy_ = nullptr;
     size_t level_ = 0, loop_count_ = 0;
-    Mesh mesh_;
-    Array<uint32_t> origin_, next_, face_, out_;
+    MeshCopy copy_;
+    Mesh mesh_;            // in copy_
     Array<uint32_t> head_; // first entry of each edge, or NONE
     Array<Entry> entries_;
     Array<Entry> scratch_;
     uint32_t free_ = NONE;
-    bool out_of_memory_ = false;
 };
 
 } // namespace hmf

@@ -22,10 +22,6 @@ namespace {
 
 using Long = unsigned long long;
 
-hmf_status cancelled(Call& call) {
-    return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-}
-
 // An element of loop d that loop c has as well (c = d: one that it has twice);
 // NONE if there is none, or no memory to find it.
 uint32_t common_element(const GivenLoops* given, size_t c, size_t d, Memory& memory) {
@@ -58,10 +54,10 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
                          Call& call) {
     const char* const word = given && given->element_kind == HMF_LOOP_TRIANGLES ? "triangle" : "vertex";
     for (size_t c = 0; c < loops.count(); ++c) {
-        if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
-        const Answer answer = disjoint(mesh, loops, c, c + 1, curves, nullptr, call.memory);
-        if (answer == Answer::out_of_memory) return call.out_of_memory();
-        if (answer == Answer::yes) continue;
+        if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
+        bool is_simple = false;
+        if (!disjoint(mesh, loops, c, c + 1, curves, nullptr, call.memory, is_simple)) return call.out_of_memory();
+        if (is_simple) continue;
         const uint32_t at = common_element(given, c, c, call.memory);
         if (at == NONE)
             return call.fail(HMF_ERROR_LOOP_NOT_SIMPLE, HMF_ELEMENT_LOOP, c,
@@ -74,31 +70,23 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
     size_t good = 1, bad = loops.count();
     while (good + 1 < bad) {
         const size_t middle = good + (bad - good) / 2;
-        if (!call.tick(0, true)) return cancelled(call);
-        const Answer answer = disjoint(mesh, loops, 0, middle, curves, nullptr, call.memory);
-        if (answer == Answer::out_of_memory) return call.out_of_memory();
-        if (answer == Answer::yes) good = middle;
+        if (!call.tick(0, true)) return call.was_cancelled();
+        bool are_disjoint = false;
+        if (!disjoint(mesh, loops, 0, middle, curves, nullptr, call.memory, are_disjoint)) return call.out_of_memory();
+        if (are_disjoint) good = middle;
         else bad = middle;
     }
     // Which of them?
     const size_t d = bad - 1;
     Loops two;
-    two.offsets.start(call.memory);
-    two.crossings.start(call.memory);
+    if (!two.start(call.memory)) return call.out_of_memory();
     for (size_t c = 0; c < d; ++c) {
-        if (c % 256 == 0 && !call.tick(0, true)) return cancelled(call);
-        two.offsets.clear();
-        two.crossings.clear();
-        if (!two.offsets.push(0)) return call.out_of_memory();
-        const size_t pair[2] = {c, d};
-        for (const size_t k : pair) {
-            for (uint64_t i = loops.offsets[k]; i < loops.offsets[k + 1]; ++i)
-                if (!two.crossings.push(loops.crossings[i])) return call.out_of_memory();
-            if (!two.offsets.push(two.crossings.size())) return call.out_of_memory();
-        }
-        const Answer answer = disjoint(mesh, two, 0, 2, curves, nullptr, call.memory);
-        if (answer == Answer::out_of_memory) return call.out_of_memory();
-        if (answer == Answer::yes) continue;
+        if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
+        two.keep_first(0);
+        if (!two.add(loops, c) || !two.add(loops, d)) return call.out_of_memory();
+        bool are_disjoint = false;
+        if (!disjoint(mesh, two, 0, 2, curves, nullptr, call.memory, are_disjoint)) return call.out_of_memory();
+        if (are_disjoint) continue;
         const uint32_t at = common_element(given, c, d, call.memory);
         if (at == NONE)
             return call.fail(HMF_ERROR_LOOP_CROSSING, HMF_ELEMENT_LOOP, d,
@@ -121,12 +109,12 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
     Array<uint32_t> parent, component_of, border, marks;
     Array<int64_t> euler;
     const size_t n = loop_of.size();
-    if (!cut.build(mesh, curves, false, memory) || !parent.allocate(memory, cut.region_count)
+    if (!cut.build(mesh, curves, false, call) || !parent.allocate(memory, cut.region_count)
         || !component_of.allocate(memory, n) || !border.allocate_filled(memory, cut.region_count, NONE)
         || !euler.allocate_filled(memory, cut.region_count, int64_t{0})
         || !marks.allocate_filled(memory, cut.region_count, 0u))
-        return call.out_of_memory();
-    if (!call.tick(0, true)) return cancelled(call);
+        return call.stopped();
+    if (!call.tick(0, true)) return call.was_cancelled();
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
     for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
     for (uint32_t r = 0; r < cut.region_count; ++r) ++euler[find_root(parent.data(), r)];
@@ -139,7 +127,7 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
         ++euler[piece];
         marks[piece] += mesh.is_marked(v);
     }
-    if (!call.tick(0, true)) return cancelled(call);
+    if (!call.tick(0, true)) return call.was_cancelled();
     for (size_t k = 0; k < n; ++k) component_of[loop_of[k]] = static_cast<uint32_t>(k);
     for (int round = 0; round < 2; ++round) // disks first
         for (size_t c = 0; c < n; ++c) {
@@ -190,11 +178,11 @@ hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const G
     Multicurve curves;
     Array<uint32_t> loop_of;
     if (!curves.allocate(mesh, call.memory)) return call.out_of_memory();
-    if (!call.tick(0, true)) return cancelled(call);
-    const Answer answer = disjoint(mesh, loops, 0, count, curves, &loop_of, call.memory);
-    if (answer == Answer::out_of_memory) return call.out_of_memory();
-    if (answer == Answer::no) return name_crossing(mesh, loops, curves, given, call);
-    if (!call.tick(0, true)) return cancelled(call);
+    if (!call.tick(0, true)) return call.was_cancelled();
+    bool are_disjoint = false;
+    if (!disjoint(mesh, loops, 0, count, curves, &loop_of, call.memory, are_disjoint)) return call.out_of_memory();
+    if (!are_disjoint) return name_crossing(mesh, loops, curves, given, call);
+    if (!call.tick(0, true)) return call.was_cancelled();
     return check_pieces(mesh, curves, loop_of, call);
 }
 

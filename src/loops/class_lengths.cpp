@@ -5,6 +5,7 @@
 #include "disjoint.hpp"
 #include "library_loops.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -56,16 +57,12 @@ Done ClassLengths::start() {
     size_t begin = 0, end = 0;
     queue[end++] = 0;
     while (begin < end) {
-        const uint32_t v = queue[begin++], first = mesh_.out[v];
-        uint32_t h = first;
-        do {
+        for (const uint32_t h : mesh_.around(queue[begin++])) {
             const uint32_t w = mesh_.target(h);
-            if (w != 0 && reached[w] == NONE) {
-                reached[w] = h;
-                queue[end++] = w;
-            }
-            h = mesh_.rotate_ccw(h);
-        } while (h != first);
+            if (w == 0 || reached[w] != NONE) continue;
+            reached[w] = h;
+            queue[end++] = w;
+        }
     }
     uint64_t seed = 1;
     for (uint32_t v = 1; v < mesh_.marked_count; ++v) behind[v] = random_word(seed);
@@ -191,7 +188,7 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
         const double upper = classes_[ids[i]].length * (1 + classes_[ids[i]].doubt);
-        if (upper < most) most = upper;
+        most = std::min(most, upper);
     }
     const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
     const uint64_t key = classes_[ids[best]].key;
@@ -217,16 +214,13 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     const Stage reached = finest == 0 ? Stage::done : Stage::measured;
     Loops loops;
     Array<uint32_t> ids;
-    loops.offsets.start(call_.memory);
-    loops.crossings.start(call_.memory);
     ids.start(call_.memory);
-    if (!loops.offsets.push(0)) return false;
+    if (!loops.start(call_.memory)) return false;
     for (uint32_t id = 0; id < classes_.size(); ++id) {
         const Class& c = classes_[id];
         if (!c.wanted || c.stage != stage) continue;
-        for (uint64_t k = c.first; k < c.end; ++k)
-            if (!loops.crossings.push(crossings_[k])) return false;
-        if (!loops.offsets.push(loops.crossings.size()) || !ids.push(id)) return false;
+        if (!loops.add(crossings_.data() + c.first, static_cast<size_t>(c.end - c.first)) || !ids.push(id))
+            return false;
     }
     if (ids.empty()) return true;
     changed = true;
@@ -240,26 +234,18 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         ClosedGeodesic geodesic(mesh, position, geodesic_.scale(), call_);
         Multicurve curve;
         Loops pulled;
-        pulled.offsets.start(call_.memory);
-        pulled.crossings.start(call_.memory);
-        if (!pulled.offsets.push(0) || (!last && !curve.allocate(mesh, call_.memory))) return false;
+        if (!pulled.start(call_.memory) || (!last && !curve.allocate(mesh, call_.memory))) return false;
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
-            const uint32_t* const loop = loops.crossings.data() + loops.offsets[k];
-            const size_t n = static_cast<size_t>(loops.offsets[k + 1] - loops.offsets[k]);
-            if (!pull(geodesic, mesh, position, loop, n, last ? reached : Stage::found, c)) return false;
+            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), last ? reached : Stage::found, c))
+                return false;
             if (last) continue;
-            for (const uint32_t h : loop_)
-                if (!pulled.crossings.push(h)) return false;
-            if (!pulled.offsets.push(pulled.crossings.size())) return false;
-            const Answer answer = disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory);
-            if (answer == Answer::out_of_memory) return false;
-            if (answer == Answer::yes) continue;
-            while (pulled.crossings.size() > pulled.offsets[k]) pulled.crossings.pop();
-            pulled.offsets.pop();
-            for (size_t i = 0; i < n; ++i)
-                if (!pulled.crossings.push(loop[i])) return false;
-            if (!pulled.offsets.push(pulled.crossings.size())) return false;
+            bool simple = false;
+            if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory, simple))
+                return false;
+            if (simple) continue;
+            pulled.keep_first(k);
+            if (!pulled.add(loops, k)) return false;
         }
         if (!last && !carrier.replace(pulled)) return false;
     }

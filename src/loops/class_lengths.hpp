@@ -30,7 +30,6 @@ public:
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
     // The number of a loop's class, with others for strips of the class that lie elsewhere.
-    // False: out of memory or cancelled.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Which of these is the shortest, as far as is known.  Those that may be
@@ -38,7 +37,7 @@ public:
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
 
-    // Measures what is noted; changed: there was any.  False: out of memory or cancelled.
+    // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
 
 private:

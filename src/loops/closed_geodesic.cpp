@@ -1,5 +1,6 @@
 #include "closed_geodesic.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -8,7 +9,8 @@ namespace {
 
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-4;
-constexpr double LITTLE = 1e-5; // relative, what is not worth another round
+constexpr double LITTLE = 1e-5;  // relative, what is not worth another round
+constexpr size_t MOST_MORE = 64; // crossings of a detour, beyond those of the loop
 
 } // namespace
 
@@ -17,7 +19,7 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     double largest = 0;
     for (size_t i = 0; !(scale > 0) && i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
-        if (x > largest) largest = x;
+        largest = std::max(largest, x);
     }
     if (largest > 0) scale_ = largest;
     portal_.start(call.memory);
@@ -158,7 +160,7 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
         // Bends are counted from the portal on, so that the next round takes one of the other half.
         if (!pull(from, portal, to, portal + n)) return false;
         const double found = pulled_length(from, to);
-        if (found < length) length = found;
+        length = std::min(length, found);
         for (Bend& b : bend_) b.portal = static_cast<uint32_t>(b.portal - portal);
         if (bend_.empty()) break;
         size_t half = 0;
@@ -178,7 +180,9 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
 
 // Is the angle outside the strip at a bend less than a half turn?  outside_:
 // the crossings on that side, in place of `count` ones from `first` on.
-bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count) {
+Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count,
+                                  bool& shorter) {
+    shorter = false;
     const Bend at = bend_[bend];
     const bool left = at.left;
     const auto h = [&](size_t i) { return loop[i % n]; };
@@ -187,11 +191,11 @@ bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend
         return h(i + 1) == (left ? mesh_.prev(t) : mesh_.next[t]);
     };
     const uint32_t vertex = left ? mesh_.target(h(at.portal)) : mesh_.origin[h(at.portal)];
-    if (mesh_.is_marked(vertex)) return false;
-    size_t i = at.portal, j = at.portal;
+    if (mesh_.is_marked(vertex)) return true;
+    size_t i = at.portal, j = i;
     while (i > 0 && at.portal - i < n && keeps(i - 1)) --i;
     while (j + 1 < portal_.size() && j - at.portal < n && keeps(j)) ++j;
-    if (i == 0 || j + 1 >= portal_.size() || j - i + 1 >= n) return false;
+    if (i == 0 || j + 1 >= portal_.size() || j - i + 1 >= n) return true;
     first = i % n;
     count = j - i + 1;
     // The sum of the angles, as a product of rotations.
@@ -212,23 +216,25 @@ bool ClosedGeodesic::shorter_outside(const uint32_t* loop, size_t n, size_t bend
     const Point before = bend > 0 ? Point{bend_[bend - 1].x, bend_[bend - 1].y} : Point{portal_[0].left};
     const Point after =
         bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : Point{portal_.back().left};
-    if (!between(before, left ? portal_[i - 1].left : portal_[i - 1].right)) return false;
+    if (!between(before, left ? portal_[i - 1].left : portal_[i - 1].right)) return true;
     outside_.clear();
     uint32_t g = left ? mesh_.next[h(i)] : mesh_.prev(h(i));
     const uint32_t end = twin(h(j));
-    if (g == end) return false;
+    if (g == end) return true;
     for (;;) {
-        if (!outside_.push(g) || outside_.size() > n + 64) return false;
+        if (!outside_.push(g)) return false;
+        if (outside_.size() > n + MOST_MORE) return true;
         const uint32_t t = twin(g), ahead = left ? mesh_.next[t] : mesh_.prev(t);
         const uint32_t opposite = left ? mesh_.prev(t) : mesh_.next[t];
         if (ahead == end) break;
         const double p = edge_length(edge_of(g)), q = edge_length(edge_of(ahead)), r = edge_length(edge_of(opposite));
         const double dot = (p * p + q * q - r * r) / 2, rest = p * p * q * q - dot * dot;
-        if (!rotate(dot, rest > 0 ? std::sqrt(rest) : 0)) return false;
+        if (!rotate(dot, rest > 0 ? std::sqrt(rest) : 0)) return true;
         g = ahead;
     }
-    if (!between(left ? portal_[j + 1].left : portal_[j + 1].right, after)) return false;
-    return im > STRAIGHT || re > 0;
+    if (!between(left ? portal_[j + 1].left : portal_[j + 1].right, after)) return true;
+    shorter = im > STRAIGHT || re > 0;
+    return true;
 }
 
 // All bends of the period in the middle that gain, as long as their crossings differ.
@@ -240,10 +246,9 @@ Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
     for (size_t b = 0; b < bend_.size(); ++b) {
         if (bend_[b].portal < n || bend_[b].portal >= 2 * n) continue;
         size_t first = 0, count = 0;
-        if (!shorter_outside(loop, n, b, first, count)) {
-            if (call_.memory.failure()) return false;
-            continue;
-        }
+        bool shorter = false;
+        if (!look_outside(loop, n, b, first, count, shorter)) return false;
+        if (!shorter) continue;
         bool taken = false;
         for (size_t k = 0; k < count; ++k) taken |= detours_at_[(first + k) % n] != NONE;
         if (taken) continue;

@@ -30,7 +30,6 @@ public:
     };
 
     // Replaces the loop; its length.  At most `rounds` times step 2.
-    // False: out of memory or cancelled.
     Done straighten(Array<uint32_t>& loop, size_t rounds, double& length);
 
     double scale() const { return scale_; }
@@ -49,7 +48,7 @@ private:
     double edge_length(uint32_t edge) const;
     Done unfold(const uint32_t* loop, size_t n, size_t portals);
     Done pull(Point from, size_t first, Point to, size_t last);
-    bool shorter_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count);
+    Done look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count, bool& shorter);
     Done go_round(const uint32_t* loop, size_t n, bool& changed);
     double pulled_length(Point from, Point to) const;
 

@@ -3,7 +3,9 @@
 
 namespace hmf {
 
-bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory) {
+Done CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_links, Call& call) {
+    constexpr uint32_t stride = 1u << 16; // edges and faces between two reports
+    Memory& memory = call.memory;
     segment_count = mesh.edge_count + static_cast<uint32_t>(curves.total);
     point_count = mesh.vertex_count + 2 * static_cast<uint32_t>(curves.components.count());
     Array<uint32_t> side; // first half-edge of each face
@@ -13,6 +15,7 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
         return false;
     uint32_t s = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (e % stride == 0 && !call.tick(0, true)) return false;
         segment_first[e] = s;
         const uint32_t n = curves.count[e];
         for (uint32_t q = 0; q <= n; ++q, ++s) {
@@ -25,6 +28,7 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
         }
     }
     for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
+    if (!call.tick(0, true)) return false;
     uint32_t r = 0;
     for (uint32_t f = 0; f < mesh.face_count; ++f) {
         region_first[f] = r;
@@ -36,6 +40,7 @@ bool CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
     region_count = r;
     if (with_links && !link.allocate_filled(memory, 3 * size_t{region_count}, NONE)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) {
+        if (f % stride == 0 && !call.tick(0, true)) return false;
         uint32_t h[3], n[3], corner[4]; // first region at each corner
         h[0] = side[f];
         h[1] = mesh.next[h[0]];

@@ -28,8 +28,8 @@ struct CutSurface {
                                   // vertex_count + 2 * component + (0: left, 1: right side)
     Array<uint32_t> link;         // three per region: its half-segments, or NONE
 
-    // curves: traced.  False: out of memory.
-    bool build(const Mesh& mesh, const Multicurve& curves, bool with_links, Memory& memory);
+    // curves: traced.
+    Done build(const Mesh& mesh, const Multicurve& curves, bool with_links, Call& call);
     uint32_t half_edge(uint32_t half_segment) const {
         return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u);
     }

@@ -22,6 +22,7 @@
 #include "../base/heap_sort.hpp"
 #include "loop_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -44,15 +45,13 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const Restriction* restriction, ClassLengths& lengths, Call& call) :
-        mesh_(mesh), restriction_(restriction), lengths_(lengths), call_(call), memory_(call.memory),
-        search_(cut_, length_, restriction ? restriction->label : nullptr, call) {}
+    CutSystem(const Mesh& mesh, const LoopCondition* condition, ClassLengths& lengths, Call& call) :
+        mesh_(mesh), condition_(condition), lengths_(lengths), call_(call), memory_(call.memory),
+        search_(cut_, length_, condition ? condition->label : nullptr, call) {}
 
     hmf_status run(const double* position, Loops& out) {
         const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         out_ = &out;
-        out.offsets.start(memory_);
-        out.crossings.start(memory_);
         loop_.start(memory_);
         try_.start(memory_);
         candidates_.start(memory_);
@@ -60,32 +59,30 @@ public:
         strip_.start(memory_);
         ids_.start(memory_);
         choice_.start(memory_);
-        if (!out.offsets.push(0) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
+        if (!out.start(memory_) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
-            || (restriction_ && !test_.allocate(mesh_, memory_)))
+            || (condition_ && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
-        const double wanted = faces * (400 + 6.0 * genus), budget = wanted < most ? wanted : most;
+        const double wanted = faces * (400 + 6.0 * genus), budget = std::min(wanted, most);
         uint32_t k = 0;
         for (; k < genus && is_permitted(k); ++k)
-            if (!add(restriction_->free->crossings.data() + restriction_->free->offsets[k],
-                     restriction_->free->offsets[k + 1] - restriction_->free->offsets[k]))
-                return call_.out_of_memory();
+            if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
         const uint32_t fixed = k;
         const size_t kept = size_t{genus - fixed} * mesh_.face_count;
         if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
             for (; k < genus; ++k, ++steps) {
-                if (!call_.tick(static_cast<double>(k) / genus, true)) return cancelled();
+                if (!call_.tick(static_cast<double>(k) / genus, true)) return call_.was_cancelled();
                 const hmf_status status = add_loop(k, budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
                 if (status) return status;
             }
             bool changed = false;
-            if (!lengths_.measure(changed)) return stopped();
+            if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed) break;
             for (k = fixed; k < genus; ++k) {
                 Choice& choice = choice_[k - fixed];
@@ -103,20 +100,20 @@ public:
 
 private:
     hmf_status add_loop(uint32_t k, double allowed) {
-        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, memory_)
+        if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
-            return stopped();
+            return call_.stopped();
         const hmf_status status = find_loop(allowed);
         if (status) return status;
         // Labels of a surface that meets itself may leave no loop without crossings.
-        if (!found_ && restriction_)
+        if (!found_ && condition_)
             return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
                               "There are no such loops: the surface meets itself. Repair the mesh, or use "
                               "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");
-        if (!choose()) return stopped();
+        if (!choose()) return call_.stopped();
         const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
         if (!add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
         if (curves_.total >= MULTICURVE_LIMIT)
@@ -156,8 +153,7 @@ private:
             ids_.pop();
             strip_.pop();
         }
-        while (out_->offsets.size() > size_t{k} + 1) out_->offsets.pop();
-        while (out_->crossings.size() > out_->offsets.back()) out_->crossings.pop();
+        out_->keep_first(k);
         if (kept_bound_.empty())
             for (double& bound : face_bound_) bound = 0;
         else
@@ -169,32 +165,23 @@ private:
             && add(strips_.data() + taken.first, taken.size);
     }
 
-    hmf_status cancelled() {
-        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-    }
-    hmf_status stopped() { return call_.cancelled() ? cancelled() : call_.out_of_memory(); }
+    Done add(const uint32_t* loop, size_t n) { return out_->add(loop, n) && curves_.add(loop, n); }
 
-    Done add(const uint32_t* loop, size_t n) {
-        for (size_t i = 0; i < n; ++i)
-            if (!out_->crossings.push(loop[i])) return false;
-        return out_->offsets.push(out_->crossings.size()) && curves_.add(loop, n);
-    }
-
-    // Does the loop that was found without the restriction keep it?  If so do all
-    // before it, it is the shortest with the restriction as well.
+    // Does the loop that was found without the condition meet it?  If so do all
+    // before it, it is the shortest with the condition as well.
     bool is_permitted(uint32_t k) const {
-        if (!restriction_) return false;
-        const Loops& free = *restriction_->free;
+        if (!condition_) return false;
+        const Loops& free = *condition_->free;
         uint64_t sum = 0;
         for (uint64_t i = free.offsets[k]; i < free.offsets[k + 1]; ++i) {
-            const uint64_t label = restriction_->label[edge_of(free.crossings[i])];
+            const uint64_t label = condition_->label[edge_of(free.crossings[i])];
             sum += free.crossings[i] & 1u ? uint64_t{0} - label : label;
         }
         return sum == 0;
     }
 
     // Searches in the new cut surface, with the bounds of the earlier ones.
-    bool prepare() {
+    Done prepare() {
         if (!search_.prepare(signatures_, states_per_region_)
             || !visited_.allocate_filled(memory_, cut_.region_count, 0u))
             return false;
@@ -217,10 +204,10 @@ private:
 
     // A region beside each segment with a signature, or those where a loop can
     // cross a gate, if they are fewer.
-    bool choose_roots() {
+    Done choose_roots() {
         if (!choose_signed_roots()) return false;
-        if (!restriction_) return true;
-        const Loops& gates = *restriction_->gates;
+        if (!condition_) return true;
+        const Loops& gates = *condition_->gates;
         gate_.start(memory_);
         ++visit_;
         for (const uint32_t h : gates.crossings) {
@@ -236,7 +223,7 @@ private:
         return true;
     }
 
-    bool choose_signed_roots() {
+    Done choose_signed_roots() {
         roots_.start(memory_);
         ++visit_;
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
@@ -252,7 +239,7 @@ private:
         return true;
     }
 
-    bool all_roots() {
+    Done all_roots() {
         roots_.start(memory_);
         if (!roots_.reserve(cut_.region_count)) return false;
         for (uint32_t r = 0; r < cut_.region_count; ++r) roots_.add({0, r});
@@ -275,7 +262,7 @@ private:
         bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
-            if (!search_roots(allowed, complete)) return stopped();
+            if (!search_roots(allowed, complete)) return call_.stopped();
             if (found_ || !search_.starved() || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES)) break;
             // A loop that winds a lot needs more room in its covering.  Where short
             // ways in other directions use that up, each edge counts the same.
@@ -284,20 +271,19 @@ private:
             if (!prepare()) return call_.out_of_memory();
         }
         // Loops that meet themselves may have hidden others.
-        if (!found_ && restriction_ && (!all_roots() || !search_roots(allowed, complete))) return stopped();
+        if (!found_ && condition_ && (!all_roots() || !search_roots(allowed, complete))) return call_.stopped();
         // Again from roots round the loop itself, until none of them gains.
         size_t eighth = 1;
         for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {
             const double before = best_;
             const uint32_t root = cut_.region[loop_[loop_.size() * eighth / 8]];
-            if (search_.bound(root) < best_ && !look_from(root)) return stopped();
+            if (search_.bound(root) < best_ && !look_from(root)) return call_.stopped();
             eighth = best_ < before ? 1 : eighth + 1;
         }
         return HMF_OK;
     }
 
-    // complete: as far as the bounds allowed, each root was searched.  False: out
-    // of memory or cancelled.
+    // complete: as far as the bounds allowed, each root was searched.
     Done search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
@@ -314,7 +300,7 @@ private:
         return true;
     }
 
-    // The short loops through a region are candidates.  False: out of memory or cancelled.
+    // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
         if (!search_.search(root, SLACK * best_)) return false;
         for (size_t i = 0; i < search_.count(); ++i) {
@@ -322,10 +308,9 @@ private:
             double total = 0;
             for (const uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
             if (!(total < SLACK * best_)) continue;
-            if (restriction_ && !is_simple()) {
-                if (memory_.failure()) return false;
-                continue;
-            }
+            bool simple = true;
+            if (condition_ && !find_if_simple(simple)) return false;
+            if (!simple) continue;
             if (total < best_) {
                 found_ = true;
                 best_ = total;
@@ -357,16 +342,16 @@ private:
 
     // A loop is simple in the covering; is it so here?  It may run through a
     // region twice as long as it can be pushed apart.
-    bool is_simple() {
+    Done find_if_simple(bool& simple) {
         const Loops& earlier = *out_;
-        bool once = true;
+        simple = true;
         ++visit_;
         for (uint32_t link : try_) {
             uint32_t& visited = visited_[cut_.region[link]];
-            once = once && visited != visit_;
+            simple = simple && visited != visit_;
             visited = visit_;
         }
-        if (once) return true;
+        if (simple) return true;
         Loops all;
         all.offsets.start(memory_);
         all.crossings.start(memory_);
@@ -377,11 +362,11 @@ private:
         for (const uint32_t link : try_)
             if (!all.crossings.push(cut_.half_edge(link))) return false;
         return all.offsets.push(all.crossings.size())
-            && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_) == Answer::yes;
+            && disjoint(mesh_, all, 0, all.count(), test_, nullptr, memory_, simple);
     }
 
     const Mesh& mesh_;
-    const Restriction* restriction_; // or NULL
+    const LoopCondition* condition_; // or NULL
     ClassLengths& lengths_;
     Call& call_;
     Memory& memory_;
@@ -416,9 +401,9 @@ private:
 
 } // namespace
 
-hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, ClassLengths& lengths,
+hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition, ClassLengths& lengths,
                       Call& call, Loops& out) {
-    CutSystem system(mesh, restriction, lengths, call);
+    CutSystem system(mesh, condition, lengths, call);
     return system.run(position, out);
 }
 

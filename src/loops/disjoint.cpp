@@ -5,6 +5,8 @@
 
 #include "../base/heap_sort.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 size_t least_rotation(const uint32_t* s, size_t n) {
@@ -20,7 +22,7 @@ size_t least_rotation(const uint32_t* s, size_t n) {
         if (i == j) ++j;
         k = 0;
     }
-    return i < j ? i : j;
+    return std::min(i, j);
 }
 
 bool same_cycle(const uint32_t* a, const uint32_t* b, size_t n) {
@@ -48,8 +50,8 @@ struct Canonical {
         return a < b;
     }
 
-    // Loops first .. last - 1.  False: out of memory.
-    bool build(const Loops& loops, size_t first, size_t last, Memory& memory) {
+    // Loops first .. last - 1.
+    Done build(const Loops& loops, size_t first, size_t last, Memory& memory) {
         const uint64_t begin = loops.offsets[first], total = loops.offsets[last] - begin;
         Array<uint32_t> reversed;
         if (!sequence.allocate(memory, total) || !reversed.allocate(memory, total)
@@ -92,24 +94,24 @@ struct Canonical {
 
 } // namespace
 
-Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
-                Array<uint32_t>* loop_of, Memory& memory) {
+Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
+              Array<uint32_t>* loop_of, Memory& memory, bool& answer) {
+    answer = false;
     curves.clear();
     if (!curves.add(loops.crossings.data() + loops.offsets[first], loops.offsets[last] - loops.offsets[first]))
-        return Answer::out_of_memory;
-    if (!curves.is_normal(mesh)) return Answer::no;
-    if (!curves.trace(mesh, memory)) return Answer::out_of_memory;
+        return false;
+    if (!curves.is_normal(mesh)) return true;
+    if (!curves.trace(mesh, memory)) return false;
     const size_t n = last - first;
-    if (curves.components.count() != n) return Answer::no;
+    if (curves.components.count() != n) return true;
     Canonical given, traced;
-    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory))
-        return Answer::out_of_memory;
-    if (loop_of && !loop_of->allocate(memory, n)) return Answer::out_of_memory;
+    if (!given.build(loops, first, last, memory) || !traced.build(curves.components, 0, n, memory)) return false;
+    if (loop_of && !loop_of->allocate(memory, n)) return false;
     for (size_t i = 0; i < n; ++i) {
-        if (!given.same(given.order[i], traced, traced.order[i])) return Answer::no;
+        if (!given.same(given.order[i], traced, traced.order[i])) return true;
         if (loop_of) (*loop_of)[traced.order[i]] = given.order[i];
     }
-    return Answer::yes;
+    return answer = true;
 }
 
 } // namespace hmf

@@ -5,13 +5,11 @@
 
 namespace hmf {
 
-enum class Answer { yes, no, out_of_memory };
-
-// Are loops first .. last - 1 simple and disjoint?  Leaves their multicurve,
+// Are loops first .. last - 1 simple and disjoint?  If so their multicurve is left,
 // traced, in `curves` (allocated), and the loop (from 0) of each component in
 // loop_of, if wanted.
-Answer disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
-                Array<uint32_t>* loop_of, Memory& memory);
+Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
+              Array<uint32_t>* loop_of, Memory& memory, bool& answer);
 
 // Where the least rotation of a cyclic sequence begins; linear time.
 size_t least_rotation(const uint32_t* sequence, size_t n);

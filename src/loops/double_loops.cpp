@@ -10,10 +10,6 @@ namespace {
 
 using Long = unsigned long long;
 
-hmf_status cancelled(Call& call) {
-    return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-}
-
 class Doubler {
 public:
     Doubler(const hmf_hierarchy& h, const SurfaceLoops& given, Call& call) :
@@ -107,12 +103,11 @@ hmf_status Doubler::check_ends(size_t c) {
 }
 
 uint32_t Doubler::edge_between(uint32_t from, uint32_t to, uint8_t sheet) const {
-    uint32_t found = NONE, h = mesh_.out[from];
-    do {
+    uint32_t found = NONE;
+    for (const uint32_t h : mesh_.around(from)) {
         const bool on_sheet = sheet_[mesh_.face[h]] == sheet || sheet_[mesh_.face[twin(h)]] == sheet;
         if (mesh_.target(h) == to && on_sheet && h < found) found = h;
-        h = mesh_.rotate_cw(h);
-    } while (h != mesh_.out[from]);
+    }
     return found;
 }
 
@@ -212,16 +207,17 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
     Multicurve curves;
     Array<uint32_t> loop_of;
     if (!curves.allocate(mesh_, call_.memory)) return call_.out_of_memory();
-    const Answer answer = disjoint(mesh_, all, 0, all.count(), curves, &loop_of, call_.memory);
-    if (answer == Answer::out_of_memory) return call_.out_of_memory();
-    if (answer == Answer::no) return HMF_OK;
-    if (!call_.tick(0, true)) return cancelled(call_);
+    bool are_disjoint = false;
+    if (!disjoint(mesh_, all, 0, all.count(), curves, &loop_of, call_.memory, are_disjoint))
+        return call_.out_of_memory();
+    if (!are_disjoint) return HMF_OK;
+    if (!call_.tick(0, true)) return call_.was_cancelled();
     CutSurface cut;
     Array<uint32_t> parent;
     Array<int64_t> euler; // of each piece, less one for each marked vertex
-    if (!cut.build(mesh_, curves, false, call_.memory) || !parent.allocate(call_.memory, cut.region_count)
+    if (!cut.build(mesh_, curves, false, call_) || !parent.allocate(call_.memory, cut.region_count)
         || !euler.allocate_filled(call_.memory, cut.region_count, int64_t{0}))
-        return call_.out_of_memory();
+        return call_.stopped();
     for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
     for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
     for (uint32_t r = 0; r < cut.region_count; ++r) ++euler[find_root(parent.data(), r)];
@@ -233,7 +229,7 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
         const uint32_t h = mesh_.out[v], e = edge_of(h);
         euler[piece_at(e, h & 1u ? curves.count[e] : 0)] += mesh_.is_marked(v) ? 0 : 1;
     }
-    if (!call_.tick(0, true)) return cancelled(call_);
+    if (!call_.tick(0, true)) return call_.was_cancelled();
     // The pieces at both sides of each loop.
     Array<uint32_t> piece, image_of;
     if (!piece.allocate_filled(call_.memory, 2 * all.count(), NONE) || !image_of.allocate(call_.memory, count))
@@ -259,24 +255,19 @@ hmf_status Doubler::find_round_boundary(const Loops& all, Array<uint8_t>& is_rou
 hmf_status Doubler::run(DoubledLoops& out) {
     const size_t count = given_.count;
     if (!find_sheets()) return call_.out_of_memory();
-    if (!call_.tick(0, true)) return cancelled(call_);
+    if (!call_.tick(0, true)) return call_.was_cancelled();
     Loops all; // paths of both sheets
     Array<uint32_t> path, of;
     path.start(call_.memory);
     of.start(call_.memory);
-    all.offsets.start(call_.memory);
-    all.crossings.start(call_.memory);
-    if (!all.offsets.push(0)) return call_.out_of_memory();
+    if (!all.start(call_.memory)) return call_.out_of_memory();
     for (int image = 0; image < 2; ++image)
         for (size_t c = 0; c < count; ++c) {
             if (image == 1 && is_arc(c)) continue;
-            if (c % 256 == 0 && !call_.tick(0, true)) return cancelled(call_);
+            if (c % 256 == 0 && !call_.tick(0, true)) return call_.was_cancelled();
             if (image == 0 && (check_elements(c) || check_ends(c))) return call_.status();
             if (add_path(c, image == 1, path)) return call_.status();
-            for (const uint32_t h : path)
-                if (!all.crossings.push(h)) return call_.out_of_memory();
-            if (!all.offsets.push(all.crossings.size()) || !of.push(static_cast<uint32_t>(c)))
-                return call_.out_of_memory();
+            if (!all.add(path) || !of.push(static_cast<uint32_t>(c))) return call_.out_of_memory();
         }
     Loops pushed; // crossings
     if (push_paths_off(mesh_, all, !is_triangles(), call_, pushed)) return call_.status();
@@ -284,21 +275,17 @@ hmf_status Doubler::run(DoubledLoops& out) {
     if (find_round_boundary(pushed, is_round)) return call_.status();
     // Without the images of loops round a boundary.
     Loops& loops = out.loops;
-    loops.offsets.start(call_.memory);
-    loops.crossings.start(call_.memory);
     out.of.start(call_.memory);
     out.factor.start(call_.memory);
     out.offsets.start(call_.memory);
     out.elements.start(call_.memory);
-    if (!loops.offsets.push(0) || !out.offsets.push(0)) return call_.out_of_memory();
+    if (!loops.start(call_.memory) || !out.offsets.push(0)) return call_.out_of_memory();
     for (size_t k = 0; k < pushed.count(); ++k) {
         const uint32_t c = of[k];
         if (k >= count && is_round[c]) continue;
-        for (uint64_t i = pushed.offsets[k]; i < pushed.offsets[k + 1]; ++i)
-            if (!loops.crossings.push(pushed.crossings[i])) return call_.out_of_memory();
         for (uint64_t i = given_.offsets[c]; i < given_.offsets[c + 1]; ++i)
             if (!out.elements.push(given_.elements[i])) return call_.out_of_memory();
-        if (!loops.offsets.push(loops.crossings.size()) || !out.offsets.push(out.elements.size()) || !out.of.push(c)
+        if (!loops.add(pushed, k) || !out.offsets.push(out.elements.size()) || !out.of.push(c)
             || !out.factor.push(is_round[c] ? 2 : 1))
             return call_.out_of_memory();
     }

@@ -69,7 +69,7 @@ double signed_volume(const Mesh& mesh, const double* position) {
 // Independent rows of integers, modulo a prime.
 class Echelon {
 public:
-    bool allocate(size_t columns, Memory& memory) {
+    Done allocate(size_t columns, Memory& memory) {
         columns_ = columns;
         return rows_.allocate(memory, (columns + 1) * columns) && pivot_.allocate(memory, columns);
     }
@@ -124,16 +124,13 @@ public:
         if (!status) status = make_conditions();
         if (!status) status = make_labels(a, b);
         if (!status) status = choose_gates(a, b);
-        const Restriction restriction = {label_.data(), &a, &gates_};
-        if (!status) status = cut_system(mesh_, position_, &restriction, lengths, call_, out);
+        const LoopCondition only = {label_.data(), &a, &gates_};
+        if (!status) status = cut_system(mesh_, position_, &only, lengths, call_, out);
         if (!status) status = verify(a, b, out);
         return status;
     }
 
 private:
-    hmf_status cancelled() {
-        return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-    }
     hmf_status not_embedded() {
         return call_.fail(
             HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
@@ -144,20 +141,13 @@ private:
     hmf_status measure(const Loops& a, const Loops& b) {
         const size_t g = a.count();
         Loops both, fine_a, fine_b;
-        both.offsets.start(call_.memory);
-        both.crossings.start(call_.memory);
-        if (!both.offsets.push(0)) return call_.out_of_memory();
-        for (size_t k = 0; k < 2 * g; ++k) {
-            assert(g > 0);
-            const Loops& loops = k < g ? a : b;
-            for (uint64_t i = loops.offsets[k % g]; i < loops.offsets[k % g + 1]; ++i)
-                if (!both.crossings.push(loops.crossings[i])) return call_.out_of_memory();
-            if (!both.offsets.push(both.crossings.size())) return call_.out_of_memory();
-        }
+        if (!both.start(call_.memory)) return call_.out_of_memory();
+        for (size_t k = 0; k < 2 * g; ++k)
+            if (!both.add(k < g ? a : b, k < g ? k : k - g)) return call_.out_of_memory();
         LoopCarrier carrier;
         if (!carrier.load(h_, h_.level_count - 1, 0, both, call_.memory)) return call_.out_of_memory();
         while (carrier.level() > 0)
-            if (!carrier.refine(call_)) return cancelled();
+            if (!carrier.refine(call_)) return call_.stopped();
         if (!carrier.read(0, g, fine_a, call_.memory) || !carrier.read(g, 2 * g, fine_b, call_.memory))
             return call_.out_of_memory();
         return seifert_form(h_.input, h_.levels[0].position, fine_a, fine_b, call_, form_);
@@ -208,16 +198,11 @@ private:
     // long, come first, so that the gates are short.
     hmf_status choose_gates(const Loops& a, const Loops& b) {
         const size_t n = form_.size, g = n / 2;
-        gates_.offsets.start(call_.memory);
-        gates_.crossings.start(call_.memory);
         Echelon rows;
-        if (!gates_.offsets.push(0) || !rows.allocate(n, call_.memory)) return call_.out_of_memory();
+        if (!gates_.start(call_.memory) || !rows.allocate(n, call_.memory)) return call_.out_of_memory();
         for (size_t k = n; k-- > 0;) {
             if (rows.rank() < g && rows.add([&](size_t j) { return condition_[n * k + j]; })) continue;
-            const Loops& loops = k < g ? a : b;
-            for (uint64_t i = loops.offsets[k % g]; i < loops.offsets[k % g + 1]; ++i)
-                if (!gates_.crossings.push(loops.crossings[i])) return call_.out_of_memory();
-            if (!gates_.offsets.push(gates_.crossings.size())) return call_.out_of_memory();
+            if (!gates_.add(k < g ? a : b, k < g ? k : k - g)) return call_.out_of_memory();
         }
         return HMF_OK;
     }
@@ -231,9 +216,7 @@ private:
             assert(g > 0);
             for (size_t j = 0; j < n; ++j) factor += condition_[n * k + j] * random_word(seed);
             const Loops& loops = k < g ? a : b;
-            const uint64_t first = loops.offsets[k % g];
-            add_left_path(mesh_, loops.crossings.data() + first, static_cast<size_t>(loops.offsets[k % g + 1] - first),
-                          factor, label_.data());
+            add_left_path(mesh_, loops.loop(k % g), loops.length(k % g), factor, label_.data());
         }
         return HMF_OK;
     }
@@ -246,16 +229,14 @@ private:
             || !number.allocate(call_.memory, n * g))
             return call_.out_of_memory();
         for (size_t k = 0; k < n; ++k) {
-            if (!call_.tick(0, true)) return cancelled();
+            if (!call_.tick(0, true)) return call_.was_cancelled();
             assert(g > 0);
             const Loops& loops = k < g ? a : b;
-            const uint32_t* const path = loops.crossings.data() + loops.offsets[k % g];
-            const size_t length = static_cast<size_t>(loops.offsets[k % g + 1] - loops.offsets[k % g]);
+            const uint32_t* const path = loops.loop(k % g);
+            const size_t length = loops.length(k % g);
             add_left_path(mesh_, path, length, uint64_t{1}, chain.data());
             for (size_t c = 0; c < g; ++c)
-                number[n * c + k] =
-                    crossing_sum(found.crossings.data() + found.offsets[c],
-                                 static_cast<size_t>(found.offsets[c + 1] - found.offsets[c]), chain.data());
+                number[n * c + k] = crossing_sum(found.loop(c), found.length(c), chain.data());
             add_left_path(mesh_, path, length, ~uint64_t{0}, chain.data());
         }
         for (size_t c = 0; c < g; ++c)

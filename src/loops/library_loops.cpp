@@ -45,9 +45,7 @@ hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Cal
     LoopCarrier carrier;
     if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
-        if (!carrier.refine(call))
-            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
-        if (!carrier.read(0, out.count(), out, call.memory)) return call.out_of_memory();
+        if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call.memory)) return call.stopped();
         status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
@@ -74,10 +72,8 @@ hmf_status name_by_triangles(const hmf_hierarchy& h, size_t level, Call& call, L
         read_loops(mesh, HMF_LOOP_TRIANGLES, loops.count(), loops.offsets.data(), faces.data(), call, again);
     if (status) return status;
     for (size_t c = 0; c < loops.count(); ++c) {
-        const size_t n = static_cast<size_t>(loops.offsets[c + 1] - loops.offsets[c]);
-        if (again.offsets[c + 1] - again.offsets[c] == n
-            && same_cycle(again.crossings.data() + again.offsets[c], loops.crossings.data() + loops.offsets[c], n))
-            continue;
+        const size_t n = loops.length(c);
+        if (again.length(c) == n && same_cycle(again.loop(c), loops.loop(c), n)) continue;
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, c,
                          "Loop %llu passes triangles of level %llu that share several edges, so triangles do not name "
                          "it. Use a finer level.",

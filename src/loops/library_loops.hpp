@@ -14,11 +14,12 @@ inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
 // Loops of a kind on a level.  They are found on the coarsest level and
 // carried from level to level, shortened on each: loop c is in the same class
 // on every level.
-hmf_status library_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call, Loops& out);
+[[nodiscard]] hmf_status library_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call,
+                                       Loops& out);
 
 // The face before each crossing, such that read_loops gives the loops back.
 // Where faces share several edges, the loops change within their classes.
-hmf_status name_by_triangles(const hmf_hierarchy& hierarchy, size_t level, Call& call, Loops& loops,
-                             Array<uint32_t>& faces);
+[[nodiscard]] hmf_status name_by_triangles(const hmf_hierarchy& hierarchy, size_t level, Call& call, Loops& loops,
+                                           Array<uint32_t>& faces);
 
 } // namespace hmf

@@ -21,6 +21,7 @@
 #include "disjoint.hpp"
 #include "../base/heap_sort.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -138,8 +139,7 @@ public:
             if (load(*given[s], set_[s])) return call_.status();
         uint64_t seed = 1;
         for (int view = 0; view < VIEWS; ++view) {
-            if (!call_.tick(0, true))
-                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (!call_.tick(0, true)) return call_.was_cancelled();
             for (int64_t& factor : view_) {
                 seed = seed * 6364136223846793005u + 1442695040888963407u;
                 factor = static_cast<int64_t>(seed >> (64 - VIEW_BITS)) - (int64_t{1} << (VIEW_BITS - 1));
@@ -154,16 +154,16 @@ public:
     }
 
 private:
-    bool round_positions() {
+    Done round_positions() {
         double low[3], high[3], size = 0;
         for (size_t c = 0; c < 3; ++c) {
             low[c] = high[c] = position_[c];
             for (size_t v = 1; v < mesh_.vertex_count; ++v) {
                 const double x = position_[3 * v + c];
-                if (x < low[c]) low[c] = x;
-                if (x > high[c]) high[c] = x;
+                low[c] = std::min(low[c], x);
+                high[c] = std::max(high[c], x);
             }
-            if (high[c] / 2 - low[c] / 2 > size) size = high[c] / 2 - low[c] / 2;
+            size = std::max(size, high[c] / 2 - low[c] / 2);
         }
         int exponent = 0;
         std::frexp(size, &exponent);
@@ -177,10 +177,11 @@ private:
 
     hmf_status load(const Loops& loops, LoopSet& set) {
         if (!set.curves.allocate(mesh_, call_.memory)) return call_.out_of_memory();
-        const Answer answer = disjoint(mesh_, loops, 0, loops.count(), set.curves, &set.loop_of, call_.memory);
-        if (answer == Answer::out_of_memory || !set.reversed.allocate(call_.memory, loops.count()))
+        bool are_disjoint = false;
+        if (!disjoint(mesh_, loops, 0, loops.count(), set.curves, &set.loop_of, call_.memory, are_disjoint)
+            || !set.reversed.allocate(call_.memory, loops.count()))
             return call_.out_of_memory();
-        if (answer == Answer::no)
+        if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
                               "Carried loops are not disjoint. Please report this.");
         for (size_t k = 0; k < loops.count(); ++k) {
@@ -212,8 +213,8 @@ private:
         return true;
     }
 
-    // The segments of a set in the present view.  False: out of memory.
-    bool draw(int s, bool parallel, Array<Segment>& segments, bool& usable) {
+    // The segments of a set in the present view.
+    Done draw(int s, bool parallel, Array<Segment>& segments, bool& usable) {
         const LoopSet& set = set_[s];
         const Multicurve& curves = set.curves;
         segments.start(call_.memory);
@@ -267,7 +268,7 @@ private:
     struct Tables {
         Array<int64_t> top, below;              // lk by the crossings with s on top, and below
         Array<int64_t> local_front, local_back; // intersections in triangles seen from the front, and from the back
-        bool allocate(Memory& memory, size_t n) {
+        Done allocate(Memory& memory, size_t n) {
             return top.allocate_filled(memory, n, int64_t{0}) && below.allocate_filled(memory, n, int64_t{0})
                 && local_front.allocate_filled(memory, n, int64_t{0})
                 && local_back.allocate_filled(memory, n, int64_t{0});
@@ -275,8 +276,7 @@ private:
     };
     bool count_crossings(const Array<Segment>& s, const Array<Segment>& t, size_t g, Tables& tables) {
         int64_t widest = 0;
-        for (const Segment& b : t)
-            if (b.high - b.low > widest) widest = b.high - b.low;
+        for (const Segment& b : t) widest = std::max(widest, b.high - b.low);
         size_t begin = 0;
         for (const Segment& a : s) {
             while (begin < t.size() && t[begin].low < a.low - widest) ++begin;
@@ -310,8 +310,8 @@ private:
         return true;
     }
 
-    // All numbers from one view.  False: out of memory.
-    bool look(size_t g, SeifertForm& out, bool& usable) {
+    // All numbers from one view.
+    Done look(size_t g, SeifertForm& out, bool& usable) {
         const size_t n = 2 * g;
         Array<Segment> loops[2], parallels[2];
         if (side_.empty()) {

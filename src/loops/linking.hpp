@@ -25,7 +25,7 @@ struct SeifertForm {
 // a and b: two sets of g disjoint simple loops each, x = (a, b).  The mesh is
 // one without self-intersections; position: 3 per vertex.
 // HMF_ERROR_MESH_NOT_EMBEDDED if the numbers contradict that.
-hmf_status seifert_form(const Mesh& mesh, const double* position, const Loops& a, const Loops& b, Call& call,
-                        SeifertForm& out);
+[[nodiscard]] hmf_status seifert_form(const Mesh& mesh, const double* position, const Loops& a, const Loops& b,
+                                      Call& call, SeifertForm& out);
 
 } // namespace hmf

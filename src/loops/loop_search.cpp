@@ -1,5 +1,6 @@
 #include "loop_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -98,8 +99,8 @@ Done LoopSearch::search(uint32_t root, double limit) {
                        && !signatures_->is_trivial(signature ^ state.signature)) {
                 const double length = d + state.distance;
                 if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
-                if (length < shortest) shortest = length;
-                if (SLACK * shortest < reach) reach = SLACK * shortest;
+                shortest = std::min(shortest, length);
+                reach = std::min(reach, SLACK * shortest);
             }
         }
     }
@@ -141,12 +142,7 @@ Done LoopSearch::strip(size_t i, Array<uint32_t>& found) {
     found.clear();
     for (uint32_t at = state; at != meet; at = state_[at].before)
         if (!found.push(state_[at].through)) return false;
-    for (size_t k = 0, j = found.size(); k + 1 < j; ++k) {
-        --j;
-        const uint32_t link = found[k];
-        found[k] = found[j];
-        found[j] = link;
-    }
+    std::reverse(found.begin(), found.end());
     if (!found.push(closing)) return false;
     for (uint32_t at = to; at != meet; at = state_[at].before)
         if (!found.push(state_[at].through ^ 1u)) return false;

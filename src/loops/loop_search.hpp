@@ -20,25 +20,26 @@
 #include "../base/nearest_first.hpp"
 #include "signatures.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 class LoopSearch {
 public:
-    // edge_length: per edge.  edge_label: of a Restriction, or NULL.
+    // edge_length: per edge.  edge_label: of a LoopCondition, or NULL.
     LoopSearch(const CutSurface& cut, const Array<double>& edge_length, const uint64_t* edge_label, Call& call) :
         cut_(cut), edge_length_(edge_length), edge_label_(edge_label), call_(call) {}
 
     static constexpr size_t MOST_STATES = 256; // per region
 
-    // For a new cut; all bounds become 0.  False: out of memory.
+    // For a new cut; all bounds become 0.
     Done prepare(const Signatures& signatures, size_t states_per_region);
 
     static constexpr double SLACK = 1.7;
     static constexpr size_t MOST_LOOPS = 16; // of one search
 
     // Looks for loops through the root that are shorter than `limit`, with the
-    // way from the root to them and back, and gets bounds.  False: out of memory
-    // or cancelled.
+    // way from the root to them and back, and gets bounds.
     Done search(uint32_t root, double limit);
     // The loops found, shortest first: cycles of half-segments, not longer.
     size_t count() const { return closings_.size(); }
@@ -47,9 +48,7 @@ public:
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
     // Of the nearest root of a search since prepare: its loops are like those through the region.
     double nearest_root(uint32_t region) const { return nearest_root_[region]; }
-    void raise_bound(uint32_t region, double length) {
-        if (length > bound_[region]) bound_[region] = length;
-    }
+    void raise_bound(uint32_t region, double length) { bound_[region] = std::max(bound_[region], length); }
     uint64_t work() const { return work_; }   // regions settled
     bool starved() const { return starved_; } // the states did not suffice, since prepare
 

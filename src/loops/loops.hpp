@@ -14,54 +14,80 @@ struct Loops {
     Array<uint64_t> offsets;   // count + 1
     Array<uint32_t> crossings; // half-edges
     size_t count() const { return offsets.empty() ? 0 : offsets.size() - 1; }
+    const uint32_t* loop(size_t c) const { return crossings.data() + offsets[c]; }
+    size_t length(size_t c) const { return static_cast<size_t>(offsets[c + 1] - offsets[c]); }
+
+    // No loops yet.
+    Done start(Memory& memory) {
+        offsets.start(memory);
+        crossings.start(memory);
+        return offsets.push(0);
+    }
+    Done add(const uint32_t* loop, size_t n) {
+        for (size_t i = 0; i < n; ++i)
+            if (!crossings.push(loop[i])) return false;
+        return offsets.push(crossings.size());
+    }
+    Done add(const Array<uint32_t>& loop) { return add(loop.data(), loop.size()); }
+    Done add(const Loops& from, size_t c) { return add(from.loop(c), from.length(c)); }
+    void keep_first(size_t n) {
+        while (offsets.size() > n + 1) offsets.pop();
+        while (crossings.size() > offsets.back()) crossings.pop();
+    }
+    void swap(Loops& other) {
+        offsets.swap(other.offsets);
+        crossings.swap(other.crossings);
+    }
 };
 
 // Loops for which labels add up to 0.
-struct Restriction {
+struct LoopCondition {
     const uint64_t* label; // per edge, read with a minus from half-edge 2e + 1
-    const Loops* free;     // the cut system without the restriction
-    const Loops* gates;    // each loop that keeps the restriction crosses one of these
+    const Loops* free;     // the cut system without the condition
+    const Loops* gates;    // each loop that meets the condition crosses one of these
 };
 
 class ClassLengths; // class_lengths.hpp
 
 // genus many disjoint simple loops, jointly non-separating, each with the shortest
 // class that is found one after another.  position: 3 per vertex of the mesh.
-// restriction: NULL for none.
-hmf_status cut_system(const Mesh& mesh, const double* position, const Restriction* restriction, ClassLengths& lengths,
-                      Call& call, Loops& out);
+// condition: NULL for none.
+[[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition,
+                                    ClassLengths& lengths, Call& call, Loops& out);
 // Measured on the mesh itself.
-hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
+[[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out);
 
 // Loops that each cross one of the disjoint loops that they are given, and for
 // the others only earlier ones: disjoint as well, and with them a basis of the
 // homology.
-hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
+[[nodiscard]] hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops& out);
 
 // 3 genus - 3 + marked vertices disjoint loops (one for a torus without those),
 // pairwise not freely homotopic: they cut the surface into pairs of pants, whose
 // boundaries are loops and marked vertices.  The first are a cut system.
-hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out);
+[[nodiscard]] hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths,
+                                             Call& call, Loops& out);
 
 // On a sphere: loops each round two marked vertices that are close, and no
 // vertex in two of them; as many as there are, but one for four vertices.
-hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out);
+[[nodiscard]] hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
+                                    Loops& out);
 
 // Shortens simple disjoint loops within their classes, but those before
 // `first`; they stay disjoint, in their order and with their directions.
 // The search reaches `width` times as far as usual.  ambiguous: see dual_length.hpp.
-hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width, double ambiguous,
-                         Call& call, Loops& loops);
+[[nodiscard]] hmf_status shorten_loops(const Mesh& mesh, const double* position, size_t first, size_t width,
+                                       double ambiguous, Call& call, Loops& loops);
 
 // Takes the fingers off essential disjoint loops, so that their initial
 // foliation has no poles.  Classes, order and directions stay.
-hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
+[[nodiscard]] hmf_status pull_tight(const Mesh& mesh, Call& call, Loops& loops);
 
 // Loops of the caller: elements are faces (element_kind HMF_LOOP_TRIANGLES)
 // or vertices (HMF_LOOP_VERTICES) of mesh.  Removes backtracking.  Checks
 // indices and closedness only; error indices are loop numbers.
-hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
-                      const uint32_t* elements, Call& call, Loops& out);
+[[nodiscard]] hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, const uint64_t* offsets,
+                                    const uint32_t* elements, Call& call, Loops& out);
 
 // The second half of it: paths are closed sequences of half-edges, along edges
 // (along_edges) or crossed already.
@@ -82,7 +108,8 @@ struct GivenLoops {
 // without its marked vertices, and none goes round one of them only); each defect
 // with its status and the number of the loop, a crossing with an element where
 // the loops meet, if they are given.
-hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call, const GivenLoops* given = nullptr);
+[[nodiscard]] hmf_status check_loops(const Mesh& mesh, const Loops& loops, Call& call,
+                                     const GivenLoops* given = nullptr);
 
 // value[e] = sum over loops of weight * number of crossings of e.
 void initial_foliation(const Mesh& mesh, const Loops& loops, const int64_t* weights, int64_t* value);

@@ -3,13 +3,13 @@
 
 namespace hmf {
 
-bool Multicurve::allocate(const Mesh& mesh, Memory& memory) {
+Done Multicurve::allocate(const Mesh& mesh, Memory& memory) {
     edges.start(memory);
     total = 0;
     return count.allocate_filled(memory, mesh.edge_count, 0u) && first.allocate(memory, mesh.edge_count);
 }
 
-bool Multicurve::add(const uint32_t* half_edges, size_t n) {
+Done Multicurve::add(const uint32_t* half_edges, size_t n) {
     for (size_t i = 0; i < n; ++i) {
         const uint32_t e = edge_of(half_edges[i]);
         if (count[e] == 0 && !edges.push(e)) return false;
@@ -43,7 +43,7 @@ void Multicurve::step(const Mesh& mesh, uint32_t& h, uint32_t& p) const {
     p = at < round_origin ? n_left - 1 - at : n - 1 - at;
 }
 
-bool Multicurve::trace(const Mesh& mesh, Memory& memory) {
+Done Multicurve::trace(const Mesh& mesh, Memory& memory) {
     uint32_t next_first = 0;
     for (uint32_t e : edges) {
         first[e] = next_first;

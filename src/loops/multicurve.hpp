@@ -29,11 +29,11 @@ struct Multicurve {
     Loops components;
     Array<uint32_t> begin; // per component: its first crossing, left through half-edge 2e
 
-    bool allocate(const Mesh& mesh, Memory& memory);
-    bool add(const uint32_t* half_edges, size_t n); // false: out of memory
+    Done allocate(const Mesh& mesh, Memory& memory);
+    Done add(const uint32_t* half_edges, size_t n);
     void clear();
     bool is_normal(const Mesh& mesh) const;       // corner counts are integers >= 0
-    bool trace(const Mesh& mesh, Memory& memory); // needs is_normal; false: out of memory
+    Done trace(const Mesh& mesh, Memory& memory); // needs is_normal
     // From the crossing at place p (from the origin of half-edge h) that leaves through h to the next one.
     void step(const Mesh& mesh, uint32_t& h, uint32_t& p) const;
 };

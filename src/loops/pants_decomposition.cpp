@@ -31,6 +31,7 @@
 #include "dual_length.hpp"
 #include "loop_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -70,7 +71,8 @@ public:
             for (; loops_.count() < wanted; ++steps) {
                 if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
                     return call_.was_cancelled();
-                if (!cut() || !spread() || !find_candidates()) return call_.stopped();
+                if (cut()) return call_.status();
+                if (!spread() || !find_candidates()) return call_.stopped();
                 if (candidates_.empty())
                     return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
                                       "No further loop was found. Please report this.");
@@ -92,8 +94,7 @@ public:
                     ids_.pop();
                     strip_.pop();
                 }
-                while (loops_.offsets.size() > given + k + 1) loops_.offsets.pop();
-                while (loops_.crossings.size() > loops_.offsets.back()) loops_.crossings.pop();
+                loops_.keep_first(given + k);
                 const hmf_status status = take_last();
                 if (status) return status;
                 break;
@@ -123,14 +124,16 @@ private:
     struct Choice { // of ids_[first] .. ids_[end - 1]
         size_t first, end, taken;
     };
-    Done cut() {
-        if (disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_) != Answer::yes
-            || !cut_.build(mesh_, curves_, true, memory_))
-            return false;
+    hmf_status cut() {
         const size_t n = loops_.count();
-        if (!piece_.allocate(memory_, cut_.region_count) || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
+        bool are_disjoint = false;
+        if (!disjoint(mesh_, loops_, 0, n, curves_, nullptr, memory_, are_disjoint)) return call_.out_of_memory();
+        if (!are_disjoint)
+            return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, n, "Loops are not disjoint. Please report this.");
+        if (!cut_.build(mesh_, curves_, true, call_) || !piece_.allocate(memory_, cut_.region_count)
+            || !holes_.allocate_filled(memory_, cut_.region_count, 0u)
             || !around_.allocate_filled(memory_, 2 * n + mesh_.marked_count, 0.0))
-            return false;
+            return call_.stopped();
         for (uint32_t r = 0; r < cut_.region_count; ++r) piece_[r] = r;
         for (size_t s = 0; s < cut_.segment_count; ++s)
             unite(piece_.data(), cut_.region[2 * s], cut_.region[2 * s + 1]);
@@ -139,7 +142,7 @@ private:
                 around_[2 * k] += length_[edge_of(curves_.components.crossings[i])];
             around_[2 * k + 1] = around_[2 * k];
         }
-        return true;
+        return HMF_OK;
     }
 
     Done add_seed(uint32_t side, uint32_t crossing, uint32_t region, bool& counted) {
@@ -160,13 +163,31 @@ private:
     // The regions round a marked vertex.
     Done seed_mark(uint32_t v) {
         bool counted = false;
-        uint32_t h = mesh_.out[v];
-        do {
+        for (const uint32_t h : mesh_.around(v)) {
             const uint32_t e = edge_of(h), segment = cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
             const uint32_t side = 2 * static_cast<uint32_t>(curves_.components.count()) + v;
             if (!add_seed(side, h, cut_.region[2 * size_t{segment} + (h & 1u)], counted)) return false;
-            h = mesh_.rotate_ccw(h);
-        } while (h != mesh_.out[v]);
+        }
+        return true;
+    }
+
+    // A seed after each crossing of a loop, on both of its sides.
+    Done seed_loop(uint32_t k) {
+        const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
+        uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
+        if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
+        bool counted[2] = {false, false};
+        for (uint64_t i = first; i < end; ++i) {
+            // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
+            const uint32_t e = edge_of(h), count = curves_.count[e];
+            for (uint32_t right = 0; right < 2; ++right) {
+                const uint32_t q = right ? p : p + 1;
+                const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
+                const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
+                if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
+            }
+            curves_.step(mesh_, h, p);
+        }
         return true;
     }
 
@@ -179,36 +200,26 @@ private:
         if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE)
             || !from_.allocate_filled(memory_, n, NONE))
             return false;
-        for (uint32_t k = 0; k < curves_.components.count(); ++k) {
-            const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
-            uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
-            if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
-            bool counted[2] = {false, false};
-            for (uint64_t i = first; i < end; ++i) {
-                // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
-                const uint32_t e = edge_of(h), count = curves_.count[e];
-                for (uint32_t right = 0; right < 2; ++right) {
-                    const uint32_t q = right ? p : p + 1;
-                    const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
-                    const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
-                    if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
-                }
-                curves_.step(mesh_, h, p);
-            }
-        }
+        for (uint32_t k = 0; k < curves_.components.count(); ++k)
+            if (!seed_loop(k)) return false;
         for (uint32_t v = 0; v < mesh_.marked_count; ++v)
             if (!seed_mark(v)) return false;
-        // Only in pieces that are no pants yet.  No way that is left is shorter
-        // than the next distance: stop where that cannot make a loop shorter than
-        // the best one yet.
-        double least = HUGE_VAL, best = HUGE_VAL;
+        // Only in pieces that are no pants yet.
+        double least = HUGE_VAL;
         for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
             const uint32_t r = seeds_[seed].region;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double around = around_[seeds_[seed].side];
-            if (around < least) least = around;
+            least = std::min(least, around_[seeds_[seed].side]);
             if (seed_[r] == seed && !heap_.push({0, r})) return false;
         }
+        return grow_cells(least);
+    }
+
+    // The cells of the diagram, from their seeds.  No way that is left is shorter than
+    // the next distance: it stops where that cannot make a loop shorter than the best
+    // one yet.  least: length of the shortest hole.
+    Done grow_cells(double least) {
+        double best = HUGE_VAL;
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
@@ -218,10 +229,8 @@ private:
                 if (link == NONE) break;
                 const uint32_t to = cut_.region[link ^ 1u];
                 const double d = top.distance + length_[cut_.segment_edge[link >> 1]];
-                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side) {
-                    const double length = estimate(seed_[to], seed_[top.item], d + distance_[to]);
-                    if (length < best) best = length;
-                }
+                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side)
+                    best = std::min(best, estimate(seed_[to], seed_[top.item], d + distance_[to]));
                 if (!(d < distance_[to])) continue;
                 distance_[to] = d;
                 seed_[to] = seed_[top.item];
@@ -322,7 +331,7 @@ private:
                 if (!search_.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
-                if (total < best) best = total;
+                best = std::min(best, total);
                 if (!(total < SLACK * best)) continue;
                 const size_t begin = strips_.size();
                 for (const uint32_t link : cycle_)
@@ -368,21 +377,15 @@ private:
     // The loop of the last choice, shortened.
     hmf_status take_last() {
         const Strip taken = strip_[choice_.back().first + choice_.back().taken];
-        for (size_t i = 0; i < taken.size; ++i)
-            if (!loops_.crossings.push(strips_[taken.first + i])) return call_.out_of_memory();
-        if (!loops_.offsets.push(loops_.crossings.size())) return call_.out_of_memory();
+        if (!loops_.add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
         return shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
     }
 
     // Once along the loop or round the marked vertex of a seed, with it on the right.
     Done go_round(Array<uint32_t>& walk, uint32_t seed) const {
         if (seeds_[seed].side >= 2 * curves_.components.count()) {
-            const uint32_t first_out = seeds_[seed].crossing;
-            uint32_t h = first_out;
-            do {
+            for (const uint32_t h : mesh_.clockwise_from(seeds_[seed].crossing))
                 if (!walk.push(h)) return false;
-                h = mesh_.rotate_cw(h);
-            } while (h != first_out);
             return true;
         }
         const uint32_t k = seeds_[seed].side / 2, right = seeds_[seed].side & 1u, i = seeds_[seed].crossing;
@@ -404,12 +407,7 @@ private:
         if (middle != NONE) {
             for (uint32_t r = cut_.region[middle]; from_[r] != NONE; r = cut_.region[from_[r]])
                 if (!way.push(from_[r])) return false;
-            for (size_t i = 0, j = way.size(); i + 1 < j; ++i) {
-                --j;
-                const uint32_t link = way[i];
-                way[i] = way[j];
-                way[j] = link;
-            }
+            std::reverse(way.begin(), way.end());
             if (!way.push(middle)) return false;
             for (uint32_t r = cut_.region[middle ^ 1u]; from_[r] != NONE; r = cut_.region[from_[r]])
                 if (!way.push(from_[r] ^ 1u)) return false;
@@ -471,9 +469,7 @@ hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLe
 }
 
 hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out) {
-    out.offsets.start(call.memory);
-    out.crossings.start(call.memory);
-    if (!out.offsets.push(0)) return call.out_of_memory();
+    if (!out.start(call.memory)) return call.out_of_memory();
     Pants pants(mesh, position, true, lengths, out, call);
     return pants.run();
 }

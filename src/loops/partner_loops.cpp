@@ -6,32 +6,14 @@
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
 
-Done append(Loops& to, const uint32_t* crossings, size_t n) {
-    for (size_t i = 0; i < n; ++i)
-        if (!to.crossings.push(crossings[i])) return false;
-    return to.offsets.push(to.crossings.size());
-}
-
-Done append(Loops& to, const Loops& from, size_t first, size_t last) {
-    for (size_t c = first; c < last; ++c)
-        if (!append(to, from.crossings.data() + from.offsets[c],
-                    static_cast<size_t>(from.offsets[c + 1] - from.offsets[c])))
-            return false;
-    return true;
-}
-
-Done start(Loops& loops, Memory& memory) {
-    loops.offsets.start(memory);
-    loops.crossings.start(memory);
-    return loops.offsets.push(0);
-}
-
 // The shortest way from the left of a component to its right, as crossings.
-bool cross_once(const CutSurface& cut, const Multicurve& curves, size_t component, Memory& memory,
+Done cross_once(const CutSurface& cut, const Multicurve& curves, size_t component, Memory& memory,
                 Array<uint32_t>& path) {
     // At its first crossing, on the side where it comes in.
     const uint32_t crossing = curves.begin[component],
@@ -58,12 +40,7 @@ bool cross_once(const CutSurface& cut, const Multicurve& curves, size_t componen
     if (reached[to] == NONE) return true;
     for (uint32_t r = to; r != from; r = cut.region[reached[r]])
         if (!path.push(reached[r])) return false;
-    for (size_t i = 0, j = path.size(); i + 1 < j; ++i) {
-        --j;
-        const uint32_t link = path[i];
-        path[i] = path[j];
-        path[j] = link;
-    }
+    std::reverse(path.begin(), path.end());
     for (uint32_t& link : path) link = cut.half_edge(link);
     return true;
 }
@@ -74,27 +51,29 @@ hmf_status partner_loops(const Mesh& mesh, const Loops& loops, Call& call, Loops
     Memory& memory = call.memory;
     const size_t g = loops.count();
     Multicurve curves;
-    if (!start(out, memory) || !curves.allocate(mesh, memory)) return call.out_of_memory();
+    if (!out.start(memory) || !curves.allocate(mesh, memory)) return call.out_of_memory();
     for (size_t j = 0; j < g; ++j) {
-        if (!call.tick(0, true))
-            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        if (!call.tick(0, true)) return call.was_cancelled();
         Loops all;
         Array<uint32_t> loop_of, path;
         CutSurface cut;
-        if (!start(all, memory) || !append(all, out, 0, j) || !append(all, loops, j, g)) return call.out_of_memory();
-        const Answer answer = disjoint(mesh, all, 0, g, curves, &loop_of, memory);
-        if (answer == Answer::out_of_memory || !cut.build(mesh, curves, true, memory)) return call.out_of_memory();
+        if (!all.start(memory)) return call.out_of_memory();
+        for (size_t c = 0; c < g; ++c)
+            if (!all.add(c < j ? out : loops, c)) return call.out_of_memory();
+        bool are_disjoint = false;
+        if (!disjoint(mesh, all, 0, g, curves, &loop_of, memory, are_disjoint)) return call.out_of_memory();
+        if (!are_disjoint)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
+        if (!cut.build(mesh, curves, true, call)) return call.stopped();
         size_t component = 0;
         while (component < g && loop_of[component] != j) ++component;
-        if (answer == Answer::no)
-            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j, "Partners are not disjoint. Please report this.");
         if (!cross_once(cut, curves, component, memory, path)) return call.out_of_memory();
         size_t begin = 0, end = 0;
         remove_backtracking(path, begin, end);
         if (begin == end)
             return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, j,
                              "No partner of a loop was found. Please report this.");
-        if (!append(out, path.data() + begin, end - begin)) return call.out_of_memory();
+        if (!out.add(path.data() + begin, end - begin)) return call.out_of_memory();
     }
     return HMF_OK;
 }

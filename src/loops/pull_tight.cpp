@@ -24,6 +24,8 @@
 #include "../base/heap_sort.hpp"
 #include "loops.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -43,8 +45,7 @@ public:
         finger_.start(memory_);
         loop_.start(memory_);
         for (;;) {
-            if (!call_.tick(0, true))
-                return call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (!call_.tick(0, true)) return call_.was_cancelled();
             initial_foliation(mesh_, loops_, weight_.data(), value_.data());
             if (!find_poles()) return call_.out_of_memory();
             if (poles_.empty()) return HMF_OK;
@@ -76,7 +77,7 @@ private:
                 const Cluster cluster = explore_cluster(foliation_, v, ClusterSearch().up_to_corners(2));
                 if (!cluster.is_pole()) continue;
                 uint32_t lowest = v;
-                for (const uint32_t u : foliation_.members) lowest = u < lowest ? u : lowest;
+                for (const uint32_t u : foliation_.members) lowest = std::min(lowest, u);
                 if (!poles_.push(lowest)) return false;
             }
         }
@@ -91,12 +92,10 @@ private:
         finger_.clear();
         uint32_t first = NONE;
         for (const uint32_t u : foliation_.members) {
-            uint32_t h = mesh_.out[u];
-            do {
+            for (const uint32_t h : mesh_.around(u)) {
                 const uint32_t ahead = mesh_.rotate_ccw(h);
                 if (foliation_.at(h) > 0 && foliation_.at(ahead) > 0 && foliation_.corner2(h) == 0) first = ahead;
-                h = ahead;
-            } while (h != mesh_.out[u]);
+            }
         }
         if (first == NONE) return true;
         uint32_t g = first;
@@ -123,7 +122,7 @@ private:
     }
 
     // Takes the finger off all loops that have it.
-    bool remove_finger(bool& found) {
+    Done remove_finger(bool& found) {
         const size_t m = finger_.size();
         uint64_t begin = 0, kept = 0; // of the loop; of what is left of the earlier ones
         for (size_t c = 0; c < loops_.count(); ++c) {

@@ -22,6 +22,8 @@
 // At last an edge that is crossed back and forth at once is not crossed.
 #include "loops.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 void remove_backtracking(Array<uint32_t>& sequence, size_t& begin, size_t& end) {
@@ -109,8 +111,8 @@ uint32_t shared_side(const Mesh& mesh, uint32_t side, uint32_t g, uint32_t came_
 }
 
 // From edge a, where a path comes in, to edge b, where it goes on; both as
-// half-edges out of the vertex.  False: out of memory.
-bool push_off(const Mesh& mesh, uint32_t a, uint32_t b, Array<uint32_t>& strip) {
+// half-edges out of the vertex.
+Done push_off(const Mesh& mesh, uint32_t a, uint32_t b, Array<uint32_t>& strip) {
     // Which of the two comes first in the fan?
     uint32_t low = a, high = b;
     for (uint32_t h = mesh.out[mesh.origin[a]];; h = mesh.rotate_ccw(h)) {
@@ -128,36 +130,24 @@ bool push_off(const Mesh& mesh, uint32_t a, uint32_t b, Array<uint32_t>& strip) 
         if (h == high) break;
     }
     if (low == a) return true;
-    for (size_t i = begin, j = strip.size(); i + 1 < j; ++i) { // clockwise
-        --j;
-        const uint32_t h = strip[i];
-        strip[i] = strip[j];
-        strip[j] = h;
-    }
+    std::reverse(strip.begin() + begin, strip.end()); // clockwise
     return true;
 }
 
 // The half-edge of smallest number from vertex i to vertex j.
 uint32_t shared_edge(const Mesh& mesh, uint32_t i, uint32_t j) {
-    uint32_t found = NONE, h = mesh.out[i];
-    do {
+    uint32_t found = NONE;
+    for (const uint32_t h : mesh.around(i))
         if (mesh.target(h) == j && h < found) found = h;
-        h = mesh.rotate_cw(h);
-    } while (h != mesh.out[i]);
     return found;
 }
 
 // Paths become loops one after the other.
 class PushedPaths {
 public:
-    PushedPaths(const Mesh& mesh, Call& call, Loops& out) : mesh_(mesh), out_(out) {
-        strip_.start(call.memory);
-        out.offsets.start(call.memory);
-        out.crossings.start(call.memory);
-    }
-    Done start() { return out_.offsets.push(0); }
+    PushedPaths(const Mesh& mesh, Call& call, Loops& out) : mesh_(mesh), out_(out) { strip_.start(call.memory); }
 
-    // False: out of memory.  The path is used up.
+    // The path is used up.
     Done add(Array<uint32_t>& path, bool along_edges) {
         size_t from = 0, to = 0;
         if (along_edges) {
@@ -168,9 +158,7 @@ public:
             path.swap(strip_);
         }
         remove_backtracking(path, from, to);
-        for (size_t i = from; i < to; ++i)
-            if (!out_.crossings.push(path[i])) return false;
-        return out_.offsets.push(out_.crossings.size());
+        return out_.add(path.data() + from, to - from);
     }
 
 private:
@@ -185,10 +173,9 @@ hmf_status push_paths_off(const Mesh& mesh, const Loops& paths, bool along_edges
     Array<uint32_t> path;
     PushedPaths pushed(mesh, call, out);
     path.start(call.memory);
-    if (!pushed.start()) return call.out_of_memory();
+    if (!out.start(call.memory)) return call.out_of_memory();
     for (size_t c = 0; c < paths.count(); ++c) {
-        if (c % 256 == 0 && !call.tick(0, true))
-            return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+        if (c % 256 == 0 && !call.tick(0, true)) return call.was_cancelled();
         path.clear();
         for (uint64_t i = paths.offsets[c]; i < paths.offsets[c + 1]; ++i)
             if (!path.push(paths.crossings[i])) return call.out_of_memory();
@@ -215,7 +202,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
     Array<uint32_t> side, path;
     PushedPaths pushed(mesh, call, out);
     path.start(call.memory);
-    if (!pushed.start()) return call.out_of_memory();
+    if (!out.start(call.memory)) return call.out_of_memory();
     if (triangles) {
         if (!side.allocate_filled(call.memory, mesh.face_count, NONE)) return call.out_of_memory();
         for (uint32_t h = 2 * mesh.edge_count; h-- > 0;) side[mesh.face[h]] = h;
@@ -235,8 +222,7 @@ hmf_status read_loops(const Mesh& mesh, int32_t element_kind, size_t count, cons
                                  "passes it on one side.",
                                  static_cast<Long>(i - first), static_cast<Long>(c));
         for (uint64_t i = first; i < end; ++i) {
-            if (i % 8192 == 0 && !call.tick(0, true))
-                return call.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.");
+            if (i % 8192 == 0 && !call.tick(0, true)) return call.was_cancelled();
             const uint32_t here = elements[i], there = elements[i + 1 < end ? i + 1 : first];
             const uint32_t h = triangles ? shared_side(mesh, side[here], there, path.empty() ? NONE : twin(path.back()))
                                          : shared_edge(mesh, here, there);

@@ -21,13 +21,15 @@ public:
     hmf_status run(size_t first) {
         const size_t n = loops_.count();
         if (!curves_.allocate(mesh_, call_.memory)) return call_.out_of_memory();
-        const Answer answer = disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory);
-        if (answer == Answer::out_of_memory) return call_.out_of_memory();
-        if (answer == Answer::no)
+        bool are_disjoint = false;
+        if (!disjoint(mesh_, loops_, 0, n, curves_, &loop_of_, call_.memory, are_disjoint))
+            return call_.out_of_memory();
+        if (!are_disjoint)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
                               "Carried loops are not disjoint. Please report this.");
         for (size_t c = first; c < n; ++c)
             for (int round = 0; round < ROUNDS; ++round) {
+                if (!call_.tick(0, true)) return call_.was_cancelled();
                 bool again = false;
                 const hmf_status status = shorten(c, again);
                 if (status) return status;
@@ -37,13 +39,8 @@ public:
     }
 
 private:
-    hmf_status stopped() {
-        return call_.cancelled() ? call_.fail(HMF_CANCELLED, HMF_ELEMENT_NONE, 0, "Cancelled by the progress callback.")
-                                 : call_.out_of_memory();
-    }
-
     // Where loop c passes between the other loops, in its own direction.
-    bool find_places(size_t c) {
+    Done find_places(size_t c) {
         uint32_t component = 0;
         while (loop_of_[component] != c) ++component;
         const uint64_t first = curves_.components.offsets[component], end = curves_.components.offsets[component + 1];
@@ -80,36 +77,30 @@ private:
         if (!find_places(c)) return call_.out_of_memory();
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
         const double before = length(loops_.crossings.data() + first, n);
-        const bool searched =
+        const Done searched =
             annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), before * (1 - GAIN), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
-        if (!searched) return stopped();
+        if (!searched) return call_.stopped();
         size_t from = 0, to = 0;
         remove_backtracking(found_, from, to);
         const double after = length(found_.data() + from, to - from);
         if (from == to || !(after < before * (1 - GAIN))) return HMF_OK;
         // The new loop in place of the old one, if the loops stay simple and disjoint.
         Loops changed;
-        changed.offsets.start(call_.memory);
-        changed.crossings.start(call_.memory);
-        if (!changed.offsets.push(0)) return call_.out_of_memory();
-        for (size_t k = 0; k < loops_.count(); ++k) {
-            const uint32_t* const crossings =
-                k == c ? found_.data() + from : loops_.crossings.data() + loops_.offsets[k];
-            const size_t m = k == c ? to - from : static_cast<size_t>(loops_.offsets[k + 1] - loops_.offsets[k]);
-            for (size_t i = 0; i < m; ++i)
-                if (!changed.crossings.push(crossings[i])) return call_.out_of_memory();
-            if (!changed.offsets.push(changed.crossings.size())) return call_.out_of_memory();
-        }
-        Answer answer = disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory);
-        if (answer == Answer::yes) {
+        if (!changed.start(call_.memory)) return call_.out_of_memory();
+        for (size_t k = 0; k < loops_.count(); ++k)
+            if (!(k == c ? changed.add(found_.data() + from, to - from) : changed.add(loops_, k)))
+                return call_.out_of_memory();
+        bool sound = false;
+        if (!disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory, sound))
+            return call_.out_of_memory();
+        if (sound) {
             again = after < before * (1 - LITTLE);
-            loops_.offsets.swap(changed.offsets);
-            loops_.crossings.swap(changed.crossings);
-        } else if (answer == Answer::no) {
-            answer = disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_.memory);
+            loops_.swap(changed);
+        } else if (!disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_.memory, sound)) {
+            return call_.out_of_memory();
         }
-        return answer == Answer::out_of_memory ? call_.out_of_memory() : HMF_OK;
+        return HMF_OK;
     }
 
     const Mesh& mesh_;

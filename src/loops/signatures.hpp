@@ -25,12 +25,11 @@ struct Signatures {
     // Those of `trivial`, sorted, count as 0.
     Array<uint64_t> trivial;
 
-    // False: out of memory or cancelled.
     Done build(const CutSurface& cut, Call& call);
 
     // Instead: along a cycle of regions in a planar piece the signatures add up to
     // the words of the holes on one side of it.  Trivial: at most one on a side.
-    // hole: points that are holes.  False as above.
+    // hole: points that are holes.
     Done build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call);
     bool is_trivial(uint64_t signature) const {
         size_t low = 0, high = trivial.size();

@@ -34,20 +34,72 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
 
 Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
-    if (state.level == 0 && state.side == Side::intrinsic) {
+    if (state.level == 0 && state.triangulation == Triangulation::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
         for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
             if (i % 4096 == 0 && !call.tick(0)) return false;
             unflip_forms(f.mesh, h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);
         }
-        state.side = Side::input;
+        state.triangulation = Triangulation::input;
     }
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
         f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
     return true;
 }
 
-void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone) {
+namespace {
+
+// Vertices that lie at one place of the flat surface, joined by edges of length 0.  What they have together is
+// known, who has what is not: it is given out so that each agrees with the turn round it.  Regular ones get 2,
+// odd ones 3, marked ones 1; the rest, which is even, goes to the one that has most.
+Done share_cones(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call) {
+    const auto is_point = [&](uint32_t h) {
+        return flat.du.value[edge_of(h)] == 0 && flat.dv.value[edge_of(h)] == 0 && mesh.origin[h] != mesh.target(h);
+    };
+    bool any = false;
+    for (uint32_t e = 0; e < mesh.edge_count && !any; ++e) any = is_point(2 * e);
+    if (!any) return true;
+    Array<uint8_t> seen;
+    Array<uint32_t> place;
+    place.start(call.memory);
+    if (!seen.allocate_filled(call.memory, mesh.vertex_count, uint8_t{0})) return false;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (v % 131072 == 0 && !call.tick(0.81)) return false;
+        if (seen[v]) continue;
+        seen[v] = 1;
+        place.clear();
+        if (!place.push(v)) return false;
+        for (size_t i = 0; i < place.size(); ++i)
+            for (const uint32_t h : mesh.around(place[i])) {
+                if (!is_point(h) || seen[mesh.target(h)]) continue;
+                seen[mesh.target(h)] = 1;
+                if (!place.push(mesh.target(h))) return false;
+            }
+        if (place.size() == 1) continue;
+        int32_t rest = 0;
+        uint32_t most = v;
+        for (const uint32_t u : place) {
+            rest += cone[u];
+            if (cone[u] > cone[most]) most = u;
+        }
+        for (const uint32_t u : place) {
+            cone[u] = !odd[u] ? 2 : mesh.is_marked(u) ? 1 : 3;
+            rest -= cone[u];
+        }
+        if (rest > 0) cone[most] += rest;
+        for (const int32_t least : {3, 2}) // zeros that poles have met
+            for (const uint32_t u : place)
+                if (rest < 0 && cone[u] == least) {
+                    cone[u] -= 2;
+                    rest += 2;
+                }
+    }
+    return true;
+}
+
+} // namespace
+
+Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call) {
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) cone[v] = 0;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         const uint32_t n = mesh.next[h], p = mesh.next[n];
@@ -62,6 +114,18 @@ void cone_angles(const Mesh& mesh, const FlatSurface& flat, int32_t* cone) {
         for (int c = 0; c < 3; ++c)
             if (before((c + 1) % 3, c) != before((c + 2) % 3, c)) ++cone[corner[c]];
     }
+    return share_cones(mesh, flat, odd, cone, call);
+}
+
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, Array<int32_t>& cone, Array<uint8_t>& is_cone, Call& call) {
+    VertexCharts charts;
+    if (!charts.build(mesh, flat.bundle, call.memory) || !cone.allocate(call.memory, mesh.vertex_count)
+        || !is_cone.allocate(call.memory, mesh.vertex_count) || !call.tick(0.81))
+        return false;
+    if (!cone_angles(mesh, flat, charts.odd, cone.data(), call) || !call.tick(0.81)) return false;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
+    return call.tick(0.82);
 }
 
 bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v) {

@@ -78,6 +78,7 @@ hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_to
         multigrid_.solve(matrix, right_.data(), w_.data(), relative_tolerance, iteration_limit, call).iterations;
     if (call.cancelled()) return HMF_CANCELLED;
     for (uint32_t v = 0; v < n; ++v) {
+        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
         if (charts_->odd[v] || !(w_[v] > -4e18 && w_[v] < 4e18)) continue;
         const int64_t w = static_cast<int64_t>(w_[v] < 0 ? w_[v] - 0.5 : w_[v] + 0.5);
         for (const uint32_t h : mesh.around(v)) form.add(*bundle_, h, -charts_->chart[h] * w);

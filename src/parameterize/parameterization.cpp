@@ -49,6 +49,8 @@ hmf_status check_harmonic(State& state, double tolerance, Call& call) {
 
 namespace {
 
+constexpr uint32_t STRIDE = 16384; // triangles between two reports
+
 // Length of each edge for the seams; those that the caller prefers hardly count.
 hmf_status seam_lengths(const Mesh& mesh, const double* position, const Array<uint32_t>& cheap, Array<double>& length,
                         Array<double>& cost, Call& call) {
@@ -151,29 +153,21 @@ Transition Parameterization::transition(const Mesh& mesh, const SignBundle& bund
 hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
                                    const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call) {
     Memory& memory = call.memory;
-    VertexCharts charts;
     Array<uint8_t> is_cone;
     Array<double> cost;
-    if (!charts.build(mesh, flat.bundle, memory) || !cone.allocate(memory, mesh.vertex_count)
-        || !is_cone.allocate(memory, mesh.vertex_count))
-        return call.out_of_memory();
-    if (!call.tick(0.81)) return call.was_cancelled();
-    cone_angles(mesh, flat, cone.data());
-    if (!call.tick(0.81)) return call.was_cancelled();
+    if (!find_cones(mesh, flat, cone, is_cone, call)) return call.stopped();
     uint32_t start = side[0];
-    for (uint32_t v = mesh.vertex_count; v-- > 0;) {
-        is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
+    for (uint32_t v = mesh.vertex_count; v-- > 0;)
         if (is_cone[v]) start = mesh.out[v];
-    }
-    if (!call.tick(0.82)) return call.was_cancelled();
     if (seam_lengths(mesh, position, seam_edges, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return call.was_cancelled();
     if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, call)
         || !layout.build(mesh, flat.bundle, flat.du, flat.dv, start, seams, call))
         return call.stopped();
+    if (!call.tick(0.95)) return call.was_cancelled();
     if (!map.allocate(memory, mesh.face_count)) return call.out_of_memory();
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.95)) return call.was_cancelled();
+        if (t % STRIDE == 0 && !call.tick(0.95)) return call.was_cancelled();
         map[t] = map_of(mesh, position, layout, side[t], unit);
     }
     return HMF_OK;
@@ -181,9 +175,10 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
 
 hmf_status Parameterization::measure(size_t count, hmf_parameterization& out, Call& call) const {
     Measure measure;
+    if (!call.tick(0.96)) return call.was_cancelled();
     if (!measure.allocate(count, call.memory)) return call.out_of_memory();
     for (uint32_t t = 0; t < count; ++t) {
-        if (t % 65536 == 0 && !call.tick(0.96)) return call.was_cancelled();
+        if (t % STRIDE == 0 && !call.tick(0.96)) return call.was_cancelled();
         measure.add(t, map[t]);
     }
     if (!call.tick(0.97)) return call.was_cancelled();

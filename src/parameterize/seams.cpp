@@ -109,10 +109,12 @@ Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
     if (!call.tick(0)) return false;
     if (!degree.allocate_filled(memory, n, 0) || !queue.allocate(memory, n)) return false;
     for (uint32_t h = 0; h < 2 * m; ++h) degree[mesh.origin[h]] += seams.on[edge_of(h)];
+    if (!call.tick(0)) return false;
     uint32_t size = 0;
     for (uint32_t v = 0; v < n; ++v)
         if (degree[v] == 1 && !is_cone[v]) queue[size++] = v;
     for (uint32_t i = 0; i < size; ++i) {
+        if (i % STRIDE == 0 && !call.tick(0)) return false;
         uint32_t h = NONE;
         for (const uint32_t g : mesh.around(queue[i]))
             if (h == NONE && seams.on[edge_of(g)]) h = g;
@@ -121,6 +123,7 @@ Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is
         const uint32_t w = mesh.target(h);
         if (--degree[w] == 1 && !is_cone[w]) queue[size++] = w;
     }
+    if (!call.tick(0)) return false;
     seams.edge_count = 0;
     seams.length = 0;
     for (uint32_t e = 0; e < m; ++e)
@@ -137,7 +140,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     const size_t sides = size_t{2} * mesh.edge_count;
     Array<uint32_t> queue; // of half-edges; their faces are laid out
     if (!u.allocate(memory, sides) || !v.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0)
-        || !queue.allocate(memory, mesh.face_count))
+        || !queue.allocate(memory, mesh.face_count) || !call.tick(0))
         return false;
     // From the value at h round its face.
     const auto lay = [&](uint32_t h) {
@@ -155,7 +158,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     uint32_t size = 0;
     queue[size++] = first_half_edge;
     for (uint32_t i = 0; i < size; ++i) {
-        if (i % (4 * STRIDE) == 0 && !call.tick(0)) return false;
+        if (i % STRIDE == 0 && !call.tick(0)) return false;
         uint32_t h = queue[i];
         for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
             const uint32_t t = twin(h), e = edge_of(h), face = mesh.face[t];

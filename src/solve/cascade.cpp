@@ -14,15 +14,16 @@ hmf_status Recorder::count_levels(size_t n) {
 
 hmf_level_report* Recorder::level(size_t index) { return index < levels.size() ? &levels[index] : nullptr; }
 
-void Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
-    if (!wanted_) return;
+Done Recorder::event(size_t level, uint32_t kind, double energy_units, double residual_max) {
+    if (!wanted_) return true;
     const hmf_history_entry entry{call_.seconds(), energy_units * unit_ * unit_, residual_max,
                                   static_cast<uint32_t>(level), kind};
-    if (!history.push(entry)) out_of_memory_ = true;
-    else ++report.history_count;
+    if (!history.push(entry)) return false;
+    ++report.history_count;
+    return true;
 }
 
-bool LevelWork::prepare() {
+Done LevelWork::prepare() {
     if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
         || !star.allocate(call.memory, rings.max_degree))
         return false;
@@ -51,7 +52,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
             residual = residuals(f, work.rings, work.level.weight, work.star, nullptr, work.call).max;
             if (work.call.cancelled()) residual = -1; // it is unfinished
         }
-        work.record(1, D, residual);
+        if (!work.record(1, D, residual)) return work.call.out_of_memory();
         if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
@@ -101,6 +102,10 @@ Fineness LevelWork::refine_unit(double residual) {
         if (f.value[e] > largest) largest = f.value[e];
     uint32_t bits = wanted;
     while (bits > 0 && largest > options.largest_value >> bits) --bits;
+    // Heights are no values of an edge: on a fine mesh they can be much larger.
+    int64_t highest = 0;
+    if (watch) highest = watch->reference.largest_height() * static_cast<int64_t>(watch->unit / recorder.unit());
+    while (bits > 0 && highest > largest_height >> bits) --bits;
     // Exact, as the factor is a power of two.
     const int64_t factor = int64_t{1} << bits;
     for (uint32_t e = 0; e < f.mesh.edge_count && bits > 0; ++e) f.value[e] *= factor;
@@ -163,11 +168,10 @@ hmf_status optimise_in_class(State& state, const SolveOptions& options, Call& ca
 
 hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch) {
     const hmf_hierarchy& h = *state.hierarchy;
-    if (recorder.count_levels(state.level - options.stop_level + 1)) return call.status();
+    if (recorder.count_levels(state.level - options.stop() + 1)) return call.status();
     // Progress: each level its share of the edges.
     double total = 0, done = 0;
-    for (size_t k = options.stop_level; k <= state.level; ++k)
-        total += static_cast<double>(h.levels[k].mesh.edge_count);
+    for (size_t k = options.stop(); k <= state.level; ++k) total += static_cast<double>(h.levels[k].mesh.edge_count);
     hmf_status status = HMF_OK;
     for (;;) {
         const size_t k = state.level;
@@ -177,7 +181,7 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
         statistics.vertices = level.mesh.vertex_count;
         statistics.edges = level.mesh.edge_count;
         statistics.raised_count = level.raised_count;
-        hmf_level_report* entry = recorder.level(k - options.stop_level);
+        hmf_level_report* entry = recorder.level(k - options.stop());
         if (entry) statistics.interpolate_seconds = entry->interpolate_seconds;
         call.range(done, done + 0.9 * share);
         const bool stop_improving = status == HMF_LIMIT_TIME || call.finishing();
@@ -186,7 +190,6 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
                                       ? optimise_in_class(state, options, call, recorder, *watch, statistics)
                                       : optimise(state, options, call, recorder, watch, false, statistics);
             if (here >= HMF_ERROR_NULL) return here;
-            if (recorder.out_of_memory()) return call.out_of_memory();
             // Only the last level decides, unless the whole call ran out of something.
             status = here;
         } else if (call.finishing()) {
@@ -199,13 +202,12 @@ hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Re
 
         const double start = call.seconds();
         call.range(done, done);
-        if (!state.refine(call)) return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
-        if (state.level == 0 && !state.to_intrinsic(call))
-            return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
-        if (hmf_level_report* finer = recorder.level(state.level - options.stop_level))
+        if (!state.refine(call) || (state.level == 0 && !state.to_intrinsic(call))) return interrupted(call);
+        if (hmf_level_report* finer = recorder.level(state.level - options.stop()))
             finer->interpolate_seconds = call.seconds() - start;
         recorder.certificate.known = false;
-        recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight, call.parallel), -1);
+        if (!recorder.event(state.level, 0, energy(state.foliation, h.levels[state.level].weight, call.parallel), -1))
+            return call.out_of_memory();
     }
 }
 

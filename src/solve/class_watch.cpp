@@ -47,7 +47,7 @@ hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
 hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
                           ClassWatch& watch) {
     const size_t start = state.level;
-    const Side side = state.side;
+    const Triangulation triangulation = state.triangulation;
     const double unit = recorder.unit();
     const int64_t largest = state.largest_input_value;
     const TransportStatistics statistics = state.statistics;
@@ -70,7 +70,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     if (call.out_of_time()) return HMF_LIMIT_TIME;
 
     // Once more, on the safe side.
-    state.load(start, side);
+    state.load(start, triangulation);
     std::memcpy(f.mesh.out, out.data(), out.size() * sizeof(uint32_t));
     std::memcpy(f.value, values.data(), values.size() * sizeof(int64_t));
     recorder.set_unit(unit);
@@ -81,7 +81,8 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     SolveOptions careful = options;
     careful.guarded = true;
     recorder.certificate.known = false;
-    recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1);
+    if (!recorder.event(state.level, 0, energy(f, state.hierarchy->levels[start].weight, call.parallel), -1))
+        return call.out_of_memory();
     status = run_cascade(state, careful, call, recorder, &watch);
     if (status >= HMF_ERROR_NULL || call.cancelled() || state.level != options.stop_level) return status;
     const ClassResult lost = watch.lost;

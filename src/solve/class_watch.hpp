@@ -29,15 +29,16 @@ struct ClassWatch {
 
     // At the start of a solve, on the coarsest level.  loops: on the mesh of the
     // state, or NULL; weights: theirs, in units of the state, or empty.
-    hmf_status start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
-                     Call& call);
+    [[nodiscard]] hmf_status start(State& state, double unit_of_values, const Loops* loops,
+                                   const Array<int64_t>& weights, Call& call);
     // Of the state as it is.
-    hmf_status look(State& state, double unit_of_values, Call& call);
+    [[nodiscard]] hmf_status look(State& state, double unit_of_values, Call& call);
     bool holds() const { return result.state != ClassState::lost; }
 };
 
 // run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the result is
 // in its class, but the minimum could not be reached within it.
-hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch& watch);
+[[nodiscard]] hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                                        ClassWatch& watch);
 
 } // namespace hmf

@@ -15,9 +15,13 @@
 //   4. moves near the singularities, where the model is not smooth
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
+#include "fraction.hpp"
 #include "signed_multigrid.hpp"
 #include "solve.hpp"
+#include "steering.hpp"
 #include "twisted_model.hpp"
+
+#include <algorithm>
 
 namespace hmf {
 
@@ -53,8 +57,6 @@ public:
     // Signs, energy and residual of the foliation as it is.
     Done look() { return model_.look(f_, w_.rings, weight_, w_.star, w_.call); }
     const TwistedModel& model() const { return model_; }
-    // Why something was not done.
-    hmf_status stopped() { return w_.call.memory.failure() ? w_.call.out_of_memory() : HMF_CANCELLED; }
 
     // The zeros that the last look has seen.
     Done hand_over(ZeroList& zeros) {
@@ -120,15 +122,15 @@ public:
 private:
     void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
 
-    // Solves the model and sets the values of the whole step; false: see stopped().
-    bool propose(const Effort& effort, bool& tight) {
+    // Solves the model and sets the values of the whole step; false: see interrupted().
+    Done propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
         if (!go_on()) return false;
         ++w_.statistics.linear_solves;
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
-        for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= 1e-4) {
+        for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
             if (!solve_linear(accuracy, effort.residual)) return false;
             restore();
             model_.project(f_, w_.rings, patch_, distance_);
@@ -143,19 +145,19 @@ private:
             }
             if (!go_on()) return false;
             const uint64_t extrema = find_suspects();
-            if (extrema == 0 || accuracy < 1e-13) return true;
+            if (extrema == 0 || accuracy < steering::end_of_doubles) return true;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
     }
 
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
-        if (!propose(effort, tight)) return stopped();
+        if (!propose(effort, tight)) return interrupted(w_.call);
         // Where the step went too far, the neighbourhood stays as it is.  If the
         // energy rises, the bounds hold back too much: the others are solved
         // for once more.  If nothing helps, all take a shorter step.
         double factor = 1;
-        uint32_t radius = 2, solves = 0;
+        uint32_t radius = steering::first_rings_held, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
         if (unchecked) {
             for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
@@ -168,17 +170,17 @@ private:
             set_values(1);
             find_suspects();
         }
-        for (uint32_t attempt = 0; attempt < 24 && factor > 0.02; ++attempt) {
+        for (uint32_t attempt = 0; attempt < steering::attempts && factor > steering::least_factor; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
                 set_values(factor);
-                if (!go_on()) return stopped();
+                if (!go_on()) return interrupted(w_.call);
                 find_suspects();
             }
             const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
-            if (!go_on()) return stopped();
+            if (!go_on()) return interrupted(w_.call);
             if (sound) energy_change_ = energy_change();
-            if (sound && (unchecked || energy_change_ <= 1e-17 * model_.energy)) {
+            if (sound && (unchecked || energy_change_ <= steering::rounding_of_energy * model_.energy)) {
                 bool kept = true;
                 if (w_.gated) {
                     if (const hmf_status status = w_.watch->look(w_.state, w_.recorder.unit(), w_.call)) return status;
@@ -189,21 +191,24 @@ private:
                     return HMF_OK;
                 }
                 restore();
-                if (!hold_overturned()) factor *= 0.5;
+                bool held = false;
+                if (!hold_overturned(held)) return w_.call.out_of_memory();
+                if (!held) factor *= 0.5;
                 continue;
             }
             restore();
             if (!tight && effort.close) {
                 // The error of the solve may be what went wrong.
                 tight = true;
-                if (!solve_linear(effort.tight, effort.residual)) return stopped();
+                if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
-            } else if (sound && (effort.close || energy_change_ < 1e-5 * model_.energy) && solves < 2) {
+            } else if (sound && solves < steering::solves_of_a_step
+                       && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
                 ++w_.statistics.linear_solves;
-                if (!solve_between_bounds(effort.tight, effort.residual)) return stopped();
-            } else if (too_far_ != NONE && attempt < 16) {
-                if (attempt % 4 == 3) ++radius;
+                if (!solve_between_bounds(effort.tight, effort.residual)) return interrupted(w_.call);
+            } else if (too_far_ != NONE && attempt < steering::mending_attempts) {
+                if ((attempt + 1) % steering::widen_every == 0) ++radius;
                 model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
             } else {
                 factor *= 0.5;
@@ -214,9 +219,8 @@ private:
 
     // The values before the step are back, the step is not.  A step keeps the class if
     // each vertex has in each of its directions an edge that the step does not
-    // reverse: the others stay where they are from now on.  False: there are none, or too many.
-    bool hold_overturned() {
-        constexpr size_t most = 200;
+    // reverse: the others stay where they are from now on.  any: there are some, and not too many.
+    Done hold_overturned(bool& any) {
         const auto reversed = [&](uint32_t h) {
             const uint32_t e = edge_of(h);
             return backup_[e] - model_.sign[2 * e] * step_[f_.mesh.origin[2 * e]]
@@ -225,7 +229,7 @@ private:
         };
         Array<uint32_t> held;
         held.start(w_.call.memory);
-        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < most; ++v) {
+        for (uint32_t v = 0; v < f_.mesh.vertex_count && held.size() < steering::most_overturned; ++v) {
             const Rings::Side* side = &w_.rings.side[w_.rings.offset[v]];
             const uint32_t degree = w_.rings.offset[v + 1] - w_.rings.offset[v];
             // Runs between closed corners; the first one goes on at the end.
@@ -242,7 +246,8 @@ private:
             if (closed > 0) overturned |= !(here || first);
             if (overturned && !held.push(v)) return false;
         }
-        if (held.empty() || held.size() == most) return false;
+        any = !held.empty() && held.size() < steering::most_overturned;
+        if (!any) return true;
         for (const uint32_t v : held) model_.freeze(f_, w_.rings, v, 1, patch_, distance_);
         return true;
     }
@@ -256,34 +261,36 @@ private:
 
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
-    bool solve_linear(double accuracy, double residual) {
-        constexpr uint32_t with_old_setup = 50, with_new_setup = 200, with_smoother = 10;
+    Done solve_linear(double accuracy, double residual) {
         const SignedMatrix matrix = model_.matrix();
         const LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
             if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
-                                                         with_old_setup, w_.call, options);
+                                                         steering::iterations_with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
         }
-        multigrid_ready_ =
-            multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels);
-        if (!multigrid_ready_) return false;
+        multigrid_ready_ = false;
+        if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
+            return false;
+        multigrid_ready_ = true;
         multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
-                         smooth_only_ ? with_smoother : with_new_setup, w_.call, options);
+                         smooth_only_ ? steering::iterations_with_smoother : steering::iterations_with_new_setup,
+                         w_.call, options);
         return !w_.call.cancelled() && !w_.call.finishing();
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
-    bool solve_between_bounds(double accuracy, double residual) {
-        for (uint32_t pass = 0; pass < 4; ++pass) {
+    Done solve_between_bounds(double accuracy, double residual) {
+        for (uint32_t pass = 0; pass < steering::passes_between_bounds; ++pass) {
             model_.fix_active();
             LinearOptions options = stop_at(residual);
             options.fixed = model_.fixed.data();
             options.fixed_count = model_.fixed.size();
-            const LinearResult result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(),
-                                                         accuracy, 100, w_.call, options);
+            const LinearResult result =
+                multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
+                                 steering::iterations_between_bounds, w_.call, options);
             w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             const bool released = model_.release();
@@ -295,10 +302,9 @@ private:
     // After a step: do the vertices that came to a bound rest there?  Then the
     // model lasts.  Else they go on past it in the next step.
     bool zeros_stay() {
-        constexpr double share = 1e-4; // of the pull: well above the error of a loose solve near the minimum
         model_.fix_active();
         for (uint32_t v : model_.fixed)
-            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > share) return false;
+            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) > steering::resting_share) return false;
         return true;
     }
 
@@ -447,7 +453,7 @@ private:
         patch_.clear();
         for (uint32_t v : suspect_)
             if (shape(v) == Shape::extremum) patch_.add(v);
-        for (uint32_t round = 0; round < 8 && !patch_.empty(); ++round) {
+        for (uint32_t round = 0; round < steering::rounds_for_extrema && !patch_.empty(); ++round) {
             const size_t had = patch_.size();
             for (size_t i = 0; i < had; ++i) {
                 const uint32_t v = patch_[i];
@@ -519,74 +525,119 @@ private:
     uint32_t too_far_ = NONE;  // vertex where the last step could not be taken
 };
 
+// Does a level get better?
+class Progress {
+public:
+    // False: not for so many rounds.
+    bool goes_on(double residual, double energy, uint32_t patience) {
+        if (residual < steering::less_residual * least_residual_
+            || energy < least_energy_ * (1 - steering::less_energy))
+            without_ = 0;
+        else if (++without_ > patience) return false;
+        least_residual_ = std::min(least_residual_, residual);
+        least_energy_ = std::min(least_energy_, energy);
+        return true;
+    }
+    void forget_least() { least_residual_ = least_energy_ = none; }
+
+private:
+    static constexpr double none = 1e300;
+    double least_residual_ = none, least_energy_ = none;
+    uint32_t without_ = 0;
+};
+
+// residual: before the step.  goal: the tolerance on the finest level.
+Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
+    Effort effort{};
+    effort.close = residual < steering::close_residual;
+    effort.tight = steering::first_accuracy;
+    if (finest) {
+        effort.tight = std::max(steering::tight_share * goal / residual, steering::tightest);
+        effort.tight = std::min(effort.tight, steering::first_accuracy);
+        effort.residual = goal
+                        * (residual > steering::large_residual ? steering::residual_share_after_large_step
+                                                               : steering::residual_share);
+    }
+    effort.loose = round == 0                                      ? steering::first_accuracy
+                 : round < steering::loose_rounds || !effort.close ? steering::next_accuracy
+                                                                   : effort.tight;
+    effort.loose = std::max(effort.loose, effort.tight);
+    // As long as zeros move, the next model is another one: a tight solve
+    // of this one would be wasted.
+    effort.go_on = finest && round > 0;
+    return effort;
+}
+
+// No step helps any more.  Is it because a unit is too much?
+hmf_status end_beyond_rounding(LevelWork& work, double goal) {
+    ResidualResult found;
+    Recorder& recorder = work.recorder;
+    if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
+    if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
+    const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
+    if (!work.record(2, D, found.max)) return work.call.out_of_memory();
+    recorder.certificate = {true, D, found.max, found.mean, true};
+    return HMF_OK;
+}
+
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
-    const size_t above = work.state.level - work.options.stop_level; // levels that are still to come
+    const size_t above = work.state.level - work.options.stop(); // levels that are still to come
     const bool finest = above == 0;
     const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
-    // What the coarser level got wrong are short waves.  Long ones add up over
-    // the levels: on every third one they are solved for, too.
-    Newton newton(work, !finest && !coarsest && above % 3 != 0);
+    const bool middle = !finest && !coarsest;
+    const double goal = finest ? tolerance : coarsest ? steering::coarsest_residual : steering::middle_residual;
+    const uint32_t rounds = finest   ? steering::finest_rounds
+                          : coarsest ? steering::coarsest_rounds
+                                     : steering::middle_rounds;
+    Newton newton(work, middle && above % steering::long_waves_every != 0);
     if (!newton.allocate()) return work.call.out_of_memory();
-    const double goal = finest ? tolerance : coarsest ? 1e-4 : 1e-2;
-    const uint32_t most_rounds = finest ? 60 : coarsest ? 40 : 3;
-    newton.sweeps(coarsest ? 20 : 1);
-    double best = 1e300, lowest = 1e300;
-    uint32_t without_progress = 0, patience = 12;
+    newton.sweeps(coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
+    Progress progress;
+    uint32_t patience = steering::patience;
+    uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : rounds;
     bool fineness_known = !finest;
-    for (uint32_t round = 0; round < most_rounds; ++round) {
-        // The first step of a level needs no reason but on the last level.
-        if (!newton.look()) return newton.stopped();
+    for (uint32_t round = 0; round < rounds; ++round) {
+        if (!newton.look()) return interrupted(work.call);
         if (work.call.finishing()) return HMF_CANCELLED;
         const TwistedModel& model = newton.model();
-        const double before = round == 0 && !finest ? 1 : model.residual_max, D = model.energy;
-        work.record(2, D, before);
-        if (before <= goal) {
-            work.recorder.certificate = {true, D, before, model.residual_sum / model.count};
+        // The first step of a level needs no reason but on the last level.
+        const double residual = round == 0 && !finest ? 1 : model.residual_max;
+        if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
+        if (residual <= goal) {
+            work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
-        if (before < 0.5 * best || D < lowest * (1 - 1e-9)) without_progress = 0;
-        else if (++without_progress > patience) break;
-        if (before < best) best = before;
-        if (D < lowest) lowest = D;
+        if (!progress.goes_on(residual, model.energy, patience)) break;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
+        if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
         // Is it the rounding that so many steps have not been enough?
-        if (!fineness_known && round >= 3 && before < 1e-2) {
+        if (!fineness_known && round >= steering::rounds_before_finer && residual < steering::close_residual) {
             fineness_known = true;
             const Fineness fineness = work.refine_unit(goal);
-            if (!fineness.enough) patience = 4;
+            if (!fineness.enough) patience = steering::patience_when_rounded;
             if (fineness.changed) {
-                best = lowest = 1e300;
+                progress.forget_least();
                 continue;
             }
         }
-        Effort effort{};
-        effort.close = before < 1e-2;
-        effort.tight = finest ? 0.003 * goal / before : 1e-2; // mostly effort.residual comes first
-        if (effort.tight < 1e-11) effort.tight = 1e-11;
-        if (effort.tight > 1e-2) effort.tight = 1e-2;
-        effort.loose = round == 0 ? 1e-2 : round < 3 || !effort.close ? 1e-3 : effort.tight;
-        if (effort.loose < effort.tight) effort.loose = effort.tight;
-        // A large step changes the pulls against which the residual is measured.
-        effort.residual = !finest ? 0 : before > 0.1 ? 0.2 * goal : 0.5 * goal;
-        // As long as zeros move, the next model is another one: a tight solve
-        // of this one would be wasted.
-        effort.go_on = finest && round > 0;
+        --steps_left;
         double accepted = 0;
         bool tight = false;
-        if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
-        // A zero that has not arrived after some steps has far to go, in nearly
-        // flat surroundings.
-        const bool far = finest && round > 2;
-        newton.relax_near_zeros(far ? 6 : 3, far ? 40 : 20);
-        // Levels in between only provide a start.
-        if (accepted == 1 && !finest && !coarsest) return HMF_OK;
-        newton.sweeps(accepted < 1 ? 10 : round > (tight ? 3 : 1) ? 2 : 0);
+        if (const hmf_status status = newton.step(effort_for(round, residual, goal, finest), accepted, tight))
+            return status;
+        const bool far = finest && round > steering::far_after;
+        newton.relax_near_zeros(far ? steering::far_rings : steering::near_rings,
+                                far ? steering::far_passes : steering::near_passes);
+        if (accepted == 1 && middle) return HMF_OK; // it only provides a start
+        if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
+        else if (round > (tight ? steering::late_after_tight : steering::late_after))
+            newton.sweeps(steering::late_sweeps);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
-    return finest ? HMF_LIMIT_STALLED : HMF_OK;
+    return finest ? end_beyond_rounding(work, goal) : HMF_OK;
 }
 
 } // namespace hmf

@@ -49,7 +49,7 @@ struct Aggregates {
 // by the share of the entry in the row, not by |a_ij| / sqrt(a_ii a_jj): where
 // weights jump by orders of magnitude the latter calls all entries of the
 // lighter rows weak.
-bool find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a,
+Done find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a,
                      Memory& memory) {
     const uint32_t n = matrix.n;
     if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1)
@@ -131,7 +131,7 @@ bool join_by_vote(const SignedMatrix& matrix, const Array<double>& kernel, uint3
 
 // Numbers the aggregates by their last members.  Meshes from a hierarchy have
 // most vertices at the end, in an order in space; the roots jump about.
-bool renumber(Aggregates& a, uint32_t n, Memory& memory) {
+Done renumber(Aggregates& a, uint32_t n, Memory& memory) {
     Array<uint32_t> number;
     if (!number.allocate_filled(memory, a.count, undecided)) return false;
     uint32_t next = a.count;
@@ -144,7 +144,7 @@ bool renumber(Aggregates& a, uint32_t n, Memory& memory) {
     return true;
 }
 
-bool aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory,
+Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a, Memory& memory,
                Call* call) {
     const uint32_t n = matrix.n;
     if (!find_dependence(matrix, kernel, strength, a, memory) || !continues(call)) return false;
@@ -188,11 +188,11 @@ struct GrowingRows {
     Array<Entry> entry;
     uint32_t used = 0;
 
-    bool begin(uint32_t rows, size_t expected, Memory& memory) {
+    Done begin(uint32_t rows, size_t expected, Memory& memory) {
         return offset.allocate(memory, rows + size_t{1}) && column.allocate(memory, expected)
             && entry.allocate(memory, expected);
     }
-    bool make_room(size_t more, Memory& memory) {
+    Done make_room(size_t more, Memory& memory) {
         if (used + more <= column.size()) return true;
         if (used + more > 0xf0000000u) {
             memory.take(SIZE_MAX);
@@ -239,7 +239,7 @@ struct ProlongationRow {
 };
 
 // P for the matrix before scaling, row by row.
-bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a,
+Done build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel, const Aggregates& a,
                         const Array<double>& norm, GrowingRows<float>& rows, Memory& memory, Call* call) {
     const uint32_t n = matrix.n;
     Array<double> tentative; // entry of T per unknown
@@ -281,7 +281,7 @@ bool build_prolongation(const SignedMatrix& matrix, const Array<double>& kernel,
 }
 
 // P^T into the level.
-bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel& level, Memory& memory) {
+Done transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel& level, Memory& memory) {
     const uint32_t n = level.n, total = rows.offset[n];
     Array<uint32_t>& start = level.prolongation_start;
     if (!start.allocate_filled(memory, columns + size_t{1}, 0) || !level.prolongation_row.allocate(memory, total)
@@ -305,7 +305,7 @@ bool transpose(const GrowingRows<float>& rows, uint32_t columns, MultigridLevel&
 // A vector with few entries, and which those are.
 class SparseVector {
 public:
-    bool allocate(uint32_t n, Memory& memory) {
+    Done allocate(uint32_t n, Memory& memory) {
         if (!places_.allocate_filled(memory, n, {0, undecided}) || !touched_.allocate(memory, n + size_t{1}))
             return false;
         place_ = places_.data();
@@ -346,7 +346,7 @@ private:
 };
 
 // P^T A P, a column at a time; by symmetry that is a row.
-bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const GrowingRows<float>& p, uint32_t count,
+Done galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const GrowingRows<float>& p, uint32_t count,
               CoarseMatrix& coarse, Memory& memory, Call* call) {
     SparseVector fine, sum; // column of A P, and of the whole product
     GrowingRows<double> rows;
@@ -396,14 +396,14 @@ bool galerkin(const SignedMatrix& matrix, const MultigridLevel& level, const Gro
 
 } // namespace
 
-bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory) {
+Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory) {
     if (!scale.allocate(memory, matrix.n)) return false;
     for (uint32_t i = 0; i < matrix.n; ++i)
         scale[i] = matrix.diagonal[i] > threshold ? static_cast<float>(1 / std::sqrt(matrix.diagonal[i])) : 0.0f;
     return true;
 }
 
-bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory) {
+Done scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory) {
     constexpr uint32_t block = MultigridLevel::block;
     const uint32_t n = matrix.n;
     size_t total = 0;
@@ -452,7 +452,7 @@ bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& mem
     return true;
 }
 
-bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
+Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
              CoarseMatrix& coarse, Memory& memory, Call* call) {
     const uint32_t n = level.n = matrix.n;
     for (uint32_t i = 0; i < n; ++i)

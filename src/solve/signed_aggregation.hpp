@@ -5,8 +5,8 @@
 
 namespace hmf {
 
-// Asked between pieces of work; false: cancelled, or told to finish.
-inline bool continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
+// Between pieces of work; not done: cancelled, or told to finish.
+inline Done continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
 
 // A matrix of the hierarchy while it is being built, in double precision: the
 // rows of a Laplacian nearly cancel, and what is left has to survive.
@@ -19,19 +19,18 @@ struct CoarseMatrix {
 };
 
 // 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.
-bool unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
+Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
 
 // The scaled matrix in single precision, into level (scale is already there).
 // Takes no memory where there is a matrix of the same pattern.
-bool scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
+Done scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
 
 // Aggregates, prolongation and Galerkin product.
 //   near_kernel   n values, the smooth vector up to signs (constant 1 for a
 //                 Laplacian before scaling); replaced by that of the coarse level
 //   strength      entries with a smaller share of their row are weak
-// false: out of memory, or cancelled.
 // The prolongation still lacks the scaling of both levels.
-bool coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
+Done coarsen(const SignedMatrix& matrix, MultigridLevel& level, float strength, Array<double>& near_kernel,
              CoarseMatrix& coarse, Memory& memory, Call* call);
 
 } // namespace hmf

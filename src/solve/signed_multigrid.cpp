@@ -72,7 +72,7 @@ static void scale_prolongation(MultigridLevel& fine, const Array<float>& coarse_
             fine.prolongation_entry[t] *= coarse_scale[c] / fine.scale[fine.prolongation_row[t]];
 }
 
-bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
+Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
     level_count_ = 0;
     dense_n_ = 0;
@@ -102,7 +102,7 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
-            || !scale_matrix(current, level, memory))
+            || !continues(call) || !scale_matrix(current, level, memory))
             return false;
         if (last) break;
         storage = static_cast<CoarseMatrix&&>(coarse);
@@ -121,7 +121,7 @@ bool SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
-bool SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
+Done SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
     return level_count_ == 0 || scale_matrix(matrix, level_[0], memory);
 }
 
@@ -133,7 +133,7 @@ double SignedMultigrid::operator_complexity() const {
 
 // --- Coarsest level ----------------------------------------------------------
 
-bool SignedMultigrid::factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
+Done SignedMultigrid::factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
     const size_t n = matrix.n;
     dense_n_ = matrix.n;
     Array<double> a;

@@ -72,15 +72,15 @@ class SignedMultigrid {
 public:
     static constexpr uint32_t max_levels = 24;
 
-    // Builds the preconditioner.  false: out of memory, or call (may be null)
-    // was cancelled.  The matrix is not kept.  depth: largest number of sparse
+    // Builds the preconditioner.  Not done also if the call (may be null) was told
+    // to finish.  The matrix is not kept.  depth: largest number of sparse
     // levels; 1 is the smoother alone, which is enough for a few digits where
     // the error has no long waves.
-    bool setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
+    Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
     // Takes the values of a matrix that hardly differs for the smoother of the
-    // finest level; the coarse levels stay.  false: out of memory.
-    bool refresh(const SignedMatrix& matrix, Memory& memory);
+    // finest level; the coarse levels stay.
+    Done refresh(const SignedMatrix& matrix, Memory& memory);
 
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities
@@ -94,7 +94,7 @@ public:
     double operator_complexity() const; // stored entries of all sparse levels / of the finest
 
 private:
-    bool factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
+    Done factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
     void solve_dense(float* b) const;
     void descend(uint32_t level);
     void ascend(uint32_t level);

@@ -10,13 +10,18 @@ namespace hmf {
 // A value of an edge while it is solved for.  Sums of two and steps of twice as much
 // leave a bit in an int64_t.  What leaves has to fit into a double: coarser_unit.hpp.
 constexpr int64_t largest_inner_value = int64_t{1} << 59;
+// The height of a cylinder; leaves are counted in half units.
+constexpr int64_t largest_height = int64_t{1} << 60;
 
-struct SolveOptions {
-    int32_t method = HMF_METHOD_NEWTON;
-    double tolerance = 0;          // resolved, > 0
-    double residual_tolerance = 0; // of the sweeps on stop_level; 0: they stop by the energy
-    uint64_t iteration_limit = 100000;
-    size_t stop_level = 0;
+// Those of the caller, with their defaults in place, so that a new one is at hand in
+// every stage; and what is the library's own.
+struct SolveOptions : hmf_solve_options {
+    SolveOptions() : hmf_solve_options{} {
+        method = HMF_METHOD_NEWTON;
+        iteration_limit = 100000;
+    }
+    size_t stop() const { return static_cast<size_t>(stop_level); }
+
     double unchecked = 0; // for tests of the guard: steps so many times too long are taken unchecked; 0: none are
     int64_t largest_value = int64_t{1} << 51; // up to which the unit may get finer; a double holds the sum of two
     bool guarded = false;                     // goes no further where a step would leave the class; needs a ClassWatch
@@ -27,6 +32,7 @@ struct Certificate {
     bool known;
     double energy; // in units
     double residual_max, residual_mean;
+    bool fractional = false; // with Recorder::fraction
 };
 
 // Keeps the report of a solve, its unit, and what the last level knew.
@@ -37,11 +43,9 @@ public:
         levels.start(call.memory);
         history.start(call.memory);
     }
-    hmf_status count_levels(size_t n);
+    [[nodiscard]] hmf_status count_levels(size_t n);
     hmf_level_report* level(size_t index); // row of a level, nullptr if not wanted; index 0 = stop level
-    // out_of_memory() tells if there was no room.
-    void event(size_t level, uint32_t kind, double energy_units, double residual_max);
-    bool out_of_memory() const { return out_of_memory_; }
+    Done event(size_t level, uint32_t kind, double energy_units, double residual_max);
     double unit() const { return unit_; }
     void set_unit(double unit) { unit_ = unit; }
 
@@ -49,9 +53,10 @@ public:
     Array<hmf_level_report> levels; // finest first
     Array<hmf_history_entry> history;
     Certificate certificate{}; // of the last level
+    Array<double> fraction;    // see fraction.hpp; only where the certificate says so
 
 private:
-    bool wanted_, out_of_memory_ = false;
+    bool wanted_;
     Call& call_;
     double unit_;
 };
@@ -74,25 +79,29 @@ struct LevelWork {
     Rings rings;
     Star star;
     hmf_level_report statistics{};
-    // Room for both; false: out of memory.
-    bool prepare();
-    // Makes the unit as fine as this residual needs it, with a factor of 4 for what
-    // is still to come, or as fine as a double has bits for the values.
+    // Room for both.
+    Done prepare();
+    // Makes the unit so fine that rounding leaves half of this residual at most, or as
+    // fine as options.largest_value lets it.
     Fineness refine_unit(double residual);
-    void record(uint32_t kind, double energy_units, double residual_max) {
-        recorder.event(state.level, kind, energy_units, residual_max);
+    Done record(uint32_t kind, double energy_units, double residual_max) {
+        return recorder.event(state.level, kind, energy_units, residual_max);
     }
 };
 
+// Of a stage that is not Done: no memory, or cancelled or finishing.  The sentence
+// comes at the end of the solve, which knows how far it came.
+inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.out_of_memory() : HMF_CANCELLED; }
+
 // Methods on one level: HMF_OK when converged to the tolerance, HMF_LIMIT_*,
 // HMF_CANCELLED (also for finishing), or a memory error.
-hmf_status whitehead_level(LevelWork& work, double tolerance);
-hmf_status newton_level(LevelWork& work, double tolerance);
+[[nodiscard]] hmf_status whitehead_level(LevelWork& work, double tolerance);
+[[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.
-hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
-                       ClassWatch* watch = nullptr);
+[[nodiscard]] hmf_status run_cascade(State& state, const SolveOptions& options, Call& call, Recorder& recorder,
+                                     ClassWatch* watch = nullptr);
 
 } // namespace hmf

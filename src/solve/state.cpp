@@ -11,12 +11,12 @@ Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
         && foliation.allocate_scratch(mesh.vertex_count, memory);
 }
 
-void State::load(size_t at, Side which) {
-    const Mesh& from = at == 0 && which == Side::input ? hierarchy->input : hierarchy->levels[at].mesh;
+void State::load(size_t at, Triangulation which) {
+    const Mesh& from = at == 0 && which == Triangulation::input ? hierarchy->input : hierarchy->levels[at].mesh;
     foliation.mesh = copy_.of(from);
     foliation.value = value_.data();
     level = at;
-    side = which;
+    triangulation = which;
 }
 
 Done State::refine(Call& call) {
@@ -36,7 +36,7 @@ Done State::refine(Call& call) {
         if (words) words->was_split(hierarchy->collapses[i]);
     }
     --level;
-    side = Side::input;
+    triangulation = Triangulation::input;
     return true;
 }
 
@@ -56,12 +56,12 @@ Done State::coarsen(Call& call, RestrictionScratch& scratch) {
         flip_foliation(foliation, hierarchy->flips[i], false, statistics);
     }
     ++level;
-    side = Side::intrinsic;
+    triangulation = Triangulation::intrinsic;
     return true;
 }
 
 Done State::go_to(size_t target, Call& call) {
-    if (level == 0 && side == Side::intrinsic && !to_input(call)) return false;
+    if (level == 0 && triangulation == Triangulation::intrinsic && !to_input(call)) return false;
     while (level > target)
         if (!refine(call)) return false;
     if (level < target) {
@@ -82,7 +82,7 @@ Done State::to_intrinsic(Call& call) {
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
         if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i])) return false;
     }
-    side = Side::intrinsic;
+    triangulation = Triangulation::intrinsic;
     return true;
 }
 
@@ -92,7 +92,7 @@ Done State::to_input(Call& call) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);
     }
-    side = Side::input;
+    triangulation = Triangulation::input;
     return true;
 }
 

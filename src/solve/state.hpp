@@ -10,13 +10,13 @@
 namespace hmf {
 
 // Which triangulation of a level: level 0 has two.
-enum class Side : uint8_t { input, intrinsic };
+enum class Triangulation : uint8_t { input, intrinsic };
 
 struct State {
     const hmf_hierarchy* hierarchy = nullptr;
     Foliation foliation;
     size_t level = 0;
-    Side side = Side::intrinsic; // meaningful on level 0
+    Triangulation triangulation = Triangulation::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
     BadFlip bad_flip = BadFlip::moved_first; // between levels
     EdgeWords* words = nullptr;              // go along to finer levels and to the intrinsic side, if there are any
@@ -25,7 +25,7 @@ struct State {
     // Room for every level down to `finest`.
     Done allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);
     // Takes over the connectivity of a level; the values are the caller's to fill.
-    void load(size_t at, Side which);
+    void load(size_t at, Triangulation which);
     // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
     // reached on the input side.  Not done: cancelled half-way, state unusable.
     Done refine(Call& call);

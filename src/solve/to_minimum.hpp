@@ -10,6 +10,6 @@ namespace hmf {
 // the way to the intrinsic triangulation.  state: on that side of level 0.  unit:
 // of its values, changes if they need a finer one.  Fails if the energy was
 // more than 1 % above the minimum.
-hmf_status to_minimum(State& state, double& unit, Call& call);
+[[nodiscard]] hmf_status to_minimum(State& state, double& unit, Call& call);
 
 } // namespace hmf

@@ -166,10 +166,11 @@ Done TwistedModel::look(Foliation& f, const Rings& rings, const double* weight, 
         listed[begin / size] = others;
     });
     const uint32_t before = f.epoch;
+    // Each block has set its part and its number, which the analyzer of clang does not see.
     for (size_t k = 0; k * size < n; ++k) {
-        residuals.sum += part[k].sum;
-        if (part[k].max > residuals.max) residuals.max = part[k].max;
-        for (uint32_t i = 0; i < listed[k]; ++i) {
+        residuals.sum += part[k].sum;                                 // NOLINT(clang-analyzer-core*)
+        if (part[k].max > residuals.max) residuals.max = part[k].max; // NOLINT(clang-analyzer-core*)
+        for (uint32_t i = 0; i < listed[k]; ++i) {                    // NOLINT(clang-analyzer-core*)
             const uint32_t v = list[k * size + i];
             if (i % stride == 0 && !call.tick(0, true)) return false;
             if (!rings.is(v, Monogons::HOST)

@@ -1,7 +1,7 @@
 // Foliation: one value for each edge of a level, and what it is like.
 import { namesOf } from './error.js';
 import { optionsOf } from './arguments.js';
-import { OPTIMIZE_OPTIONS, readReport, writeOptions } from './solve.js';
+import { RELAX_OPTIONS, readReport, writeOptions } from './solve.js';
 
 const kinds = namesOf('HMF_SINGULAR_').byValue;
 
@@ -26,6 +26,10 @@ export class Foliation {
 
     get disposed() {
         return this.#address === 0 || this.hierarchy.disposed;
+    }
+
+    get memoryBytes() {
+        return this.perform({}, (frame, address) => Number(BigInt.asUintN(64, frame.module.invoke('hmf_foliation_memory', address))));
     }
 
     dispose() {
@@ -62,7 +66,7 @@ export class Foliation {
     }
 
     relax(options) {
-        const given = optionsOf(options, 'options', OPTIMIZE_OPTIONS);
+        const given = optionsOf(options, 'options', RELAX_OPTIONS);
         return this.perform(given, (frame, address) => new Foliation(this.hierarchy, frame, frame.make('hmf_relax', address, writeOptions(frame, given))));
     }
 

@@ -2,11 +2,12 @@
 import { Frame } from './memory.js';
 import { Foliation, dispose } from './foliation.js';
 import { namesOf } from './error.js';
-import { choice, described, indices, numbers, optionsOf, realNumber, wholeNumber } from './arguments.js';
+import { choice, described, indices, numbers, optionsOf, wholeNumber } from './arguments.js';
 import { makeLoops, readLoops, writeLoops } from './loops.js';
-import { OPTIMIZE_OPTIONS, writeOptions } from './solve.js';
+import { optionFields, optionNames } from './options.js';
+import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 
-const BUILD_OPTIONS = ['collapse', 'ratio', 'coarsest', 'mollify', 'memoryLimit', 'markedVertices', 'progress'];
+const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
 /** A hierarchy and its foliations in the memory of the module. */
@@ -33,12 +34,8 @@ class Held {
 const forgotten = new FinalizationRegistry(({ held, foliation }) => (foliation === undefined ? held.freeAll() : held.free(foliation)));
 
 function writeBuildOptions(frame, options) {
-    const fields = { ...frame.module.allocators };
+    const fields = { ...frame.module.allocators, ...optionFields('hmf_build_options', options) };
     if (options.collapse !== undefined) fields.collapse = choice(options.collapse, 'collapse', collapses);
-    if (options.ratio !== undefined) fields.ratio = realNumber(options.ratio, 'ratio');
-    if (options.coarsest !== undefined) fields.coarsest = wholeNumber(options.coarsest, 'coarsest');
-    if (options.mollify !== undefined) fields.mollify = realNumber(options.mollify, 'mollify');
-    if (options.memoryLimit !== undefined) fields.memory_limit = wholeNumber(options.memoryLimit, 'memoryLimit');
     if (options.markedVertices !== undefined) {
         fields.marked_count = indices(options.markedVertices, 'markedVertices').length;
         fields.marked_vertices = frame.copy(Uint32Array, options.markedVertices);
@@ -204,7 +201,7 @@ export class Hierarchy {
     }
 
     solve(options) {
-        const given = optionsOf(options, 'options', [...OPTIMIZE_OPTIONS, 'loops', 'start', 'stopLevel']), { start } = given;
+        const given = optionsOf(options, 'options', [...SOLVE_OPTIONS, 'loops', 'start']), { start } = given;
         const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
         if (start !== undefined && !(start instanceof Foliation)) throw new TypeError(`start is ${described(start)}; give a Foliation.`);
         const solve = address => this.#foliation(given, (frame, hierarchy) =>

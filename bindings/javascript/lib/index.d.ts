@@ -7,6 +7,7 @@
  * synchronous: in a page, make them in a Worker (examples/worker.js).  Each call
  * that can be long takes a progress function, by which it can be cancelled.
  */
+import type { BuildNumbers, SolveNumbers } from "../dist/options.js";
 
 /**
  * Where hmf.wasm comes from: its address (string or URL), its bytes, a compiled
@@ -87,26 +88,15 @@ export interface ProgressOptions {
     progress?: Progress;
 }
 
-export interface BuildOptions extends ProgressOptions {
+/** The numbers, among them `ratio`, `coarsest`, `memoryLimit` and `mollify`, are those of the header. */
+export interface BuildOptions extends ProgressOptions, BuildNumbers {
     /** Which edges are collapsed, and to which point; default "midpoint". */
     collapse?: "default" | "midpoint" | "endpoint" | "qslim";
-    /** Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5. */
-    ratio?: number;
-    /** Vertices of the coarsest level to aim for; default 1000. */
-    coarsest?: number;
-    /**
-     * In [0, 0.1], default 0, off: triangles without area and edges without
-     * length are accepted; the edges get longer by the least amount with which
-     * every triangle inequality holds by a margin of mollify * mean length.
-     */
-    mollify?: number;
     /**
      * Vertices that may carry a pole; a sphere needs four or more (see
      * `suggestMarks`).  They never move and are no poles of the report.
      */
     markedVertices?: Numbers;
-    /** Bytes in use at any time, also in later calls with the hierarchy; default 0, no limit. */
-    memoryLimit?: number;
 }
 
 /**
@@ -192,23 +182,13 @@ export interface LoopSet {
     arcs?: Numbers;
 }
 
-export interface OptimizeOptions extends ProgressOptions {
+/** The numbers, among them `tolerance`, `residualTolerance`, `timeLimit` and `iterationLimit`, are those of the header. */
+export interface OptimizeOptions extends ProgressOptions, Omit<SolveNumbers, "stopLevel"> {
     /** Default "newton", the most exact. */
     method?: "default" | "newton" | "whitehead" | "single-level" | "paper";
-    /** newton: the largest residual, default 1e-8; others: relative change of the energy per sweep, default 1e-6. */
-    tolerance?: number;
-    /**
-     * The largest residual that counts as converged. newton: in place of tolerance; others: sweeps go on until it is
-     * reached, default none, and 1e-8 counts as converged.
-     */
-    residualTolerance?: number;
-    /** Seconds; default 0, no limit. */
-    timeLimit?: number;
-    /** Sweeps per level; default 100000. */
-    iterationLimit?: number;
 }
 
-export interface SolveOptions extends OptimizeOptions {
+export interface SolveOptions extends OptimizeOptions, Pick<SolveNumbers, "stopLevel"> {
     /** Default: `hierarchy.loops()`. */
     loops?: LoopSet;
     /**
@@ -217,8 +197,6 @@ export interface SolveOptions extends OptimizeOptions {
      * at other positions (the last frame of an animation).
      */
     start?: Foliation;
-    /** Finest level to solve; default 0, the mesh of the caller. */
-    stopLevel?: number;
 }
 
 /**
@@ -233,6 +211,8 @@ export interface Foliation extends Disposable {
     readonly values: Float64Array;
     /** The power of two that all values are multiples of. */
     readonly unit: number;
+    /** Held by it, without its hierarchy; more once it was parameterised, say. */
+    readonly memoryBytes: number;
     /** Of the call that made it; null for `initialize`, `foliation` and `interpolate`. */
     readonly report: Report | null;
     readonly disposed: boolean;
@@ -261,6 +241,8 @@ export interface Foliation extends Disposable {
     cylinders(options?: CylinderOptions): Cylinders;
     /** A closed quad mesh along the leaves. */
     quads(options?: QuadOptions): QuadMesh;
+    /** Charts without overlap in the unit square, for painting and baking.  Few and even ones come from `evenDesign`. */
+    atlas(options?: AtlasOptions): Atlas;
     /** Frees the memory; calling it again does nothing. */
     dispose(): void;
 }
@@ -298,6 +280,30 @@ export interface QuadMesh {
     invertedCount: number;
     /** Root of the area of the surface / number of quads. */
     edgeLength: number;
+}
+
+export interface AtlasOptions extends ProgressOptions {
+    /** Least distance of two charts, as a part of the side of the square, at most 1/16; default 1/512. */
+    margin?: number;
+}
+
+/** Every triangle belongs to one chart; charts are conformal, with areas in proportion to those in space. */
+export interface Atlas {
+    /** Two coordinates for each corner of each triangle. */
+    cornerUv: Float64Array;
+    /** The chart of each triangle. */
+    triangleChart: Uint32Array;
+    chartCount: number;
+    /** Part of the square that the triangles cover. */
+    usedArea: number;
+    /** In the unit of the positions, each side between two triangles once. */
+    seamLength: number;
+    /** Edges whose two triangles do not meet in the square. */
+    seamEdgeCount: number;
+    /** Triangles whose image has no positive area, where the foliation is nearly 0. */
+    collapsedTriangles: number;
+    /** Standard deviation over the surface of the logarithm of the scale. */
+    unevenness: number;
 }
 
 export interface Cylinders {

@@ -33,7 +33,7 @@ const writers = {
 
 /** Fields of C alone. */
 const internal = ['struct_size', 'reserved'];
-const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
+export const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
 
 /** An index, or null for HMF_NONE. */
 export const orNull = index => (index === constants.HMF_NONE ? null : index);

@@ -1,22 +1,19 @@
 // Options and report of hmf_solve and hmf_relax.
 import { namesOf, statusName } from './error.js';
-import { choice, realNumber, wholeNumber } from './arguments.js';
+import { choice } from './arguments.js';
+import { optionFields, optionNames } from './options.js';
 
 const methods = namesOf('HMF_METHOD_');
 const classStates = namesOf('HMF_CLASS_').byValue;
 const historyKinds = ['interpolation', 'sweep', 'linear-solve'];
 
-export const OPTIMIZE_OPTIONS = ['method', 'tolerance', 'residualTolerance', 'timeLimit', 'iterationLimit', 'progress'];
+export const SOLVE_OPTIONS = ['method', ...optionNames('hmf_solve_options'), 'progress'];
+export const RELAX_OPTIONS = SOLVE_OPTIONS.filter(name => name !== 'stopLevel');
 
 /** An hmf_solve_options. */
 export function writeOptions(frame, options, more = {}) {
-    const fields = { ...more };
+    const fields = { ...optionFields('hmf_solve_options', options), ...more };
     if (options.method !== undefined) fields.method = choice(options.method, 'method', methods);
-    if (options.tolerance !== undefined) fields.tolerance = realNumber(options.tolerance, 'tolerance');
-    if (options.residualTolerance !== undefined)
-        fields.residual_tolerance = realNumber(options.residualTolerance, 'residualTolerance');
-    if (options.timeLimit !== undefined) fields.time_limit = realNumber(options.timeLimit, 'timeLimit');
-    if (options.iterationLimit !== undefined) fields.iteration_limit = wholeNumber(options.iterationLimit, 'iterationLimit');
     return frame.structure('hmf_solve_options', fields);
 }
 

@@ -9,7 +9,7 @@ import { load } from '../lib/index.js';
 const read = path => readFileSync(new URL(path, import.meta.url), 'utf8');
 const header = ['hmf', 'uses'].map(name => read(`../../../include/hmf/${name}.h`)).join('\n').replace(/\/\*[\s\S]*?\*\//g, ' ');
 const sources = readdirSync(new URL('../lib/', import.meta.url), { recursive: true }).filter(name => name.endsWith('.js')).map(name => read(`../lib/${name}`)).join('\n');
-const types = read('../lib/index.d.ts');
+const types = read('../lib/index.d.ts') + read('../dist/options.d.ts');
 
 const camel = name => name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase());
 

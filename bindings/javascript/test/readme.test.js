@@ -53,7 +53,7 @@ test('npm pack makes a package with everything in it', () => {
     rmSync(join(here, 'dist'), { recursive: true });
     const [{ filename, files }] = JSON.parse(shell('npm pack --json --silent', here).replace(/^[^[]*/, ''));
     const paths = files.map(file => file.path);
-    for (const needed of ['package.json', 'README.md', 'LICENSE', 'dist/hmf.wasm', 'dist/layout.js', 'lib/index.js', 'lib/index.d.ts'])
+    for (const needed of ['package.json', 'README.md', 'LICENSE', 'dist/hmf.wasm', 'dist/layout.js', 'dist/options.d.ts', 'lib/index.js', 'lib/index.d.ts'])
         assert.ok(paths.includes(needed), `${needed} is in the package`);
     for (const path of paths) assert.doesNotMatch(path, /^(test|bench|src|node_modules)\//);
     const project = join(folder, 'project');

@@ -16,7 +16,7 @@ from scikit_build_core.build import build_sdist as _build_sdist
 
 _HERE = Path(__file__).resolve().parents[1]
 _ROOT = _HERE.parents[1]
-_CORE = ("CMakeLists.txt", "LICENSE", "include", "src")
+_CORE = ("CMakeLists.txt", "LICENSE", "include", "src", "bindings/cli", "bindings/readers")
 
 
 def build_sdist(sdist_directory: str, config_settings: dict[str, Any] | None = None) -> str:
@@ -29,7 +29,7 @@ def build_sdist(sdist_directory: str, config_settings: dict[str, Any] | None = N
         for name in _CORE:
             source = _ROOT / name
             if source.is_dir():
-                shutil.copytree(source, core / name)
+                shutil.copytree(source, core / name, ignore=shutil.ignore_patterns("*.png"))
             else:
                 shutil.copy2(source, core / name)
         return _build_sdist(sdist_directory, config_settings)

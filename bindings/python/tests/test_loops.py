@@ -87,6 +87,59 @@ def test_wrong_picks(hierarchy: foliations.Hierarchy, picked: list[int]) -> None
         foliations.Loops.through(hierarchy, picked)
 
 
+def relaxed(mesh: foliations.Level, odd: np.ndarray, start: int) -> float:
+    """The shortest closed path from here that has crossed the edges `odd` an odd number of times: by relaxing all."""
+    sizes = np.linalg.norm(mesh.positions[mesh.edges[:, 0]] - mesh.positions[mesh.edges[:, 1]], axis=1)
+    distance = np.full((2, mesh.vertex_count), np.inf)
+    distance[0, start] = 0
+    while True:
+        before = distance.copy()
+        for a, b in (mesh.edges.T, mesh.edges.T[::-1]):
+            for sheet in (0, 1):
+                np.minimum.at(distance, (sheet ^ odd.astype(int), b), before[sheet, a] + sizes)
+        if np.array_equal(before, distance):
+            return float(distance[1, start])
+
+
+def test_through_handles(hierarchy: foliations.Hierarchy) -> None:
+    """The shortest closed path that crosses a loop, against every start; crossings are counted by the cylinders."""
+    mesh = hierarchy.levels[0]
+    handles = hierarchy.loops("handle", level=0)
+    for number in range(2):
+        crossing = handles[number : number + 1]
+        loops = foliations.Loops.through(hierarchy, crossing=crossing)
+        odd = np.zeros(mesh.edge_count, dtype=bool)
+        around = mesh.triangle_edges[crossing[0]]
+        for here, there in zip(around, np.roll(around, -1, axis=0)):
+            odd[np.intersect1d(here, there)] ^= True
+        path = loops[0].tolist()
+        (points,) = loops.positions(hierarchy)
+        index = {frozenset(edge): i for i, edge in enumerate(mesh.edges.tolist())}
+        assert sum(odd[index[frozenset(pair)]] for pair in zip(path, path[1:] + path[:1])) % 2 == 1
+        starts = np.unique(mesh.edges[odd, 0])[:: max(1, odd.sum() // 8)]
+        lengths = [relaxed(mesh, odd, int(start)) for start in starts]
+        assert length(points) <= min(lengths) * (1 + 1e-12)
+        assert relaxed(mesh, odd, path[0]) == pytest.approx(length(points), rel=1e-12)
+        for start, least in zip(starts[:3], lengths):
+            (picked,) = foliations.Loops.through(hierarchy, [start], crossing=crossing).positions(hierarchy)
+            assert length(picked) == pytest.approx(least, rel=1e-12)
+        assert hierarchy.solve(loops).converged
+
+
+def test_through_two_handles(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
+    handles = hierarchy.loops("handle", level=0)
+    (both,) = foliations.Loops.through(hierarchy, crossing=handles).positions(hierarchy)
+    singles = [foliations.Loops.through(hierarchy, crossing=handles[i : i + 1]).positions(hierarchy)[0] for i in (0, 1)]
+    assert length(both) >= max(map(length, singles))
+    # Through two points and both handles: no longer than any other way to put it together.
+    (picked,) = foliations.Loops.through(hierarchy, ring[:2], crossing=handles).positions(hierarchy)
+    assert length(picked) >= length(both)
+    with pytest.raises(ValueError, match="level 0"):
+        foliations.Loops.through(hierarchy, crossing=hierarchy.loops("handle"))
+    with pytest.raises(ValueError, match="pick"):
+        foliations.Loops.through(hierarchy)
+
+
 def test_several_loops_at_once(hierarchy: foliations.Hierarchy, ring: list[int]) -> None:
     positions = hierarchy.levels[0].positions
     mirrored = positions[ring] * [-1, 1, 1] + [positions[:, 0].min() + positions[:, 0].max(), 0, 0]

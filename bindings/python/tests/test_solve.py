@@ -118,7 +118,7 @@ def test_interpolate_there_and_back(hierarchy: foliations.Hierarchy) -> None:
 
 
 @pytest.mark.parametrize("method", ["newton", "whitehead", "single_level"])
-def test_methods_agree(hierarchy: foliations.Hierarchy, method: foliations.foliation.Method) -> None:
+def test_methods_agree(hierarchy: foliations.Hierarchy, method: foliations._options.Method) -> None:
     # Loops of the finest level: single_level takes no others by itself.
     loops = hierarchy.loops(level=0)
     with warnings.catch_warnings():

@@ -34,7 +34,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     if build.get_compiler().is_like_msvc() {
         build.flag("/fp:precise");
     }
-    build.try_compile("hmf")?;
+    // Documentation needs no library; docs.rs sets this, and the reference site.
+    println!("cargo:rerun-if-env-changed=DOCS_RS");
+    if env::var_os("DOCS_RS").is_none() {
+        build.try_compile("hmf")?;
+    }
 
     println!("cargo:rerun-if-changed={}", sources.display());
     println!("cargo:rerun-if-changed={}", include.display());

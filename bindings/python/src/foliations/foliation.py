@@ -23,15 +23,15 @@ from ._boundary import (
     Rows,
     as_count,
     call,
-    constant,
     names,
     pointer,
     run,
-    structure,
     view,
 )
 from ._native import ffi, lib
+from ._options import RelaxOptions, solve_options, takes
 from ._show import repr_png, show
+from .atlas import atlas
 from .cylinders import cylinders
 from .errors import Cancelled, LimitWarning, Status
 from .export import export_foliation, export_singularities
@@ -41,9 +41,10 @@ from .quads import quads
 from .report import Report, read_report
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .hierarchy import Hierarchy
 
-Method = Literal["newton", "whitehead", "single_level", "paper"]
 SingularityKind = Literal["vertex", "triangle", "cluster"]
 
 #: Whether no LimitWarning is wanted: the caller says it in another way.
@@ -206,6 +207,11 @@ class Foliation:
         return float(lib.hmf_foliation_unit(self._pointer))
 
     @property
+    def memory(self) -> int:
+        """Bytes held by the foliation, without its hierarchy; more once it was parameterised, say."""
+        return int(lib.hmf_foliation_memory(self._pointer))
+
+    @property
     def values(self) -> Floats:
         """(edge_count of the level,) float64, read-only, in the unit of the weights.
 
@@ -304,16 +310,8 @@ class Foliation:
         made = call(lib.hmf_interpolate, self._pointer, as_count(level, "level"), progress=progress)
         return Foliation._of(self._hierarchy, made)
 
-    def relax(
-        self,
-        *,
-        method: Method | None = None,
-        tolerance: float | None = None,
-        residual_tolerance: float | None = None,
-        time_limit: float | None = None,
-        iteration_limit: int | None = None,
-        progress: ProgressOption = None,
-    ) -> Foliation:
+    @takes(RelaxOptions)
+    def relax(self, *, progress: ProgressOption = None, **options: Unpack[RelaxOptions]) -> Foliation:
         """These values improved on their level; parameters, result and errors as for :meth:`Hierarchy.solve`.
 
         Raises
@@ -321,8 +319,7 @@ class Foliation:
         FoliationError
             The values have a pole.
         """
-        options = solve_options(method, tolerance, residual_tolerance, time_limit, iteration_limit)
-        outcome = run(lib.hmf_relax, self._pointer, options, progress=progress, accept=STOPPED)
+        outcome = run(lib.hmf_relax, self._pointer, solve_options(options), progress=progress, accept=STOPPED)
         return solved(self._hierarchy, outcome)
 
     # What one does with it: include/hmf/uses.h, a module for each.
@@ -330,6 +327,7 @@ class Foliation:
     trace = trace
     cylinders = cylinders
     quads = quads
+    atlas = atlas
     export = export_foliation
     show = show
     _repr_png_ = repr_png
@@ -340,26 +338,6 @@ class Foliation:
 
 def _checksum(hierarchy: Hierarchy, level: int) -> int:
     return zlib.crc32(hierarchy.levels[level].triangles.tobytes())
-
-
-def solve_options(
-    method: Method | None,
-    tolerance: float | None,
-    residual_tolerance: float | None,
-    time_limit: float | None,
-    iteration_limit: int | None,
-    **others: Any,
-) -> Any:
-    """hmf_solve_options."""
-    return structure(
-        "hmf_solve_options",
-        method=constant("METHOD", method, "method"),
-        tolerance=tolerance,
-        residual_tolerance=residual_tolerance,
-        time_limit=time_limit,
-        iteration_limit=iteration_limit,
-        **others,
-    )
 
 
 def solved(hierarchy: Hierarchy, outcome: Outcome) -> Foliation:

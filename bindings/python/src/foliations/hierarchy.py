@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,9 +28,13 @@ from ._boundary import (
     view,
 )
 from ._native import ffi, lib
-from .foliation import STOPPED, Foliation, Method, solve_options, solved
+from ._options import RelaxOptions, SolveOptions, solve_options, takes
+from .foliation import STOPPED, Foliation, solved
 from .loops import Loops, loop_structure
 from .meshes import MeshLike, as_mesh
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Collapse = Literal["midpoint", "endpoint", "qslim"]
 LoopsKind = Literal["cut", "handle", "tunnel", "pants"]
@@ -307,19 +311,15 @@ class Hierarchy:
         )
         return Foliation._of(self, made)
 
+    @takes(RelaxOptions, SolveOptions)
     def solve(
         self,
         loops: Loops | Sequence[ArrayLike] | None = None,
         weights: ArrayLike | None = None,
         *,
         initial: Foliation | None = None,
-        method: Method | None = None,
-        tolerance: float | None = None,
-        residual_tolerance: float | None = None,
-        time_limit: float | None = None,
-        iteration_limit: int | None = None,
-        stop_level: int = 0,
         progress: ProgressOption = None,
+        **options: Unpack[SolveOptions],
     ) -> Foliation:
         """The harmonic foliation in the class of the loops.
 
@@ -335,22 +335,7 @@ class Hierarchy:
             lie on another hierarchy of the same triangles, for example of the
             last frame of an animation.  Where it is close to the minimum
             already, :meth:`Foliation.relax` is faster.
-        method : "newton", "whitehead", "single_level" or "paper", optional
-            Newton steps on the twisted Laplacian (default), Whitehead moves
-            up the hierarchy, or Whitehead moves on your mesh alone.
-        tolerance : float, optional
-            newton: largest residual, default 1e-8; the others: relative change
-            of the energy per sweep, default 1e-6.
-        residual_tolerance : float, optional
-            Residual up to which a result counts as converged.  newton: in place
-            of ``tolerance``; the others: sweeps go on until it is reached,
-            default none, and 1e-8 counts as converged.
-        time_limit : float, optional
-            Seconds; default none.
-        iteration_limit : int, optional
-            Sweeps per level; default 100000.
-        stop_level : int
-            Finest level to solve; 0 is your mesh.
+        {options}
         progress : bool or function, optional
             As for :class:`Hierarchy`.  ``Progress.FINISH`` ends the improvement
             and gives the foliation so far, with ``status`` CANCELLED.
@@ -372,13 +357,11 @@ class Hierarchy:
         if initial is not None and (loops is not None or weights is not None):
             raise ValueError("initial values have a class and weights of their own: give no loops and no weights.")
         if loops is None and weights is not None:
-            loops = self.loops(level=0 if method == "single_level" else None)
+            loops = self.loops(level=0 if options.get("method") == "single_level" else None)
         given, alive = loop_structure(loops, weights)
         start = None if initial is None else initial._pointer
-        options = solve_options(
-            method, tolerance, residual_tolerance, time_limit, iteration_limit, stop_level=stop_level, start=start
-        )
-        outcome = run(lib.hmf_solve, self._pointer, given, options, progress=progress, accept=STOPPED)
+        settings = solve_options(options, start=start)
+        outcome = run(lib.hmf_solve, self._pointer, given, settings, progress=progress, accept=STOPPED)
         del alive
         return solved(self, outcome)
 
@@ -495,6 +478,7 @@ def memory_estimate(
     return int(lib.hmf_memory_estimate(vertices, triangles, options))
 
 
+@takes(SolveOptions)
 def solve(
     positions: ArrayLike | MeshLike,
     triangles: ArrayLike | None = None,
@@ -508,13 +492,8 @@ def solve(
     mollify: float | None = None,
     marked_vertices: Sequence[int] | NDArray[Any] | None = None,
     initial: Foliation | None = None,
-    method: Method | None = None,
-    tolerance: float | None = None,
-    residual_tolerance: float | None = None,
-    time_limit: float | None = None,
-    iteration_limit: int | None = None,
-    stop_level: int = 0,
     progress: ProgressOption = None,
+    **options: Unpack[SolveOptions],
 ) -> Foliation:
     """The harmonic foliation of a mesh in one call: a :class:`Hierarchy`, and :meth:`Hierarchy.solve` on it.
 
@@ -553,11 +532,6 @@ def solve(
             loops,
             weights,
             initial=initial,
-            method=method,
-            tolerance=tolerance,
-            residual_tolerance=residual_tolerance,
-            time_limit=time_limit,
-            iteration_limit=iteration_limit,
-            stop_level=stop_level,
             progress=part(callback, begin + (1 - begin) * _BUILD_SHARE, 1.0),
+            **options,
         )

@@ -106,7 +106,13 @@ class Loops(Sequence[Indices]):
         return cls.__new__(cls)._set(offsets, elements, names("LOOP")[given.element_kind], given.level, weights, arcs)
 
     @classmethod
-    def through(cls, hierarchy: Hierarchy, *picked: ArrayLike, weights: ArrayLike | None = None) -> Loops:
+    def through(
+        cls,
+        hierarchy: Hierarchy,
+        *picked: ArrayLike,
+        crossing: Loops | None = None,
+        weights: ArrayLike | None = None,
+    ) -> Loops:
         """Loops through picked vertices or points: the shortest path along edges to each next one, and back.
 
         Parameters
@@ -115,21 +121,29 @@ class Loops(Sequence[Indices]):
             For each loop at least three vertices, or points near them, in their order along it and
             on all sides: where the shortest path from the last to the first
             is the way back, the loop goes round nothing.
+        crossing : Loops, optional
+            At most six loops of level 0, such as ``hierarchy.loops("handle", level=0)[:1]``.  The shortest
+            closed path is taken that crosses each of them an odd number of times, so
+            it runs through their handles; one picked point is then enough, and without any
+            it is the shortest of all.
         weights : (number of loops,) floats, optional
             As for :class:`Loops`.
         """
         mesh = hierarchy.levels[0]
-        graph = _Graph(mesh)
+        graph = _Graph(mesh, _crossed(hierarchy, crossing))
         paths = []
         for given in picked:
             stops = _open(_nearest(mesh.positions, given)).tolist()
-            if len(stops) < 3:
+            if not stops or (len(stops) < 3 and crossing is None):
                 raise ValueError(f"pick at least three vertices for a loop, got {len(stops)}.")
             if max(stops) >= mesh.vertex_count:
                 raise ValueError(f"vertex {max(stops)} does not exist; the mesh has {mesh.vertex_count}, from 0.")
-            pieces = [graph.path(a, b) for a, b in zip(stops, [*stops[1:], stops[0]])]
-            paths.append(np.array([vertex for piece in pieces for vertex in piece], dtype=np.uint32))
-        return cls(paths, weights=weights)
+            paths.append(graph.closed_path(stops))
+        if not picked:
+            if crossing is None:
+                raise ValueError("pick vertices or points, or give the loops to cross.")
+            paths.append(graph.shortest_closed_path())
+        return cls([np.array(path, dtype=np.uint32) for path in paths], weights=weights)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, weights: ArrayLike | None = None) -> Loops:
@@ -302,39 +316,111 @@ def _nearest(positions: Floats, picked: ArrayLike) -> Indices:
     return np.array(nearest, dtype=np.uint32)
 
 
-class _Graph:
-    """Vertices and edges of a level, with lengths."""
+def _crossed(hierarchy: Hierarchy, crossing: Loops | None) -> list[NDArray[np.bool_]]:
+    """For each loop the edges of level 0 that cross it an odd number of times."""
+    if crossing is None:
+        return []
+    if crossing.level != 0 or not 0 < len(crossing) <= 6:
+        raise ValueError("crossing takes one to six loops of level 0, such as hierarchy.loops(level=0)[:1].")
+    single = (crossing[number : number + 1].with_weights(None) for number in range(len(crossing)))
+    return [np.rint(hierarchy.initialize(loop).values) % 2 == 1 for loop in single]
 
-    def __init__(self, level: Level) -> None:
+
+class _Graph:
+    """Vertices and edges of a level, with lengths, on 2 ** n sheets.
+
+    Edges that cross loop i an odd number of times lead to another sheet, with the bit i changed: so the sheet
+    where a path ends says which loops it has crossed.
+    """
+
+    def __init__(self, level: Level, crossed: list[NDArray[np.bool_]]) -> None:
+        bits = sum((edges.astype(np.int64) << i for i, edges in enumerate(crossed)), np.zeros(level.edge_count, int))
         ends = np.concatenate([level.edges, level.edges[:, ::-1]])
-        ends = ends[np.argsort(ends[:, 0], kind="stable")]
+        order = np.argsort(ends[:, 0], kind="stable")
+        ends = ends[order]
         self._positions = level.positions
         self._first = np.searchsorted(ends[:, 0], np.arange(level.vertex_count + 1)).tolist()
         self._lengths = np.linalg.norm(level.positions[ends[:, 0]] - level.positions[ends[:, 1]], axis=1).tolist()
         self._targets = ends[:, 1].tolist()
+        self._bits = np.concatenate([bits, bits])[order].tolist()
+        self._sheets = 1 << len(crossed)
+        # Every path that changes the first bit visits one of these.
+        self._gates = np.unique(level.edges[crossed[0], 0]).tolist() if crossed else []
 
-    def path(self, start: int, goal: int) -> list[int]:
-        """The shortest path, without its goal; Dijkstra's, with the straight line to the goal as a bound."""
-        bound = np.linalg.norm(self._positions - self._positions[goal], axis=1).tolist()
-        distance, previous = {start: 0.0}, {start: start}
-        heap = [(bound[start], start)]
-        while heap:
-            least, here = heappop(heap)
-            if here == goal:
+    def closed_path(self, stops: list[int]) -> list[int]:
+        """Through the stops in their order; it ends on the last sheet."""
+        best = {0: (0.0, list[int]())}  # for each sheet: the shortest path so far
+        for start, goal in zip(stops, [*stops[1:], stops[0]]):
+            # The last one leads to the last sheet; where there is one sheet only, so do all.
+            legs = self._search(start, goal, range(self._sheets) if len(stops) > 1 else [self._sheets - 1])[0]
+            longer: dict[int, tuple[float, list[int]]] = {}
+            for sheet, (length, path) in best.items():
+                for turn, (more, leg) in legs.items():
+                    if length + more < longer.get(sheet ^ turn, (inf,))[0]:
+                        longer[sheet ^ turn] = (length + more, path + leg)
+            best = longer
+        if self._sheets - 1 not in best:
+            raise ValueError("no closed path through the picked vertices crosses these loops.")
+        return best[self._sheets - 1][1]
+
+    def shortest_closed_path(self) -> list[int]:
+        """The shortest path from a vertex to itself on the last sheet.
+
+        One through a vertex at distance d is at most 2 d longer than one through the other: so most need not be
+        looked at.
+        """
+        least = dict.fromkeys(self._gates, 0.0)  # no path through here is shorter
+        shortest, best = inf, list[int]()
+        while least:
+            start = min(least, key=lambda vertex: (least[vertex], vertex))
+            if least.pop(start) >= shortest:
                 break
-            if least > distance[here] + bound[here]:
+            legs, distance = self._search(start, start, [self._sheets - 1])
+            if not legs:
+                continue
+            length, path = legs[self._sheets - 1]
+            if length < shortest:
+                shortest, best = length, path
+            for place, away in distance.items():
+                vertex = place // self._sheets
+                if vertex in least:
+                    least[vertex] = max(least[vertex], length - 2 * away)
+        if not best:
+            raise ValueError("no closed path crosses these loops.")
+        return best
+
+    def _search(
+        self, start: int, goal: int, sheets: Sequence[int]
+    ) -> tuple[dict[int, tuple[float, list[int]]], dict[int, float]]:
+        """The shortest paths to the goal on these sheets, without their ends, and the distances seen on the way.
+
+        Dijkstra's, with the straight line to the goal as a bound.  A place is a vertex on a sheet.
+        """
+        bound = np.linalg.norm(self._positions - self._positions[goal], axis=1).tolist()
+        first, lengths, targets, bits, count = self._first, self._lengths, self._targets, self._bits, self._sheets
+        distance, previous = {start * count: 0.0}, {start * count: -1}
+        heap = [(bound[start], start * count)]
+        wanted = {goal * count + sheet for sheet in sheets}
+        found: dict[int, tuple[float, list[int]]] = {}
+        while heap and wanted:
+            least, here = heappop(heap)
+            vertex, sheet = divmod(here, count)
+            if least > distance[here] + bound[vertex]:
                 continue  # found shorter since
-            for side in range(self._first[here], self._first[here + 1]):
-                there = self._targets[side]
-                length = distance[here] + self._lengths[side]
+            if here in wanted:
+                wanted.remove(here)
+                path, back = [], previous[here]
+                while back >= 0:
+                    path.append(back // count)
+                    back = previous[back]
+                found[sheet] = (distance[here], path[::-1])
+            for side in range(first[vertex], first[vertex + 1]):
+                there = targets[side] * count + (sheet ^ bits[side])
+                length = distance[here] + lengths[side]
                 if length < distance.get(there, inf):
                     distance[there], previous[there] = length, here
-                    heappush(heap, (length + bound[there], there))
-        path = []
-        while goal != start:
-            goal = previous[goal]
-            path.append(goal)
-        return path[::-1]
+                    heappush(heap, (length + bound[targets[side]], there))
+        return found, distance
 
 
 def as_loops(loops: Loops | Sequence[ArrayLike], weights: ArrayLike | None) -> Loops:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import time
 from collections.abc import Mapping
@@ -9,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from ._options import SolveOptions
 from .errors import Error, Status
 from .foliation import quiet
 from .hierarchy import Hierarchy
 from .loops import Loops
 from .meshes import as_mesh
 
-_BUILD = ("ratio", "coarsest", "collapse", "memory_limit", "mollify", "marked_vertices")
-_SOLVE = ("method", "tolerance", "residual_tolerance", "time_limit", "iteration_limit", "stop_level")
+_BUILD = tuple(name for name in inspect.getfullargspec(Hierarchy.__init__).kwonlyargs if name != "progress")
+_SOLVE = tuple(SolveOptions.__annotations__)
 _INPUT = ("mesh", "positions", "triangles", "loops", "weights", *_BUILD, *_SOLVE, "save", "export", "with_values")
 # Not carried on: the mesh may be large, and these are lists, or lists of lists.
 _DROPPED = ("positions", "triangles", "loops", "weights", "marked_vertices")
@@ -31,7 +33,7 @@ def _plain(name: str, value: Any) -> Any:
     """Numbers of tables: whole ones may have become floats."""
     if isinstance(value, np.generic):
         value = value.item()
-    if name in ("coarsest", "memory_limit", "iteration_limit", "stop_level") and isinstance(value, float):
+    if isinstance(value, float) and value.is_integer() and (name == "coarsest" or name.endswith(("_limit", "_level"))):
         return int(value)
     return value
 

@@ -100,6 +100,12 @@ impl Foliation {
         unsafe { sys::hmf_foliation_unit(self.as_ptr()) }
     }
 
+    /// Bytes held by the foliation, without its hierarchy; more once it was parameterised, say.
+    pub fn memory(&self) -> u64 {
+        // SAFETY: the handle is valid.
+        unsafe { sys::hmf_foliation_memory(self.as_ptr()) }
+    }
+
     /// The same foliation on another level: exact, in the same class, closed and
     /// without poles. To a finer level the recorded flips and collapses are
     /// undone; to a coarser one, a collapse moves one vertex to the image of the other.

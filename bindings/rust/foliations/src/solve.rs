@@ -116,6 +116,14 @@ impl<'a> Solver<'a> {
         self
     }
 
+    /// Most steps of [`Method::Newton`] on the finest level, each of them one linear solve or
+    /// a few. Unlike [`time_limit`](Solver::time_limit) the same result on every machine.
+    /// Default: as many as it takes.
+    pub fn step_limit(mut self, steps: u64) -> Self {
+        self.options.step_limit = steps;
+        self
+    }
+
     /// The finest level to solve, for a preview. Default: 0, the input mesh.
     pub fn stop_level(mut self, level: usize) -> Self {
         self.options.stop_level = level as u64;

@@ -1,0 +1,85 @@
+"""Options of the solver, each in one place: name, type and words."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import Any, Literal, TypedDict, TypeVar
+
+from ._boundary import constant, structure
+
+Method = Literal["newton", "whitehead", "single_level", "paper"]
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+class RelaxOptions(TypedDict, total=False):
+    """Fields of hmf_solve_options.
+
+    method : "newton", "whitehead", "single_level" or "paper", optional
+        Newton steps on the twisted Laplacian (default), Whitehead moves
+        up the hierarchy, or Whitehead moves on your mesh alone.
+    tolerance : float, optional
+        newton: largest residual, default 1e-8; the others: relative change
+        of the energy per sweep, default 1e-6.
+    residual_tolerance : float, optional
+        Residual up to which a result counts as converged.  newton: in place
+        of ``tolerance``; the others: sweeps go on until it is reached,
+        default none, and 1e-8 counts as converged.
+    time_limit : float, optional
+        Seconds; default none.
+    iteration_limit : int, optional
+        Sweeps per level; default 100000.
+    step_limit : int, optional
+        newton: steps on the finest level; default none.  Unlike ``time_limit``
+        the same result on every machine.
+    """
+
+    method: Method | None
+    tolerance: float | None
+    residual_tolerance: float | None
+    time_limit: float | None
+    iteration_limit: int | None
+    step_limit: int | None
+
+
+class SolveOptions(RelaxOptions, total=False):
+    """And where to end.
+
+    stop_level : int, optional
+        Finest level to solve; default 0, your mesh.
+    """
+
+    stop_level: int | None
+
+
+def takes(*options: Any) -> Callable[[_Function], _Function]:
+    """For a function with ``**options``: they show in its signature, and in its documentation in place of {options}."""
+
+    def show(function: _Function) -> _Function:
+        signature = inspect.signature(function)
+        parameters = [p for p in signature.parameters.values() if p.kind != p.VAR_KEYWORD]
+        kinds = {name: kind for one in options for name, kind in one.__annotations__.items()}
+        for name, kind in kinds.items():
+            kind = getattr(kind, "__forward_arg__", kind)
+            parameters.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind))
+        function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        lines = (function.__doc__ or "").split("\n")
+        for i, line in enumerate(lines):
+            if line.strip() == "{options}":
+                words = "\n".join(inspect.cleandoc(one.__doc__).split("\n\n", 1)[1] for one in options)
+                lines[i] = textwrap.indent(words, line[: line.index("{")])
+        function.__doc__ = "\n".join(lines)
+        return function
+
+    return show
+
+
+def solve_options(options: SolveOptions | RelaxOptions, **others: Any) -> Any:
+    """hmf_solve_options."""
+    fields: dict[str, Any] = dict(options)
+    unknown = set(fields) - set(SolveOptions.__annotations__)
+    if unknown:
+        raise TypeError(f"there is no option {', '.join(sorted(unknown))}")
+    fields["method"] = constant("METHOD", fields.get("method"), "method")
+    return structure("hmf_solve_options", **fields, **others)

@@ -1,0 +1,130 @@
+// Bytes -> a closed surface of any small genus: the boundary of a plate of cells, some of which are holes, its
+// vertices shifted by less than a quarter of an edge and the whole stretched.
+//
+//     +--+--+--+--+--+
+//     |  |  |  |  |  |     holes only where both numbers are odd: no two of them
+//     +--+--+--+--+--+     touch, so the boundary is a manifold; its genus is
+//     |  |##|  |##|  |     their number
+//     +--+--+--+--+--+
+//     |  |  |  |  |  |
+//     +--+--+--+--+--+
+#pragma once
+
+#include <hmf/hmf.h>
+#include <hmf/uses.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace fuzz {
+
+#define FUZZ_ASSERT(condition)                                                                                         \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
+            std::abort();                                                                                              \
+        }                                                                                                              \
+    } while (0)
+
+class Bytes {
+public:
+    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
+    uint8_t byte() { return at_ < size_ ? data_[at_++] : uint8_t{0}; }
+    uint32_t below(uint32_t n) { return byte() % n; }
+
+private:
+    const uint8_t* data_;
+    size_t size_, at_ = 0;
+};
+
+// splitmix64, for what needs more numbers than there are bytes.
+inline uint64_t next_random(uint64_t& state) {
+    uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+struct Plate {
+    std::vector<double> positions;
+    std::vector<uint32_t> triangles;
+    size_t genus = 0;
+
+    size_t vertex_count() const { return positions.size() / 3; }
+    size_t triangle_count() const { return triangles.size() / 3; }
+
+    explicit Plate(Bytes& bytes) {
+        const int columns = 1 + static_cast<int>(bytes.below(3)), rows = 1 + static_cast<int>(bytes.below(2));
+        const int fine = 1 + static_cast<int>(bytes.below(3)); // cells of the mesh in a cell of the plate
+        size_x_ = (2 * columns + 1) * fine, size_y_ = (2 * rows + 1) * fine, size_z_ = fine;
+        fine_ = fine;
+        for (int i = 0; i < columns * rows; ++i) {
+            hole_.push_back(i == 0 || bytes.byte() % 2 == 0);
+            genus += hole_.back();
+        }
+        columns_ = columns;
+        uint64_t state = bytes.byte();
+        const double shift = bytes.below(128) / 256.0; // of both signs together
+        std::map<int, uint32_t> number;
+        for (int x = 0; x <= size_x_; ++x)
+            for (int y = 0; y <= size_y_; ++y)
+                for (int z = 0; z <= size_z_; ++z) {
+                    const bool here = full(x, y, z);
+                    const int sides[3][4][3] = {{{x, y, z}, {x, y + 1, z}, {x, y + 1, z + 1}, {x, y, z + 1}},
+                                                {{x, y, z}, {x, y, z + 1}, {x + 1, y, z + 1}, {x + 1, y, z}},
+                                                {{x, y, z}, {x + 1, y, z}, {x + 1, y + 1, z}, {x, y + 1, z}}};
+                    const bool beside[3] = {full(x - 1, y, z), full(x, y - 1, z), full(x, y, z - 1)};
+                    for (int k = 0; k < 3; ++k) {
+                        if (here == beside[k]) continue;
+                        uint32_t v[4];
+                        for (int c = 0; c < 4; ++c) {
+                            const int* const p = sides[k][c];
+                            const auto made =
+                                number.insert({(p[0] * 64 + p[1]) * 64 + p[2], static_cast<uint32_t>(number.size())});
+                            v[c] = made.first->second;
+                            for (int i = 0; made.second && i < 3; ++i)
+                                positions.push_back(
+                                    p[i] + shift * (static_cast<double>(next_random(state) % 1024) / 1024 - 0.5));
+                        }
+                        const size_t turn = here ? 2 : 0; // the other way round
+                        triangles.insert(triangles.end(), {v[0], v[1 + turn], v[2], v[0], v[2], v[3 - turn]});
+                    }
+                }
+        const double stretch[3] = {1 + bytes.byte() / 16.0, 1 + bytes.byte() / 64.0, 1};
+        for (size_t i = 0; i < positions.size(); ++i) positions[i] *= stretch[i % 3];
+    }
+
+private:
+    bool full(int x, int y, int z) const {
+        if (x < 0 || y < 0 || z < 0 || x >= size_x_ || y >= size_y_ || z >= size_z_) return false;
+        const int i = x / fine_, j = y / fine_;
+        return !(i % 2 == 1 && j % 2 == 1 && hole_[static_cast<size_t>(j / 2 * columns_ + i / 2)]);
+    }
+    int size_x_, size_y_, size_z_, fine_, columns_;
+    std::vector<bool> hole_;
+};
+
+struct Delete {
+    void operator()(const hmf_hierarchy* hierarchy) const { hmf_destroy(const_cast<hmf_hierarchy*>(hierarchy)); }
+    void operator()(const hmf_foliation* foliation) const {
+        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
+    }
+    void operator()(const void* result) const { hmf_free(result); }
+};
+template <class T>
+using Owned = std::unique_ptr<const T, Delete>;
+
+template <class T>
+T sized() {
+    T structure{};
+    structure.struct_size = sizeof structure;
+    return structure;
+}
+
+} // namespace fuzz

@@ -1,0 +1,24 @@
+// Beyond the last bit.  A value has at most 60 bits.  Beside a needle or a cap, where weights are a million times
+// those of the neighbours, one unit more or less can be a residual above 1e-8.  Then each vertex gets a part of a
+// unit more: the real foliation
+//
+//     F'_ij = | F_ij - s_ij d_i - s_ji d_j |        (twisted_model.hpp)
+//
+// with |d| about one unit is in the class of the integers, as no value that is not 0 changes its sign, and has the
+// residual that is asked for.  What is counted and followed stays with the integers.
+#pragma once
+
+#include "solve.hpp"
+
+namespace hmf {
+
+// part: d of each vertex, into its + direction as a TwistedModel calls it that has seen no other foliation.
+// found.max is at most goal, or there are none that help, and part means nothing.
+[[nodiscard]] hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found);
+
+// The residual of [W] Eq. 4 of F' at each vertex; residual may be NULL.
+[[nodiscard]] hmf_status residuals_with_fractions(Foliation& f, const Rings& rings, const double* weight,
+                                                  const double* part, Star& star, double* residual, Call& call,
+                                                  ResidualResult& found);
+
+} // namespace hmf

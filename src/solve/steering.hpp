@@ -1,0 +1,95 @@
+// The numbers that steer Newton's method: when to go on, how exactly to solve,
+// when to give up.  None decides what is right: every step is checked, every
+// result has its residual and its certificate.  They decide how long it takes.
+//
+// bench/steering.md has what they were measured against; bench/steering.py measures
+// them again.  "guard": a bound of a loop that no mesh of the corpus reaches.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hmf {
+namespace steering {
+
+// How far a level is solved.  The finest goes to the caller's tolerance, the coarsest
+// so far that the zeros are in place, those between only pass a start on.
+constexpr double coarsest_residual = 1e-4;
+constexpr double middle_residual = 1e-2;
+constexpr uint32_t finest_rounds = 60; // guard
+constexpr uint32_t coarsest_rounds = 40;
+constexpr uint32_t middle_rounds = 3;
+// Sweeps of single moves before the first model.
+constexpr uint32_t coarsest_sweeps = 20;
+constexpr uint32_t finer_sweeps = 1;
+// What a coarser level got wrong are short waves, which the smoother takes out.  Long
+// ones add up over the levels: on every third one they are solved for, too.
+constexpr size_t long_waves_every = 3;
+
+// Progress is half of the least residual yet, or so much less energy.
+constexpr double less_residual = 0.5;
+constexpr double less_energy = 1e-9;
+constexpr uint32_t patience = 12; // rounds without progress, after which a level has stalled
+// After so many rounds the unit of the values is looked at, whether rounding is what
+// holds them up; where a finer one has no room, a stall is believed sooner.
+constexpr uint32_t rounds_before_finer = 3;
+constexpr uint32_t patience_when_rounded = 4;
+
+// Residual from which on the minimum is near: a whole step is worth more effort.
+constexpr double close_residual = 1e-2;
+// Relative accuracy of the linear solves while zeros move: of the first round, of the
+// next ones.  A tighter one would solve a model that does not last.
+constexpr double first_accuracy = 1e-2;
+constexpr double next_accuracy = 1e-3;
+constexpr uint32_t loose_rounds = 3;
+// Where they stay: this share of what is missing to the tolerance, within limits.
+// Mostly the residual comes first, with a share of the tolerance as its goal; a large
+// step changes the pulls against which it is measured.
+constexpr double tight_share = 0.003;
+constexpr double tightest = 1e-11;
+constexpr double residual_share = 0.5;
+constexpr double residual_share_after_large_step = 0.2;
+constexpr double large_residual = 0.1;
+// Values on limbs that no loop goes round decay below the error of a solve: it goes on
+// with this factor, as long as it is above the end of doubles.
+constexpr double continued = 1e-4;
+constexpr double end_of_doubles = 1e-13;
+
+// Iterations of conjugate gradients.  With the setup of an earlier model: then a new
+// one is cheaper.
+constexpr uint32_t iterations_with_old_setup = 50;
+constexpr uint32_t iterations_with_new_setup = 200; // guard
+constexpr uint32_t iterations_with_smoother = 10;
+constexpr uint32_t iterations_between_bounds = 100; // guard
+constexpr uint32_t passes_between_bounds = 4;
+// A vertex rests at a bound if its pull is balanced up to this share, well above the
+// error of a loose solve near the minimum.
+constexpr double resting_share = 1e-4;
+
+// A step that fails is mended where it failed: the vertices within some rings stay. Each
+// widen_every attempts there is a ring more; after mending_attempts all take half the step.
+constexpr uint32_t attempts = 24; // guard
+constexpr uint32_t mending_attempts = 16;
+constexpr uint32_t first_rings_held = 2;
+constexpr uint32_t widen_every = 4;
+constexpr double least_factor = 0.02;
+constexpr size_t most_overturned = 200; // vertices held for the class; more: half the step
+// A rise of the energy below this share is rounding; up to the other one a solve
+// between the bounds may still cure it.
+constexpr double rounding_of_energy = 1e-17;
+constexpr double curable_rise = 1e-5;
+constexpr uint32_t solves_of_a_step = 2;
+constexpr uint32_t rounds_for_extrema = 8;
+
+// Single moves near the zeros after a step: rings and passes.  A zero that has not
+// arrived after some rounds has far to go, in nearly flat surroundings.
+constexpr uint32_t near_rings = 3, near_passes = 20;
+constexpr uint32_t far_rings = 6, far_passes = 40;
+constexpr uint32_t far_after = 2; // rounds
+// Sweeps over all vertices after a step that was shortened, and after late ones.
+constexpr uint32_t sweeps_after_short_step = 10;
+constexpr uint32_t late_sweeps = 2;
+constexpr uint32_t late_after = 1, late_after_tight = 3; // rounds
+
+} // namespace steering
+} // namespace hmf

@@ -1,0 +1,132 @@
+"""The core compiled with other flags, as a shared library under the test programs.
+
+The objects of the test programs and of the fuzz drivers are those of the release build (build/release); they are linked
+again, with a shared core in place of its objects.  So the core can be measured, or changed in one file, and no test is
+compiled again.
+"""
+
+import os
+import re
+import resource
+import shutil
+import subprocess
+import tempfile
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+RELEASE = ROOT / "build/release"
+# Of the readers, which are no part of the core; and the corpus, which is not there everywhere.
+OTHERS = {"test_readers", "test_json", "test_repair", "test_corpus", "readers_replay"}
+COMMON = ["-std=c++17", "-DNDEBUG", "-fPIC", "-fno-exceptions", "-fno-rtti", "-ffp-contract=off"]
+
+
+def jobs():
+    return int(os.environ.get("JOBS") or os.cpu_count() or 1)
+
+
+class Core:
+    """Sources in `tree`, objects and the library in `folder`."""
+
+    def __init__(self, tree, folder, compiler, flags):
+        self.tree, self.folder, self.flags = Path(tree), Path(folder), list(flags)
+        self.compiler = ([shutil.which("ccache")] if shutil.which("ccache") else []) + [compiler]
+        self.linker = compiler
+        self.library = self.folder / "libcore.so"
+        self.programs_folder = self.folder / "programs"
+        self.sources = sorted(str(p.relative_to(self.tree)) for p in self.tree.glob("src/*/*.cpp"))
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def object(self, source):
+        return self.folder / (source.replace("/", "_")[:-4] + ".o")
+
+    def compile(self, source, to=None):
+        """None, or what the compiler said."""
+        to = to or self.object(source)
+        run = subprocess.run([*self.compiler, *COMMON, *self.flags, f"-I{self.tree}/include", "-MMD", "-c", str(self.tree / source),
+                              "-o", str(to)], capture_output=True, text=True)
+        return run.stderr if run.returncode else None
+
+    def compile_all(self):
+        with ThreadPoolExecutor(jobs()) as pool:
+            for source, said in zip(self.sources, pool.map(self.compile, self.sources)):
+                if said:
+                    raise SystemExit(f"{source} does not compile:\n{said}")
+
+    def link(self, to=None, instead=()):
+        """instead: (source, object) that take the place of others."""
+        objects = {s: self.object(s) for s in self.sources}
+        objects.update(instead)
+        run = subprocess.run([self.linker, *self.flags, "-shared", "-Wl,-Bsymbolic", "-Wl,-soname,libcore.so", "-o", str(to or self.library),
+                              *map(str, objects.values())], capture_output=True, text=True)
+        if run.returncode:
+            raise SystemExit(f"the core cannot be linked:\n{run.stderr}")
+
+    def link_programs(self):
+        """{name: path} of the test programs and fuzz drivers of build/release."""
+        self.programs_folder.mkdir(exist_ok=True)
+        made = {}
+        for objects in sorted(RELEASE.glob("tests/CMakeFiles/test_*.dir")) + sorted(RELEASE.glob("fuzz/CMakeFiles/*_replay.dir")):
+            name = objects.name[:-4]
+            files = sorted(map(str, objects.glob("*.o")))
+            if name in OTHERS or not files:
+                continue
+            libraries = [str(RELEASE / "libhmf_pool.a"), "-lpthread"]
+            if name.startswith("test_"):
+                libraries = [str(RELEASE / "tests/libhmf_test_meshes.a"), *libraries, "-lgtest_main", "-lgtest"]
+            made[name] = self.programs_folder / name
+            run = subprocess.run([self.linker, "-o", str(made[name]), *files, *libraries[:1], str(self.library), f"-Wl,-rpath,{self.folder}",
+                                  *libraries[1:]], capture_output=True, text=True)
+            if run.returncode:
+                raise SystemExit(f"{name} cannot be linked; build the preset release first:\n{run.stderr[-2000:]}")
+        if len(made) < 10:
+            raise SystemExit("build the preset release first: cmake --preset release && cmake --build build/release")
+        return made
+
+
+def build_release():
+    """The objects of the tests, as they are now."""
+    for command in (["cmake", "--preset", "release"], ["cmake", "--build", str(RELEASE), "-j", str(jobs())]):
+        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        if run.returncode:
+            raise SystemExit(run.stdout[-3000:] + run.stderr[-3000:])
+
+
+class Ended:
+    def __init__(self, code, seconds, output):
+        self.code, self.seconds, self.output = code, seconds, output
+
+
+def run(command, processor_seconds, library=None, environment=None, memory=6 << 30):
+    """The program within so many seconds of processor time (and twenty times as long on the clock); memory in bytes."""
+    def limits():
+        resource.setrlimit(resource.RLIMIT_CPU, (max(1, int(processor_seconds)), int(processor_seconds) + 2))
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    env = dict(os.environ, **(environment or {}))
+    if library:
+        env["LD_LIBRARY_PATH"] = str(library)
+    with tempfile.TemporaryFile() as output:
+        process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=env, preexec_fn=limits, cwd=ROOT)
+        clock = threading.Timer(max(60, 20 * processor_seconds), process.kill)
+        clock.start()
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        clock.cancel()
+        output.seek(0)
+        return Ended(process.returncode, used.ru_utime + used.ru_stime, output.read().decode(errors="replace"))
+
+
+def cases_of(program):
+    """The names of the cases of a test program."""
+    listed = subprocess.run([str(program), "--gtest_list_tests"], capture_output=True, text=True,
+                            env=dict(os.environ, LLVM_PROFILE_FILE="/dev/null")).stdout
+    names, suite = [], ""
+    for line in listed.splitlines():
+        line = line.split("#")[0].rstrip()
+        if line and not line.startswith(" ") and line.endswith("."):
+            suite = line
+        elif re.match(r"  \S", line):
+            names.append(suite + line.strip())
+    return names
