@@ -25,7 +25,7 @@ count() { # folder with src and include, name
     valgrind -q --tool=callgrind --callgrind-out-file="$objects/profile" "$objects/program" > "$objects/hashes"
     # "1,234 (5.6%)  file:function [program]"; the public functions are those of the headers.
     callgrind_annotate --inclusive=yes --threshold=100 "$objects/profile" |
-        sed -nE "s/^ *([0-9,]+) .*[?:](PROGRAM TOTALS|hmf_[a-z_]+)( .*)?$/\2 \1/p; s/^ *([0-9,]+) .*(PROGRAM TOTALS).*/all \1/p" |
+        sed -nE 's/^ *([0-9,]+) .*PROGRAM TOTALS.*/all \1/p; s/^ *([0-9,]+) .*:(hmf_[a-z_]+) \[.*/\2 \1/p' |
         tr -d , | sort > "$work/$2.counts"
 }
 

@@ -73,6 +73,7 @@ public:
             made = reinterpret_cast<T*>(&host_);
             error = hmf_error{};
             status = call(&control_, &made, &error);
+            host_.was_hit = false;
         }
         FUZZ_ASSERT(status / 100 != 2 && (status != HMF_CANCELLED || ended_early));
         FUZZ_ASSERT((made != nullptr) == (status < HMF_ERROR_NULL));
@@ -109,7 +110,7 @@ private:
         if (!f) return;
         may_keep_ = true;
         const std::vector<double> expected = values(f.get());
-        const bool whole = hmf_foliation_report(f.get())->converged;
+        const bool whole = !host_.was_hit; // not told to finish early
         for (uint32_t n = 1 + bytes_.below(6); n > 0; --n) {
             switch (bytes_.below(8)) {
             case 0:
@@ -149,8 +150,7 @@ private:
                 auto again = make<hmf_foliation>(
                     [&](auto c, auto out, auto e) { return hmf_solve(h, loops.get(), nullptr, c, out, e); });
                 FUZZ_ASSERT(again);
-                if (whole && hmf_foliation_report(again.get())->converged && !host_.was_hit)
-                    FUZZ_ASSERT(values(again.get()) == expected);
+                if (whole && !host_.was_hit) FUZZ_ASSERT(values(again.get()) == expected);
             }
             }
         }

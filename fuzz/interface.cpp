@@ -345,6 +345,12 @@ void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double larges
                                 memory_is_short,
                                 [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
 
+    const auto atlas = result_of<hmf_chart_set>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+                                                [&](auto out) { return hmf_atlas(f, nullptr, nullptr, out, nullptr); });
+    for (size_t t = 0; atlas && t < atlas->triangle_count; ++t) {
+        FUZZ_ASSERT(atlas->triangle_chart[t] < atlas->chart_count);
+        for (size_t i = 6 * t; i < 6 * t + 6; ++i) FUZZ_ASSERT(atlas->corner_uv[i] >= 0 && atlas->corner_uv[i] <= 1);
+    }
     const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
                                                [&](auto out) { return hmf_quads(f, nullptr, nullptr, out, nullptr); });
     if (!mesh) return;

@@ -64,14 +64,17 @@ def closing(text, start):
     return None
 
 
-def defects(source):
+def defects(source, is_header=False):
     """[(position, length, what stands instead, kind)]"""
     text, found = masked(source), []
     for kind, pattern, other in SWAPS:
         found += [(m.start(1), len(m[1]), other[m[1]], kind) for m in pattern.finditer(text)]
     for m in NUMBER.finditer(text):
         line = text[text.rfind("\n", 0, m.start()) + 1:text.find("\n", m.start())]
-        if not re.search(r"\w+\[\d+\][;,{ ]|uint\d*_t\{|int\d+_t\{", line) and "enum" not in line:
+        # Not sizes of arrays; not first values of members, which are set before they are read.
+        if re.search(r"\w+\[\d+\][;,{ ]|uint\d*_t\{|int\d+_t\{", line) or "enum" in line:
+            continue
+        if not (is_header and re.match(r" +[\w:<>*]+ \w+ = \d+;", line)):
             number = int(m[1])
             found.append((m.start(1), len(m[1]), str(number + 1 if number < 10 else number // 2), "number"))
     for m in re.finditer(r"\bif \(", text):
@@ -116,6 +119,14 @@ class Reach:
             file, number = line.split("\t")[0].split(":")
             self.code.add((file, int(number)))
 
+    def keep(self, programs):
+        """Only cases of programs that are there."""
+        self.cases = {n: c for n, c in self.cases.items() if n.split(" ")[0] in programs}
+        for entries in self.lines.values():
+            entries[:] = [n for n in entries if n in self.cases]
+        for entries in self.files.values():
+            entries &= set(self.cases)
+
     def of(self, file, line, users):
         """Cases that reach it, the quickest first, within the patience.  What is no code, such as a constant: cases
         that reach anything in its file or, if nothing, in those that include it."""
@@ -150,7 +161,7 @@ def draw(core, seed, only):
             continue
         if file.endswith(".hpp") and not 0 < len(core.dependents(file)) <= MOST_DEPENDENTS:
             continue
-        found = defects((ROOT / file).read_text())
+        found = defects((ROOT / file).read_text(), file.endswith(".hpp"))
         random.Random(f"{seed} {file}").shuffle(found)
         # As many of a kind of change as of the others: there are most numbers and comparisons.
         kinds = {}
@@ -195,6 +206,7 @@ def main():
         core.compile_all()
         core.link()
     programs = core.link_programs()
+    reach.keep(programs)
     named = set()
     for line in NAMED.read_text().splitlines() if NAMED.exists() else ():
         if line and not line.startswith("#"):

@@ -151,14 +151,19 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
     start.load({5, 3, 3, 7, 1, 3});
     ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
-    start.reload({5, 3, 3, 7, 2, 3});
-    const hmf::ClassResult result = start.look();
-    EXPECT_EQ(result.state, hmf::ClassState::lost);
-    EXPECT_EQ(result.loss, hmf::ClassLoss::height);
-    EXPECT_EQ(result.loop, 4u);
-    EXPECT_TRUE(start.watch.started);
-    EXPECT_EQ(result.wanted, std::ldexp(1.0, 40));
-    EXPECT_EQ(result.found, std::ldexp(2.0, 40));
+    const std::vector<int64_t> weights = {5, 3, 3, 7, 1, 3};
+    for (size_t c = 0; c < weights.size(); ++c) {
+        std::vector<int64_t> others = weights;
+        others[c] += 1;
+        start.reload(others);
+        const hmf::ClassResult result = start.look();
+        EXPECT_EQ(result.state, hmf::ClassState::lost);
+        EXPECT_EQ(result.loss, hmf::ClassLoss::height);
+        EXPECT_EQ(result.loop, c);
+        EXPECT_TRUE(start.watch.started);
+        EXPECT_EQ(result.wanted, std::ldexp(static_cast<double>(weights[c]), 40));
+        EXPECT_EQ(result.found, std::ldexp(static_cast<double>(others[c]), 40));
+    }
 }
 
 // Heights are compared in the unit of the reference: four times the values in a quarter of the unit are the same.

@@ -717,6 +717,22 @@ class Solve(Case):
                      says=["--method newton"])
         self.assertTrue(os.path.exists(self.path("u.csv")))
 
+    def test_atlas(self):
+        """Every corner in the unit square, together with the area that the report tells."""
+        self.run_tool("solve", self.mesh, "--atlas", self.path("a.obj"), "--report", self.path("a.json"))
+        lines = [line.split() for line in self.read("a.obj").decode().splitlines()]
+        vt = [tuple(map(float, line[1:])) for line in lines if line[0] == "vt"]
+        faces = [[vt[int(corner.split("/")[1]) - 1] for corner in line[1:]] for line in lines if line[0] == "f"]
+        self.assertEqual(len(faces), len(self.triangles))
+        self.assertTrue(all(0 <= x <= 1 for place in vt for x in place))
+        area = sum((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) for a, b, c in faces) / 2
+        report = json.loads(self.read("a.json"))
+        self.assertAlmostEqual(area, report["atlas_used_area"], 6)
+        self.assertEqual(report["options"]["loops"], "even")
+        self.run_tool("solve", self.mesh, "--atlas", self.path("a.glb"), "--loops", "cut")
+        self.assertEqual(self.read("a.glb")[:4], b"glTF")
+        self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")

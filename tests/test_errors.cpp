@@ -119,6 +119,8 @@ void expect_sizes(const T& good, Call&& call, size_t least = alignof(T)) {
         cut.struct_size = size;
         error = hmf_error{};
         expect_error(call(&cut, &error), HMF_ERROR_OPTIONS, error);
+        EXPECT_EQ(error.element, HMF_ELEMENT_OPTION);
+        EXPECT_EQ(error.index, 0u);
     }
 }
 
@@ -217,6 +219,8 @@ protected:
             refused, [&](auto out, hmf_error* e) { return hmf_cylinders(f.get(), nullptr, nullptr, out, e); });
         expect_failure<hmf_quad_mesh>(
             refused, [&](auto out, hmf_error* e) { return hmf_quads(f.get(), nullptr, nullptr, out, e); });
+        expect_failure<hmf_chart_set>(
+            refused, [&](auto out, hmf_error* e) { return hmf_atlas(f.get(), nullptr, nullptr, out, e); });
     }
 };
 
@@ -288,6 +292,8 @@ TEST_F(OnTorus, NullPointers) {
              [&](auto out, auto e) { return hmf_cylinders(y, nullptr, nullptr, out, e); });
         make(static_cast<hmf_quad_mesh*>(nullptr),
              [&](auto out, auto e) { return hmf_quads(y, nullptr, nullptr, out, e); });
+        make(static_cast<hmf_chart_set*>(nullptr),
+             [&](auto out, auto e) { return hmf_atlas(y, nullptr, nullptr, out, e); });
     }
     expect_failure<hmf_foliation>(HMF_ERROR_NULL, [&](auto out, hmf_error* e) {
         return hmf_foliation_create(hierarchy.get(), 0, nullptr, count, nullptr, out, e);
@@ -388,6 +394,14 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         });
     }
     {
+        SCOPED_TRACE("hmf_atlas_options");
+        expect_sizes(sized<hmf_atlas_options>(), [&](const hmf_atlas_options* o, hmf_error* error) {
+            *error = outcome<hmf_chart_set>(
+                [&](auto out, hmf_error* e) { return hmf_atlas(harmonic.foliation.get(), o, nullptr, out, e); });
+            return error->status;
+        });
+    }
+    {
         SCOPED_TRACE("hmf_loop_set");
         Loops loops;
         loops.add(ring(1));
@@ -460,6 +474,8 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         wish.relax = 2;
         making(static_cast<hmf_quad_mesh*>(nullptr),
                [&](auto c, auto out, auto e) { return hmf_quads(best, &wish, c, out, e); });
+        making(static_cast<hmf_chart_set*>(nullptr),
+               [&](auto c, auto out, auto e) { return hmf_atlas(best, nullptr, c, out, e); });
         // Without the function there is nothing to call.
         hmf_control none = control;
         none.struct_size = offsetof(hmf_control, progress);

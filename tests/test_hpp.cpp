@@ -429,6 +429,16 @@ TEST(Hpp, Cylinders) {
     EXPECT_EQ(HMF_ERROR_VALUE_CLASS, error_of([&] { hmf::cylinders(solution.foliation, others); }).status());
 }
 
+TEST(Hpp, Atlas) {
+    const hmf::Hierarchy hierarchy = make();
+    const hmf::Foliation foliation = hierarchy.solve().foliation;
+    const hmf::Atlas atlas = hmf::atlas(foliation, 0.01);
+    ASSERT_EQ(6 * atlas.triangle_chart().size(), atlas.corner_uv().size());
+    for (const double x : atlas.corner_uv()) EXPECT_TRUE(x >= 0 && x <= 1) << x;
+    for (const uint32_t c : atlas.triangle_chart()) EXPECT_LT(c, atlas->chart_count);
+    EXPECT_EQ(HMF_ERROR_OPTIONS, error_of([&] { hmf::atlas(foliation, -1); }).status());
+}
+
 TEST(Hpp, Quads) {
     const hmf::Hierarchy hierarchy = make();
     const hmf::Foliation foliation = hierarchy.solve().foliation;

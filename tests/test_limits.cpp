@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 
 using namespace test;
 
@@ -127,4 +129,87 @@ TEST(Limits, WorkOfASolveIsBounded) {
     const double median = work[work.size() / 2];
     EXPECT_LE(work.back(), 10 * median);
     EXPECT_LE(stopped, 1u);
+}
+
+namespace {
+
+// Fresh memory is full of one byte.
+template <int fill>
+struct Filled {
+    static void* take(void*, size_t size) {
+        void* const block = std::malloc(size ? size : 1);
+        if (block) std::memset(block, fill, size);
+        return block;
+    }
+    static void give(void*, void* block, size_t) { std::free(block); }
+};
+
+// All that comes out of a mesh, as bytes.
+template <int fill>
+std::vector<unsigned char> everything(const TriMesh& mesh, const std::vector<uint32_t>& marks) {
+    std::vector<unsigned char> bytes;
+    const auto add = [&bytes](const auto* array, size_t count) {
+        const auto* const from = reinterpret_cast<const unsigned char*>(array);
+        if (array) bytes.insert(bytes.end(), from, from + count * sizeof *array);
+    };
+    hmf_build_options build{};
+    build.struct_size = sizeof build;
+    build.coarsest = 60;
+    build.allocate = Filled<fill>::take;
+    build.release = Filled<fill>::give;
+    build.marked_vertices = marks.data();
+    build.marked_count = marks.size();
+    const Hierarchy h(mesh, build);
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+        const auto loops =
+            make<hmf_loop_set>([&](auto out, hmf_error* e) { return hmf_loops(h.get(), 0, kind, nullptr, out, e); });
+        add(loops->elements, static_cast<size_t>(loops->offsets[loops->count]));
+        const auto f = make<hmf_foliation>(
+            [&](auto out, hmf_error* e) { return hmf_solve(h.get(), loops.get(), nullptr, nullptr, out, e); });
+        size_t count = 0;
+        const double* const values = hmf_foliation_values(f.get(), &count);
+        add(values, count);
+        const auto map = make<hmf_parameterization>(
+            [&](auto out, hmf_error* e) { return hmf_parameterize(f.get(), nullptr, nullptr, out, e); });
+        add(map->corner_uv, 6 * static_cast<size_t>(map->triangle_count));
+        add(map->cone, static_cast<size_t>(map->vertex_count));
+        hmf_trace_options trace{};
+        trace.struct_size = sizeof trace;
+        trace.critical = 1;
+        trace.spacing = 0.2;
+        for (const int32_t leaves : {HMF_LEAVES_FOLIATION, HMF_LEAVES_CONJUGATE}) {
+            trace.leaves = leaves;
+            const auto lines =
+                make<hmf_lines>([&](auto out, hmf_error* e) { return hmf_trace(f.get(), &trace, nullptr, out, e); });
+            add(lines->points, 3 * static_cast<size_t>(lines->point_count));
+        }
+        for (const uint64_t relax : {0, 3}) {
+            hmf_quad_options wish{};
+            wish.struct_size = sizeof wish;
+            wish.count = 600;
+            wish.relax = relax;
+            const auto quads =
+                make<hmf_quad_mesh>([&](auto out, hmf_error* e) { return hmf_quads(f.get(), &wish, nullptr, out, e); });
+            add(quads->positions, 3 * static_cast<size_t>(quads->vertex_count));
+            add(quads->quads, 4 * static_cast<size_t>(quads->quad_count));
+        }
+        const auto cylinders = make<hmf_cylinder_set>(
+            [&](auto out, hmf_error* e) { return hmf_cylinders(f.get(), loops.get(), nullptr, out, e); });
+        for (size_t c = 0; c < cylinders->count; ++c) add(&cylinders->list[c].circumference, 1);
+    }
+    return bytes;
+}
+
+} // namespace
+
+// Nothing is read that was not written: results do not depend on what fresh memory holds.
+TEST(Limits, FreshMemoryDoesNotMatter) {
+    for (const std::vector<uint32_t>& marks : {std::vector<uint32_t>{}, std::vector<uint32_t>{3, 100, 200}}) {
+        const TriMesh mesh = with_bad_triangles(pretzel(2, 2), 6, 1, 4);
+        const std::vector<unsigned char> zeros = everything<0>(mesh, marks);
+        ASSERT_FALSE(HasFailure());
+        EXPECT_GT(zeros.size(), 100000u);
+        EXPECT_EQ(zeros, everything<255>(mesh, marks));
+        EXPECT_EQ(zeros, everything<1>(mesh, marks));
+    }
 }

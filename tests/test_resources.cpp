@@ -118,9 +118,11 @@ TEST(Resources, MemoryLimitIsKept) {
         hmf_loop_set* loops = nullptr;
         hmf_foliation* f = nullptr;
         hmf_quad_mesh* quads = nullptr;
+        hmf_chart_set* charts = nullptr;
         if (!status) status = hmf_loops(h, 0, HMF_LOOPS_CUT, nullptr, &loops, nullptr);
         if (!status) status = hmf_solve(h, loops, nullptr, nullptr, &f, nullptr);
         if (!status) status = hmf_quads(f, nullptr, nullptr, &quads, nullptr);
+        if (!status) status = hmf_atlas(f, nullptr, nullptr, &charts, nullptr);
         ASSERT_LE(meter.peak, limit);
         if (status == HMF_OK) {
             done = true;
@@ -130,6 +132,7 @@ TEST(Resources, MemoryLimitIsKept) {
         }
         hmf_free(loops);
         hmf_free(quads);
+        hmf_free(charts);
         hmf_foliation_destroy(f);
         hmf_destroy(h);
         ASSERT_EQ(meter.used, 0u);

@@ -241,6 +241,12 @@ const hmf_parameterization* Component::parameterize(const hmf_control* control) 
     return parameterization_.get();
 }
 
+Owned<hmf_chart_set> Component::make_atlas(const hmf_control* control) const {
+    return make<hmf_chart_set>(subject_, [&](hmf_chart_set** out, hmf_error* error) {
+        return hmf_atlas(foliation_.get(), nullptr, control, out, error);
+    });
+}
+
 std::vector<double> Component::checkerboard_uv(double period) const {
     std::vector<uint32_t> triangles(3 * finest_.triangle_count), edges(triangles.size());
     hmf_error error{};

@@ -97,6 +97,7 @@ public:
 
     const hmf_cylinder_set* find_cylinders(const hmf_control* control);
     const hmf_parameterization* parameterize(const hmf_control* control);
+    Owned<hmf_chart_set> make_atlas(const hmf_control* control) const;
     // Where critical leaves and the middle leaves of the cylinders cross the edges of this component.
     Owned<hmf_lines> trace_cylinders(const hmf_control* control) const;
     // (u, v) of each corner for a checkerboard: without seams if that can be.  Needs parameterize.

@@ -580,6 +580,12 @@ private:
             if (extension_of(r_.textured) == ".glb") write_textured_glb(r_.textured, f_, uv, period);
             else write_textured_ply(r_.textured, f_, uv, period);
         });
+        std::vector<std::pair<const Component*, Owned<hmf_chart_set>>> atlas;
+        attempt_each("--atlas", !r_.atlas.empty(), [&](Component& c) {
+            control_ = progress_.part("atlas", 0, 1);
+            atlas.emplace_back(&c, c.make_atlas(control_));
+        });
+        attempt("--atlas", !atlas.empty(), [&] { write_atlas(atlas); });
         const bool has_data = shows_quads ? !quads.empty() : !unfolded || uv;
         attempt("--image", !r_.image.empty() && has_data, [&] {
             std::vector<Line> lines;
@@ -596,6 +602,30 @@ private:
             write_png(r_.image, render(f_, potential, data, lines, style_));
         });
         progress_.clear();
+    }
+
+    // Each component has a square of its own in a grid.
+    void write_atlas(const std::vector<std::pair<const Component*, Owned<hmf_chart_set>>>& made) {
+        std::vector<double> uv(2 * f_.triangles.size(), 0);
+        size_t across = 1;
+        while (across * across < made.size()) ++across;
+        const double side = 1 / static_cast<double>(across);
+        atlas_ = {};
+        for (size_t k = 0; k < made.size(); ++k) {
+            const auto& [c, charts] = made[k];
+            const double at[2] = {static_cast<double>(k % across), static_cast<double>(k / across)};
+            for (uint32_t t = 0; t < charts->triangle_count; ++t)
+                for (size_t i = 0; i < 6; ++i)
+                    uv[size_t{6} * c->whole_triangle(t) + i] =
+                        (charts->corner_uv[6 * size_t{t} + i] + at[i % 2]) * side;
+            atlas_.charts += charts->chart_count;
+            atlas_.used += charts->used_area * side * side;
+            atlas_.seams += charts->seam_length;
+            atlas_.collapsed += charts->collapsed_triangles;
+        }
+        constexpr unsigned tiles = 16;
+        if (extension_of(r_.atlas) == ".glb") write_textured_glb(r_.atlas, f_, uv.data(), 1, tiles);
+        else write_textured_obj(r_.atlas, f_, uv.data(), 1, tiles);
     }
 
     void report() {
@@ -622,6 +652,11 @@ private:
             outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, "
                               + std::to_string(irregular_) + " irregular vertices, " + std::to_string(inverted_)
                               + " inverted quads";
+        if (atlas_.charts > 0) {
+            std::snprintf(line, sizeof line, ": %zu charts, %.0f %% of the square used", atlas_.charts,
+                          100 * atlas_.used);
+            outcome_.summary += "\n" + r_.atlas + line;
+        }
         if (kind_ == LOOPS_EVEN) outcome_.summary += "\n" + design_sentence();
         else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
     }
@@ -658,6 +693,12 @@ private:
         report.set("weights", r_.weights);
         report.set("peak_memory_bytes", meter_.peak);
         if (leaves_ > 0) report.set("leaves", leaves_);
+        if (atlas_.charts > 0) {
+            report.set("atlas_charts", atlas_.charts);
+            report.set("atlas_used_area", atlas_.used);
+            report.set("atlas_seam_length", atlas_.seams);
+            report.set("atlas_collapsed_triangles", atlas_.collapsed);
+        }
         if (quads_ > 0) {
             report.set("quads", quads_);
             report.set("quads_irregular", irregular_);
@@ -741,6 +782,11 @@ private:
     std::vector<std::vector<uint32_t>> whole_edges_;     // of the edges of each of several components
     std::vector<double> uv_, dilatation_;                // of several components
     PictureStyle style_;
+    struct {
+        size_t charts = 0;
+        double used = 0, seams = 0; // part of the square; length in space
+        uint64_t collapsed = 0;
+    } atlas_;                             // written
     size_t leaves_ = 0, quads_ = 0;       // written
     size_t irregular_ = 0, inverted_ = 0; // vertices, quads
 };
@@ -750,6 +796,11 @@ void choose_source(const Options& options, SolveRequest& request) {
     for (const Option& option : options)
         if (std::string("--through") == option.name && !option.given.empty() && request.through.empty())
             throw Failure(EXIT_USAGE, "--through: nothing is picked; give vertices or places X,Y,Z");
+    // An atlas is as even as the foliation.
+    for (const Option& option : options)
+        if (std::string("--loops") == option.name && option.given.empty() && !request.atlas.empty()
+            && request.weights.empty())
+            request.loops = "even";
     if (!request.start.empty() || !request.through.empty()) request.loops.clear();
 }
 

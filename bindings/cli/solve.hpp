@@ -28,7 +28,7 @@ struct SolveRequest {
     uint64_t threads = 0; // 0: one for each processor
     // Outputs; empty: not wanted.
     std::vector<std::string> values;
-    std::string report, history, image, leaves, quads, obj, textured, save_loops, save_mesh, save_marks;
+    std::string report, history, image, leaves, quads, obj, textured, atlas, save_loops, save_mesh, save_marks;
     double spacing = 0, size = 0;  // of leaves, of quads
     uint64_t count = 0, relax = 0; // of quads: how many instead of their size; steps of relaxation
     bool merges = false;           // quads: short critical leaves

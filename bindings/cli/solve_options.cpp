@@ -134,6 +134,10 @@ Options solve_options(SolveRequest& r) {
         Option{"--textured", &r.textured, "FILE",
                "the same in one file: .glb with the texture in it, .ply with s, t of each vertex, which seams double"}
             .writes(".glb .ply"),
+        Option{"--atlas", &r.atlas, "FILE",
+               "charts without overlap in the unit square, as texture coordinates of an .obj or .glb, to paint or\n"
+               "bake; without --loops and --start the loops are even"}
+            .writes(".obj .glb", ".mtl .png"),
         Option{"--leaves", &r.leaves, "FILE.obj", "leaves as polylines: level sets and the leaves between zeros"}
             .writes(".obj"),
         Option{"--spacing", &r.spacing, "X",

@@ -15,14 +15,16 @@ namespace cli {
 
 namespace {
 
-// Squares with thin lines; even in both directions, as the transitions ask.
-Image checkerboard_tile() {
+// Squares with thin lines; even in both directions, as the transitions ask.  Several tiles are drawn smaller.
+Image checkerboard(unsigned tiles) {
+    const unsigned step = tiles > 1 ? 4 : 1; // pixels of the large tile in one
     Image tile;
-    tile.width = tile.height = 256;
-    for (unsigned y = 0; y < tile.height; ++y)
-        for (unsigned x = 0; x < tile.width; ++x) {
+    tile.width = tile.height = tiles * 256 / step;
+    for (unsigned row = 0; row < tile.height; ++row)
+        for (unsigned column = 0; column < tile.width; ++column) {
+            const unsigned x = column * step % 256, y = row * step % 256;
             const bool dark = (x < 64 || x >= 192) != (y < 64 || y >= 192);
-            const bool line = x % 64 == 0 || y % 64 == 0 || x % 64 == 63 || y % 64 == 63;
+            const bool line = x % 64 == 0 || y % 64 == 0 || x % 64 == 64 - step || y % 64 == 64 - step;
             for (const unsigned c :
                  dark ? std::array<unsigned, 3>{190, 40, 48} : std::array<unsigned, 3>{246, 243, 236})
                 tile.rgb.push_back(static_cast<uint8_t>(line ? c * 3 / 4 : c));
@@ -82,9 +84,9 @@ void write_bytes(const std::string& path, const std::string& bytes) {
 
 } // namespace
 
-void write_textured_obj(const std::string& path, const Foliation& f, const double* uv, double period) {
+void write_textured_obj(const std::string& path, const Foliation& f, const double* uv, double period, unsigned tiles) {
     const std::string material = with_extension(path, ".mtl"), texture = with_extension(path, ".png");
-    write_bytes(texture, png_of(checkerboard_tile()));
+    write_bytes(texture, png_of(checkerboard(tiles)));
     write_bytes(material,
                 "newmtl checkerboard\nKd 1 1 1\nmap_Kd " + std::filesystem::path(texture).filename().string() + "\n");
     Output output(path);
@@ -126,7 +128,7 @@ void write_textured_ply(const std::string& path, const Foliation& f, const doubl
     write_bytes(path, bytes);
 }
 
-void write_textured_glb(const std::string& path, const Foliation& f, const double* uv, double period) {
+void write_textured_glb(const std::string& path, const Foliation& f, const double* uv, double period, unsigned tiles) {
     using readers::Json;
     const Points points = different_points(f, uv);
     std::string binary;
@@ -158,7 +160,7 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
     for (const uint32_t n : points.number) put(binary, n);
     end_view(begin, 34963);
     begin = binary.size();
-    binary += png_of(checkerboard_tile());
+    binary += png_of(checkerboard(tiles));
     end_view(begin, 0);
 
     const size_t count = points.corner.size();

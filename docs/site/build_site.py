@@ -151,6 +151,7 @@ hmf_parameterize              parameterize                 Foliation.parameteriz
 hmf_trace                     trace                        Foliation.trace                  Foliation.trace              Foliation.trace
 hmf_cylinders                 cylinders                    Foliation.cylinders              Foliation.cylinders          Foliation.cylinders
 hmf_quads                     quads                        Foliation.quads                  Foliation.quads              Foliation.quads
+hmf_atlas                     atlas                        Foliation.atlas                  Foliation.atlas              Foliation.atlas
 """
 
 

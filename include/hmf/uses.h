@@ -285,6 +285,60 @@ typedef struct hmf_quad_mesh {
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,
                              const hmf_control *control, hmf_quad_mesh **out, hmf_error *error);
 
+/* ------------------------------------------------------------------------
+ * Atlas
+ * --------------------------------------------------------------------- */
+
+typedef struct hmf_atlas_options {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    double margin;               /* least distance of two charts, as a part of the side of the square, in [0, 1/16];
+                                    half of it is left free along the border; default 1/512 */
+} hmf_atlas_options;
+
+typedef struct hmf_chart_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t triangle_count;
+    uint64_t chart_count;
+    const double *corner_uv;     /* triangle_count x 3 x 2: place of each corner in the unit square */
+    const uint32_t *triangle_chart; /* triangle_count: which chart it belongs to */
+    double used_area;            /* part of the square that the triangles cover */
+    double seam_length;          /* in the unit of the positions, each side between two triangles once */
+    uint64_t seam_edge_count;    /* edges whose two triangles do not meet in the square */
+    uint64_t collapsed_triangles; /* whose image has no positive area: smaller than a millionth of the square across,
+                                    where the foliation is nearly 0 */
+    double unevenness;           /* standard deviation over the surface of the logarithm of the scale, which is the root
+                                    of (area in the square / area in space); collapsed triangles left out */
+} hmf_chart_set;
+
+/*
+ * Charts without overlap in the unit square, for painting and baking: every
+ * triangle has its own place there.
+ *
+ *   foliation   harmonic up to a residual_max of 1e-2, on a closed surface
+ *
+ * Each cylinder of the foliation is a rectangle in (u, v) of hmf_parameterize.
+ * Rectangles are cut open, joined along critical leaves where that saves seams
+ * and room, cut where they fit better so, and packed into the square.  A triangle
+ * goes to one chart as a whole, so the edge of a chart is ragged by one triangle.
+ * Charts are images of (u, v) under a turn by a multiple of 90 degrees and a scale
+ * of their own, with which areas of all charts are in proportion to those in
+ * space: conformal as (u, v) is.  Triangles that (u, v) turns over are turned back
+ * by moving a vertex, or become charts of their own, as they are in space; those
+ * that overlap another one do so as well.  Orientation is that of the triangles.
+ *
+ * No two triangles of a chart have common inner points, but for collapsed ones:
+ * that is checked in integers, on a grid of 2^28 units along the root of the area.
+ * Charts are as far apart as the margin along u or along v.  Fewer, larger charts
+ * come from even loops and weights: hmf_even_design.
+ *
+ * Errors: HMF_ERROR_UNSUPPORTED with boundary, or if the margin is too large for so
+ * many charts; HMF_ERROR_VALUE_NOT_HARMONIC; classes 100, 200, 500.
+ */
+HMF_API hmf_status hmf_atlas(const hmf_foliation *foliation, const hmf_atlas_options *options,
+                                  const hmf_control *control, hmf_chart_set **out, hmf_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -165,6 +165,27 @@ inline QuadMesh quads(const Foliation& foliation, double edge_length = 0, const 
     return quads(foliation, options, progress);
 }
 
+/* ------------------------------------------------------------------------
+ * Atlas
+ * --------------------------------------------------------------------- */
+
+class Atlas : public Result<hmf_chart_set> {
+public:
+    using Result::Result;
+    Span<double> corner_uv() const noexcept { return span(get()->corner_uv, 6 * get()->triangle_count); }
+    Span<uint32_t> triangle_chart() const noexcept { return span(get()->triangle_chart, get()->triangle_count); }
+};
+
+/* hmf_atlas; margin 0: 1/512 of the side of the square */
+inline Atlas atlas(const Foliation& foliation, double margin = 0, const ProgressFunction& progress = nullptr) {
+    hmf_atlas_options options = {};
+    options.struct_size = sizeof options;
+    options.margin = margin;
+    return Atlas(detail::make<hmf_chart_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+        return hmf_atlas(foliation.get(), &options, control, out, error);
+    }));
+}
+
 } // namespace cpp
 } // namespace hmf
 

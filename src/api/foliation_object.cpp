@@ -66,13 +66,13 @@ hmf_status load_solved_in_unit_of_values(const hmf_foliation& foliation, State& 
 }
 
 hmf_status coarsen_unit(State& state, uint32_t bits, Call& call) {
-    switch (to_coarser_unit(state.foliation, bits, call.memory)) {
-    case Coarsened::done: state.largest_input_value >>= bits; return HMF_OK;
-    case Coarsened::out_of_memory: return call.out_of_memory();
-    default:
+    bool exact = false;
+    if (!to_coarser_unit(state.foliation, bits, call.memory, exact)) return call.out_of_memory();
+    if (!exact)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "Heights are no multiples of the unit. Please report it.");
-    }
+    state.largest_input_value >>= bits;
+    return HMF_OK;
 }
 
 hmf_status make_foliation(const State& state, const Making& making, Call& call, hmf_foliation** out) {

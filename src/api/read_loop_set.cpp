@@ -2,6 +2,7 @@
 
 #include "../loops/double_loops.hpp"
 #include "caller_numbers.hpp"
+#include "canonical_loops.hpp"
 #include "surface_loops.hpp"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     }
     if (!set) {
         out.level = own;
-        if (library_loops(h, own, HMF_LOOPS_CUT, call, loops)) return call.status();
+        if (canonical_loops(h, own, HMF_LOOPS_CUT, call, loops)) return call.status();
     } else {
         hmf_loop_set all;
         if (read_options(set, all, "hmf_loop_set", call)) return call.status();

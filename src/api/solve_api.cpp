@@ -1,6 +1,7 @@
 // hmf.h: loops, initialize, solve, relax.
 #include "../design/conformal_scale.hpp"
 #include "caller_numbers.hpp"
+#include "canonical_loops.hpp"
 #include "read_loop_set.hpp"
 #include "surface_loops.hpp"
 
@@ -153,6 +154,7 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
+    if (watched && !call.tick(0, true)) return call.was_cancelled();
     const SingularityCount count = count_singularities(state.foliation);
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
@@ -273,7 +275,8 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
         return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
     Array<uint32_t> faces, triangle;
-    if (library_loops(*hierarchy, level, kind, call, loops) || name_by_triangles(*hierarchy, level, call, loops, faces))
+    if (canonical_loops(*hierarchy, level, kind, call, loops)
+        || name_by_triangles(*hierarchy, level, call, loops, faces))
         return call.status();
     if (level == 0) {
         Array<uint32_t> internal;

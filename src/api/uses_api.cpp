@@ -1,6 +1,8 @@
 // uses.h: parameterise, trace, cylinders, quads.
 #include "../../include/hmf/uses.h"
 
+#include "../atlas/atlas.hpp"
+#include "../design/conformal_scale.hpp"
 #include "../leaves/cylinder_measures.hpp"
 #include "../leaves/quad_mesh.hpp"
 #include "../leaves/relax_quads.hpp"
@@ -288,6 +290,46 @@ hmf_status write_edges(const Parameterization& from, const hmf_foliation& foliat
     return HMF_OK;
 }
 
+// What the caller gets of an atlas: corners, charts, seams, scale.  side: of each triangle of the caller.
+hmf_status write_atlas(const Atlas& made, const Mesh& mesh, const double* position, const Array<uint32_t>& side,
+                       hmf_chart_set& to, Call& call) {
+    double area = 0, sum = 0, squares = 0;
+    for (size_t t = 0; t < to.triangle_count; ++t) {
+        if (t % 65536 == 0 && !call.tick(0.98)) return call.was_cancelled();
+        fill(to.triangle_chart)[t] = made.chart[mesh.face[side[t]]];
+        uint32_t h = side[t];
+        double u[3], v[3];
+        const double* p[3];
+        for (size_t s = 0; s < 3; ++s, h = mesh.next[h]) {
+            u[s] = fill(to.corner_uv)[6 * t + 2 * s] = made.uv[2 * size_t{h}];
+            v[s] = fill(to.corner_uv)[6 * t + 2 * s + 1] = made.uv[2 * size_t{h} + 1];
+            p[s] = position + size_t{3} * mesh.origin[h];
+        }
+        const double image = ((u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0])) / 2;
+        const AffineMap map = affine_map(p[0], p[1], p[2], u, v);
+        if (!(image > 0) || !(map.area > 0)) continue;
+        const double log_scale = natural_log(image / map.area) / 2;
+        area += map.area;
+        sum += map.area * log_scale;
+        squares += map.area * log_scale * log_scale;
+    }
+    const double variance = area > 0 ? squares / area - (sum / area) * (sum / area) : 0;
+    to.unevenness = variance > 0 ? std::sqrt(variance) : 0;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (e % 65536 == 0 && !call.tick(0.99)) return call.was_cancelled();
+        if (made.is_joined(mesh, e)) continue;
+        ++to.seam_edge_count;
+        double square = 0;
+        for (size_t a = 0; a < 3; ++a) {
+            const double d =
+                position[3 * size_t{mesh.origin[2 * e]} + a] - position[3 * size_t{mesh.origin[2 * e + 1]} + a];
+            square += d * d;
+        }
+        to.seam_length += std::sqrt(square);
+    }
+    return HMF_OK;
+}
+
 } // namespace
 
 extern "C" {
@@ -435,6 +477,52 @@ hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_loop_set* loo
     if (!result) return call.status();
     result->set.leaves = &result->leaves;
     *out = &result->set;
+    return entry.end();
+}
+
+hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_options* options, const hmf_control* control,
+                     hmf_chart_set** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    hmf_atlas_options all;
+    if (entry.check(out) || read_options(options, all, "hmf_atlas_options", call)) return call.status();
+    if (!(all.margin >= 0 && all.margin <= 1.0 / 16))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "margin must lie in [0, 1/16]; 0 means 1/512.");
+    if (foliation->hierarchy->is_double())
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                         "Atlases are not available on surfaces with boundary in this version.");
+    const hmf_hierarchy& h = *foliation->hierarchy;
+    const size_t level = foliation->level;
+    const double* position = h.levels[level].position;
+    FlatOf flat;
+    const auto improve = [&](State& state, double&) { return check_harmonic(state, 1e-2, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    Leaves leaves;
+    Strips strips;
+    Atlas made;
+    Array<uint32_t> side;
+    if (leaves.load(*foliation, call)) return call.status();
+    const Foliation& f = leaves.state.foliation;
+    if (strips.build(f, leaves.cylinders, *flat.flat, foliation->unit / flat.unit, call)
+        || made.build(f.mesh, position, flat.flat->bundle, strips, all.margin > 0 ? all.margin : 1.0 / 512, call))
+        return call.status();
+    if (!side_of_triangles(h, level, side, call)) return call.stopped();
+    hmf_chart_set counts{};
+    counts.struct_size = sizeof counts;
+    counts.triangle_count = side.size();
+    counts.chart_count = made.chart_count;
+    counts.used_area = made.used_area;
+    counts.collapsed_triangles = made.collapsed;
+    ResultBlock block;
+    block.room(counts, counts.corner_uv, 6 * side.size());
+    block.room(counts, counts.triangle_chart, side.size());
+    hmf_chart_set* result = block.make(counts, h, call);
+    if (!result) return call.status();
+    if (write_atlas(made, f.mesh, position, side, *result, call)) {
+        free_block(result);
+        return call.status();
+    }
+    *out = result;
     return entry.end();
 }
 

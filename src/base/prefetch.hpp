@@ -1,4 +1,4 @@
-// Asks for memory that is read soon, where the compiler has a word for it.
+// Asks for memory that is read soon; nothing where the compiler has no such builtin.
 //
 // HMF_INLINE for every function that does nothing else: a compiler finds that
 // a call of it has no effect, and drops it.

@@ -2,7 +2,8 @@
 
 namespace hmf {
 
-Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
+Done to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory, bool& exact) {
+    exact = false;
     const Mesh& mesh = f.mesh;
     const int64_t multiple = int64_t{1} << bits;
     const auto remainder = [&](int64_t x) { return x & (multiple - 1); }; // of negative numbers, too
@@ -15,7 +16,7 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
     if (!sign.allocate_filled(memory, size_t{2} * mesh.edge_count, 0)
         || !weight.allocate_filled(memory, mesh.edge_count, 0)
         || !place.allocate_filled(memory, mesh.vertex_count, unknown) || !queue.reserve(mesh.vertex_count))
-        return Coarsened::out_of_memory;
+        return false;
     const uint32_t before = f.epoch;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         if (f.stamp[v] > before) continue;
@@ -55,7 +56,7 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
         }
     }
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
-        if (place[mesh.target(h)] != arrival(h)) return Coarsened::no_multiples;
+        if (place[mesh.target(h)] != arrival(h)) return true;
     // The way of each vertex in its + direction.
     for (int64_t& p : place) p = 2 * p < multiple ? -p : multiple - p;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
@@ -63,7 +64,7 @@ Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory) {
         f.value[e] -= sign[h] * place[mesh.origin[h]] + sign[h + 1] * place[mesh.origin[h + 1]];
         f.value[e] >>= bits;
     }
-    return Coarsened::done;
+    return exact = true;
 }
 
 } // namespace hmf

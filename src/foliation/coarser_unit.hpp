@@ -23,13 +23,8 @@
 
 namespace hmf {
 
-enum class Coarsened : uint8_t {
-    done,
-    no_multiples, // zeros are no multiples of 2^bits apart: nothing was changed
-    out_of_memory
-};
-
-// The values of f, without poles, in the coarser unit.
-Coarsened to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory);
+// The values of f, without poles, in the coarser unit.  exact: false if zeros are
+// no multiples of 2^bits apart; then nothing was changed.
+Done to_coarser_unit(Foliation& f, uint32_t bits, Memory& memory, bool& exact);
 
 } // namespace hmf

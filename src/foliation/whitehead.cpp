@@ -73,7 +73,7 @@ void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parall
     max_degree = 0;
     for (uint32_t v = 0; v <= n; ++v) {
         const uint32_t degree = at[v];
-        if (degree > max_degree) max_degree = degree;
+        max_degree = std::max(max_degree, degree);
         at[v] = sum;
         sum += degree;
     }
@@ -129,43 +129,45 @@ uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget,
 
 } // namespace
 
-void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
-    star.degree = degree;
-    star.decided = true;
-    star.has_zero = false;
-    star.pull = star.best_pull = 0;
-    star.best = 0;
+namespace {
+
+// A star in two directions without zero edges, as nearly all are; false: another
+// one, of which F, corner2 and group are to be read again.
+bool read_plain_star(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
     int64_t* F = star.F.data();
     int64_t* corner2 = star.corner2.data();
     uint32_t* group = star.group.data();
-    // Nearly all vertices are regular and have no zero edge.
-    double plain_pull[2] = {0, 0};
+    double pull[2] = {0, 0};
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
             F[t] = here;
             corner2[t] = here + ahead - opposite;
             group[t] = direction;
-            plain_pull[direction] += (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(here);
+            pull[direction] += (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(here);
         });
-    if (closed == 2) {
-        star.group_count = 2;
-        star.group_pull[0] = plain_pull[0];
-        star.group_pull[1] = plain_pull[1];
-        star.pull = plain_pull[0] + plain_pull[1];
-        star.best = plain_pull[1] > plain_pull[0];
-        star.best_pull = plain_pull[star.best];
-        return;
-    }
+    if (closed != 2) return false;
+    star.group_count = 2;
+    star.group_pull[0] = pull[0];
+    star.group_pull[1] = pull[1];
+    star.pull = pull[0] + pull[1];
+    star.best = pull[1] > pull[0];
+    star.best_pull = pull[star.best];
+    return true;
+}
+
+// Groups are runs of sides between closed corners and zero edges.  Returns the rows of zero edges.
+uint32_t read_runs(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
+    int64_t* F = star.F.data();
+    uint32_t* group = star.group.data();
     for (uint32_t t = 0; t < degree; ++t) {
         F[t] = f.value[edge_of(side[t].half_edge)];
         star.has_zero |= F[t] == 0;
     }
-    uint32_t groups = 0;
-    uint32_t rows = 0; // of zero edges
+    uint32_t groups = 0, rows = 0;
     bool open_run = false;
     for (uint32_t t = 0; t < degree; ++t) {
         const uint32_t u = side_after(t, degree);
-        corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
+        star.corner2[t] = F[t] + F[u] - f.value[side[t].opposite];
         rows += F[t] != 0 && F[u] == 0;
         if (F[t] == 0) {
             group[t] = NONE;
@@ -177,7 +179,7 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         const double pull = (weight ? weight[edge_of(side[t].half_edge)] : 1.0) * static_cast<double>(F[t]);
         star.group_pull[groups - 1] += pull;
         star.pull += pull;
-        open_run = F[u] > 0 && corner2[t] > 0;
+        open_run = F[u] > 0 && star.corner2[t] > 0;
     }
     // The last run goes on at side 0.
     if (open_run && groups > 1 && group[0] == 0) {
@@ -186,47 +188,74 @@ void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const dou
         for (uint32_t t = degree; t-- > 0 && group[t] == last;) group[t] = 0;
         --groups;
     }
-    // One row and two runs are two directions: as one they would be a pole.
-    if (groups > 1 && rows > 0 && groups + rows > 3) {
-        const Mesh& mesh = f.mesh;
-        const uint32_t v = mesh.origin[side[0].half_edge];
-        // Runs on both sides of a row of zero edges, one direction?
-        for (uint32_t t = 0; t < degree && groups > 1; ++t) {
-            const uint32_t first_zero = side_after(t, degree);
-            if (F[t] == 0 || F[first_zero] != 0) continue;
-            uint32_t u = first_zero;
-            bool self_edge = false; // not of a monogon: different directions on its sides
-            while (F[u] == 0) {
-                self_edge |= mesh.target(side[u].half_edge) == v;
-                u = side_after(u, degree);
-            }
-            if (group[u] == group[t] || self_edge) continue;
-            if (walk_to_next_visit(f, side[t].half_edge, star.allowance(), star.decided) != side[u].half_edge) continue;
-            const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
-                                                 ClusterSearch().without_vertex(v).up_to_vertices(star.allowance()));
-            star.spend(f.members.size());
-            if (part.marked > 0) continue; // different directions
-            if (!part.complete) {
-                star.decided = false;
-                continue;
-            }
-            if (part.euler != 1) continue; // goes round a handle: different directions
-            bool elsewhere = false;        // the part hangs on v in a second place: round a handle as well
-            for (uint32_t s = u; s != first_zero; s = side_after(s, degree))
-                elsewhere |= F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
-            if (elsewhere) continue;
-            const uint32_t keep = std::min(group[t], group[u]), drop = std::max(group[t], group[u]);
-            star.group_pull[keep] += star.group_pull[drop];
-            --groups;
-            star.group_pull[drop] = star.group_pull[groups];
-            for (uint32_t s = 0; s < degree; ++s) {
-                if (group[s] == drop) group[s] = keep;
-                else if (group[s] == groups) group[s] = drop;
-            }
-        }
-    }
     star.group_count = groups;
-    for (uint32_t k = 0; k < groups; ++k)
+    return rows;
+}
+
+// Are the runs on both sides of a row of zero edges one direction?  The row is
+// that between sides `before` and `behind`; first_zero is its first.
+bool is_one_direction(Foliation& f, const Rings::Side* side, uint32_t degree, uint32_t before, uint32_t first_zero,
+                      uint32_t behind, Star& star) {
+    const Mesh& mesh = f.mesh;
+    if (walk_to_next_visit(f, side[before].half_edge, star.allowance(), star.decided) != side[behind].half_edge)
+        return false;
+    const uint32_t v = mesh.origin[side[0].half_edge];
+    const Cluster part = explore_cluster(f, mesh.target(side[first_zero].half_edge),
+                                         ClusterSearch().without_vertex(v).up_to_vertices(star.allowance()));
+    star.spend(f.members.size());
+    if (part.marked > 0) return false;
+    if (!part.complete) {
+        star.decided = false;
+        return false;
+    }
+    if (part.euler != 1) return false; // goes round a handle
+    bool elsewhere = false;            // the part hangs on v in a second place: round a handle as well
+    for (uint32_t s = behind; s != first_zero; s = side_after(s, degree))
+        elsewhere |= star.F[s] == 0 && f.stamp[mesh.target(side[s].half_edge)] == f.epoch;
+    return !elsewhere;
+}
+
+void join_groups(Star& star, uint32_t degree, uint32_t a, uint32_t b) {
+    const uint32_t keep = std::min(a, b), drop = std::max(a, b), last = --star.group_count;
+    star.group_pull[keep] += star.group_pull[drop];
+    star.group_pull[drop] = star.group_pull[last];
+    for (uint32_t s = 0; s < degree; ++s) {
+        if (star.group[s] == drop) star.group[s] = keep;
+        else if (star.group[s] == last) star.group[s] = drop;
+    }
+}
+
+// Runs on both sides of a row of zero edges that are one direction become one group.
+void join_across_zeros(Foliation& f, const Rings::Side* side, uint32_t degree, Star& star) {
+    const uint32_t v = f.mesh.origin[side[0].half_edge];
+    for (uint32_t t = 0; t < degree && star.group_count > 1; ++t) {
+        const uint32_t first_zero = side_after(t, degree);
+        if (star.F[t] == 0 || star.F[first_zero] != 0) continue;
+        uint32_t u = first_zero;
+        bool self_edge = false; // not of a monogon: different directions on its sides
+        while (star.F[u] == 0) {
+            self_edge |= f.mesh.target(side[u].half_edge) == v;
+            u = side_after(u, degree);
+        }
+        if (star.group[u] == star.group[t] || self_edge) continue;
+        if (is_one_direction(f, side, degree, t, first_zero, u, star))
+            join_groups(star, degree, star.group[t], star.group[u]);
+    }
+}
+
+} // namespace
+
+void read_star(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, Star& star) {
+    star.degree = degree;
+    star.decided = true;
+    star.has_zero = false;
+    star.pull = star.best_pull = 0;
+    star.best = 0;
+    if (read_plain_star(f, side, degree, weight, star)) return;
+    const uint32_t rows = read_runs(f, side, degree, weight, star);
+    // One row and two runs are two directions: as one they would be a pole.
+    if (star.group_count > 1 && rows > 0 && star.group_count + rows > 3) join_across_zeros(f, side, degree, star);
+    for (uint32_t k = 0; k < star.group_count; ++k)
         if (star.group_pull[k] > star.best_pull) {
             star.best_pull = star.group_pull[k];
             star.best = k;

@@ -36,8 +36,7 @@ struct Schedule {
     uint64_t vertices, edges; // of the coarsest level to aim for
 
     Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
-        const uint64_t least = 40 * genus + 10 * options.marked_count; // ten for each zero
-        vertices = std::max(least, options.coarsest);
+        vertices = std::max(least_coarsest(genus, options.marked_count), options.coarsest);
         vertices = std::max<uint64_t>(vertices, 4);
         if (vertices > NONE / 3) vertices = NONE / 3;
         edges = 3 * vertices + 6 * genus - 6;
@@ -418,6 +417,8 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
     if (status) return status;
     if (!call.tick(0)) status = HMF_CANCELLED;
     if (!status) {
+        hierarchy.made_with = options;
+        hierarchy.made_with.marked_vertices = nullptr;
         Builder builder(hierarchy, positions, position_stride, options, call);
         status = builder.run(vertex_count, triangles, triangle_count);
     }

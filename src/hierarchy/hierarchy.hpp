@@ -71,6 +71,7 @@ struct hmf_hierarchy {
     uint64_t memory_limit;
     mutable std::atomic<uint64_t> references{1}; // the caller's and those of foliations
 
+    hmf::BuildOptions made_with; // without the pointer
     uint32_t genus = 0;
     hmf::Mesh input;                     // the caller's triangulation, internal numbers; shares arrays with
                                          // levels[0].mesh when intrinsic_flip_count is 0
@@ -106,6 +107,9 @@ struct hmf_hierarchy {
 };
 
 namespace hmf {
+
+// Vertices that the coarsest level has at least: ten for each zero.
+inline uint64_t least_coarsest(uint64_t genus, uint64_t marked_count) { return 40 * genus + 10 * marked_count; }
 
 // arrays in -> validated mesh -> hierarchy.  Fills a freshly made hierarchy.
 [[nodiscard]] hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,

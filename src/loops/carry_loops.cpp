@@ -2,6 +2,8 @@
 
 #include "disjoint.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 Done LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t finest, const Loops& loops,
@@ -104,7 +106,7 @@ Done LoopCarrier::unflip_edge(uint32_t edge) {
             return f ? (side & 1u ? -f->signed_count : f->signed_count) : 0;
         };
         const int64_t ac = count(edge_of(a)) + count(edge_of(c)), bd = count(edge_of(b)) + count(edge_of(d));
-        entry.count = static_cast<uint32_t>((ac > bd ? ac : bd) - count(edge));
+        entry.count = static_cast<uint32_t>(std::max(ac, bd) - count(edge));
         entry.signed_count = -flow(left[0]) - flow(left[1]); // as much goes in as goes out
     }
     drop_edge(edge);

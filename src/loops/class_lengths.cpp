@@ -5,6 +5,7 @@
 #include "disjoint.hpp"
 #include "library_loops.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -187,7 +188,7 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
         const double upper = classes_[ids[i]].length * (1 + classes_[ids[i]].doubt);
-        if (upper < most) most = upper;
+        most = std::min(most, upper);
     }
     const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
     const uint64_t key = classes_[ids[best]].key;

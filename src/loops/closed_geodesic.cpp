@@ -1,5 +1,6 @@
 #include "closed_geodesic.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -18,7 +19,7 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     double largest = 0;
     for (size_t i = 0; !(scale > 0) && i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
-        if (x > largest) largest = x;
+        largest = std::max(largest, x);
     }
     if (largest > 0) scale_ = largest;
     portal_.start(call.memory);
@@ -159,7 +160,7 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
         // Bends are counted from the portal on, so that the next round takes one of the other half.
         if (!pull(from, portal, to, portal + n)) return false;
         const double found = pulled_length(from, to);
-        if (found < length) length = found;
+        length = std::min(length, found);
         for (Bend& b : bend_) b.portal = static_cast<uint32_t>(b.portal - portal);
         if (bend_.empty()) break;
         size_t half = 0;

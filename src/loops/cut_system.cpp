@@ -22,6 +22,7 @@
 #include "../base/heap_sort.hpp"
 #include "loop_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -66,7 +67,7 @@ public:
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
-        const double wanted = faces * (400 + 6.0 * genus), budget = wanted < most ? wanted : most;
+        const double wanted = faces * (400 + 6.0 * genus), budget = std::min(wanted, most);
         uint32_t k = 0;
         for (; k < genus && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();

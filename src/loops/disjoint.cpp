@@ -5,6 +5,8 @@
 
 #include "../base/heap_sort.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 size_t least_rotation(const uint32_t* s, size_t n) {
@@ -20,7 +22,7 @@ size_t least_rotation(const uint32_t* s, size_t n) {
         if (i == j) ++j;
         k = 0;
     }
-    return i < j ? i : j;
+    return std::min(i, j);
 }
 
 bool same_cycle(const uint32_t* a, const uint32_t* b, size_t n) {

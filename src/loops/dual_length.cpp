@@ -1,5 +1,6 @@
 #include "dual_length.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -8,7 +9,7 @@ DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguou
     mesh_(mesh), position_(position), ambiguous_(ambiguous) {
     for (size_t i = 0; i < 3 * size_t{mesh.vertex_count}; ++i) {
         const double x = position[i] < 0 ? -position[i] : position[i];
-        if (x > largest_) largest_ = x;
+        largest_ = std::max(largest_, x);
     }
     if (!(largest_ > 0)) largest_ = 1;
 }

@@ -21,6 +21,7 @@
 #include "disjoint.hpp"
 #include "../base/heap_sort.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -159,10 +160,10 @@ private:
             low[c] = high[c] = position_[c];
             for (size_t v = 1; v < mesh_.vertex_count; ++v) {
                 const double x = position_[3 * v + c];
-                if (x < low[c]) low[c] = x;
-                if (x > high[c]) high[c] = x;
+                low[c] = std::min(low[c], x);
+                high[c] = std::max(high[c], x);
             }
-            if (high[c] / 2 - low[c] / 2 > size) size = high[c] / 2 - low[c] / 2;
+            size = std::max(size, high[c] / 2 - low[c] / 2);
         }
         int exponent = 0;
         std::frexp(size, &exponent);
@@ -275,8 +276,7 @@ private:
     };
     bool count_crossings(const Array<Segment>& s, const Array<Segment>& t, size_t g, Tables& tables) {
         int64_t widest = 0;
-        for (const Segment& b : t)
-            if (b.high - b.low > widest) widest = b.high - b.low;
+        for (const Segment& b : t) widest = std::max(widest, b.high - b.low);
         size_t begin = 0;
         for (const Segment& a : s) {
             while (begin < t.size() && t[begin].low < a.low - widest) ++begin;

@@ -99,8 +99,8 @@ Done LoopSearch::search(uint32_t root, double limit) {
                        && !signatures_->is_trivial(signature ^ state.signature)) {
                 const double length = d + state.distance;
                 if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
-                if (length < shortest) shortest = length;
-                if (SLACK * shortest < reach) reach = SLACK * shortest;
+                shortest = std::min(shortest, length);
+                reach = std::min(reach, SLACK * shortest);
             }
         }
     }

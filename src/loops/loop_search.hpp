@@ -20,6 +20,8 @@
 #include "../base/nearest_first.hpp"
 #include "signatures.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 class LoopSearch {
@@ -46,9 +48,7 @@ public:
     double bound(uint32_t region) const { return bound_[region]; } // no loop through it is shorter
     // Of the nearest root of a search since prepare: its loops are like those through the region.
     double nearest_root(uint32_t region) const { return nearest_root_[region]; }
-    void raise_bound(uint32_t region, double length) {
-        if (length > bound_[region]) bound_[region] = length;
-    }
+    void raise_bound(uint32_t region, double length) { bound_[region] = std::max(bound_[region], length); }
     uint64_t work() const { return work_; }   // regions settled
     bool starved() const { return starved_; } // the states did not suffice, since prepare
 

@@ -171,6 +171,26 @@ private:
         return true;
     }
 
+    // A seed after each crossing of a loop, on both of its sides.
+    Done seed_loop(uint32_t k) {
+        const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
+        uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
+        if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
+        bool counted[2] = {false, false};
+        for (uint64_t i = first; i < end; ++i) {
+            // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
+            const uint32_t e = edge_of(h), count = curves_.count[e];
+            for (uint32_t right = 0; right < 2; ++right) {
+                const uint32_t q = right ? p : p + 1;
+                const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
+                const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
+                if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
+            }
+            curves_.step(mesh_, h, p);
+        }
+        return true;
+    }
+
     // From all sides of loops at once: the nearest side of each region.
     Done spread() {
         const size_t n = cut_.region_count;
@@ -180,36 +200,26 @@ private:
         if (!distance_.allocate_filled(memory_, n, HUGE_VAL) || !seed_.allocate_filled(memory_, n, NONE)
             || !from_.allocate_filled(memory_, n, NONE))
             return false;
-        for (uint32_t k = 0; k < curves_.components.count(); ++k) {
-            const uint64_t first = curves_.components.offsets[k], end = curves_.components.offsets[k + 1];
-            uint32_t h = curves_.components.crossings[first], p = curves_.begin[k] - curves_.first[edge_of(h)];
-            if (h & 1u) p = curves_.count[edge_of(h)] - 1 - p;
-            bool counted[2] = {false, false};
-            for (uint64_t i = first; i < end; ++i) {
-                // Segments beside the crossing, from the origin of h: p on the right, p + 1 on the left.
-                const uint32_t e = edge_of(h), count = curves_.count[e];
-                for (uint32_t right = 0; right < 2; ++right) {
-                    const uint32_t q = right ? p : p + 1;
-                    const uint32_t segment = cut_.segment_first[e] + (h & 1u ? count - q : q);
-                    const uint32_t r = cut_.region[2 * size_t{segment} + (twin(h) & 1u)];
-                    if (!add_seed(2 * k + right, static_cast<uint32_t>(i - first), r, counted[right])) return false;
-                }
-                curves_.step(mesh_, h, p);
-            }
-        }
+        for (uint32_t k = 0; k < curves_.components.count(); ++k)
+            if (!seed_loop(k)) return false;
         for (uint32_t v = 0; v < mesh_.marked_count; ++v)
             if (!seed_mark(v)) return false;
-        // Only in pieces that are no pants yet.  No way that is left is shorter
-        // than the next distance: stop where that cannot make a loop shorter than
-        // the best one yet.
-        double least = HUGE_VAL, best = HUGE_VAL;
+        // Only in pieces that are no pants yet.
+        double least = HUGE_VAL;
         for (uint32_t seed = 0; seed < seeds_.size(); ++seed) {
             const uint32_t r = seeds_[seed].region;
             if (holes_[find_root(piece_.data(), r)] <= 3) continue;
-            const double around = around_[seeds_[seed].side];
-            if (around < least) least = around;
+            least = std::min(least, around_[seeds_[seed].side]);
             if (seed_[r] == seed && !heap_.push({0, r})) return false;
         }
+        return grow_cells(least);
+    }
+
+    // The cells of the diagram, from their seeds.  No way that is left is shorter than
+    // the next distance: it stops where that cannot make a loop shorter than the best
+    // one yet.  least: length of the shortest hole.
+    Done grow_cells(double least) {
+        double best = HUGE_VAL;
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
@@ -219,10 +229,8 @@ private:
                 if (link == NONE) break;
                 const uint32_t to = cut_.region[link ^ 1u];
                 const double d = top.distance + length_[cut_.segment_edge[link >> 1]];
-                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side) {
-                    const double length = estimate(seed_[to], seed_[top.item], d + distance_[to]);
-                    if (length < best) best = length;
-                }
+                if (seed_[to] != NONE && seeds_[seed_[to]].side != seeds_[seed_[top.item]].side)
+                    best = std::min(best, estimate(seed_[to], seed_[top.item], d + distance_[to]));
                 if (!(d < distance_[to])) continue;
                 distance_[to] = d;
                 seed_[to] = seed_[top.item];
@@ -323,7 +331,7 @@ private:
                 if (!search_.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
-                if (total < best) best = total;
+                best = std::min(best, total);
                 if (!(total < SLACK * best)) continue;
                 const size_t begin = strips_.size();
                 for (const uint32_t link : cycle_)

@@ -4,6 +4,8 @@
 #include "../base/heap_sort.hpp"
 #include "../base/random_word.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 Done Signatures::build(const CutSurface& cut, Call& call) {
@@ -13,7 +15,7 @@ Done Signatures::build(const CutSurface& cut, Call& call) {
     Array<uint8_t> in_tree; // of the regions
     Array<uint64_t> value;
     if (!of.allocate_filled(memory, segments, uint64_t{0}) || !reached.allocate(memory, regions)
-        || !rank.allocate_filled(memory, regions, NONE) || !queue.allocate(memory, regions > points ? regions : points)
+        || !rank.allocate_filled(memory, regions, NONE) || !queue.allocate(memory, std::max(regions, points))
         || !parent.allocate(memory, points) || !degree.allocate_filled(memory, points, 0u)
         || !last.allocate_filled(memory, points, 0u) || !in_tree.allocate_filled(memory, segments, uint8_t{0})
         || !value.allocate_filled(memory, points, uint64_t{0}))

@@ -84,7 +84,7 @@ struct Mesh {
     }
 };
 
-// What a collapse removed and where to put it back (hmf/src/mesh/collapse.cpp).
+// What a collapse removed and where to put it back (collapse.cpp).
 // All members are half-edges, but vertex (j) and the two faces.
 struct Collapse {
     uint32_t h;                             // i -> j, removed with its edge

@@ -117,6 +117,17 @@ Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>
     return share_cones(mesh, flat, odd, cone, call);
 }
 
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, Array<int32_t>& cone, Array<uint8_t>& is_cone, Call& call) {
+    VertexCharts charts;
+    if (!charts.build(mesh, flat.bundle, call.memory) || !cone.allocate(call.memory, mesh.vertex_count)
+        || !is_cone.allocate(call.memory, mesh.vertex_count) || !call.tick(0.81))
+        return false;
+    if (!cone_angles(mesh, flat, charts.odd, cone.data(), call) || !call.tick(0.81)) return false;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
+    return call.tick(0.82);
+}
+
 bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v) {
     constexpr int64_t least = 1000; // units
     for (const uint32_t h : mesh.around(v)) {

@@ -27,6 +27,10 @@ Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
 // False: out of memory or cancelled.
 Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call);
 
+// Cone angles, and which vertices are cones: where the chart comes back with the opposite sign, and zeros that are
+// visible.
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, Array<int32_t>& cone, Array<uint8_t>& is_cone, Call& call);
+
 // No edge at the vertex has lost its (u, v) to rounding, as in limbs where the foliation is 0.
 bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v);
 

@@ -153,21 +153,12 @@ Transition Parameterization::transition(const Mesh& mesh, const SignBundle& bund
 hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
                                    const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call) {
     Memory& memory = call.memory;
-    VertexCharts charts;
     Array<uint8_t> is_cone;
     Array<double> cost;
-    if (!charts.build(mesh, flat.bundle, memory) || !cone.allocate(memory, mesh.vertex_count)
-        || !is_cone.allocate(memory, mesh.vertex_count))
-        return call.out_of_memory();
-    if (!call.tick(0.81)) return call.was_cancelled();
-    if (!cone_angles(mesh, flat, charts.odd, cone.data(), call)) return call.stopped();
-    if (!call.tick(0.81)) return call.was_cancelled();
+    if (!find_cones(mesh, flat, cone, is_cone, call)) return call.stopped();
     uint32_t start = side[0];
-    for (uint32_t v = mesh.vertex_count; v-- > 0;) {
-        is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
+    for (uint32_t v = mesh.vertex_count; v-- > 0;)
         if (is_cone[v]) start = mesh.out[v];
-    }
-    if (!call.tick(0.82)) return call.was_cancelled();
     if (seam_lengths(mesh, position, seam_edges, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return call.was_cancelled();
     if (!cut_through_cones(mesh, cost.data(), is_cone.data(), seams, call)

@@ -81,8 +81,8 @@ struct LevelWork {
     hmf_level_report statistics{};
     // Room for both.
     Done prepare();
-    // Makes the unit as fine as this residual needs it, with a factor of 4 for what
-    // is still to come, or as fine as a double has bits for the values.
+    // Makes the unit so fine that rounding leaves half of this residual at most, or as
+    // fine as options.largest_value lets it.
     Fineness refine_unit(double residual);
     Done record(uint32_t kind, double energy_units, double residual_max) {
         return recorder.event(state.level, kind, energy_units, residual_max);

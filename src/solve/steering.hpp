@@ -2,8 +2,8 @@
 // when to give up.  None decides what is right: every step is checked, every
 // result has its residual and its certificate.  They decide how long it takes.
 //
-// bench/steering.md has what each of them was measured against; bench/steering.py
-// measures them again.  "guard": a bound of a loop that no mesh of the corpus reaches.
+// bench/steering.md has what they were measured against; bench/steering.py measures
+// them again.  "guard": a bound of a loop that no mesh of the corpus reaches.
 #pragma once
 
 #include <cstddef>

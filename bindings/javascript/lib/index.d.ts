@@ -241,6 +241,8 @@ export interface Foliation extends Disposable {
     cylinders(options?: CylinderOptions): Cylinders;
     /** A closed quad mesh along the leaves. */
     quads(options?: QuadOptions): QuadMesh;
+    /** Charts without overlap in the unit square, for painting and baking.  Few and even ones come from `evenDesign`. */
+    atlas(options?: AtlasOptions): Atlas;
     /** Frees the memory; calling it again does nothing. */
     dispose(): void;
 }
@@ -278,6 +280,30 @@ export interface QuadMesh {
     invertedCount: number;
     /** Root of the area of the surface / number of quads. */
     edgeLength: number;
+}
+
+export interface AtlasOptions extends ProgressOptions {
+    /** Least distance of two charts, as a part of the side of the square, at most 1/16; default 1/512. */
+    margin?: number;
+}
+
+/** Every triangle belongs to one chart; charts are conformal, with areas in proportion to those in space. */
+export interface Atlas {
+    /** Two coordinates for each corner of each triangle. */
+    cornerUv: Float64Array;
+    /** The chart of each triangle. */
+    triangleChart: Uint32Array;
+    chartCount: number;
+    /** Part of the square that the triangles cover. */
+    usedArea: number;
+    /** In the unit of the positions, each side between two triangles once. */
+    seamLength: number;
+    /** Edges whose two triangles do not meet in the square. */
+    seamEdgeCount: number;
+    /** Triangles whose image has no positive area, where the foliation is nearly 0. */
+    collapsedTriangles: number;
+    /** Standard deviation over the surface of the logarithm of the scale. */
+    unevenness: number;
 }
 
 export interface Cylinders {

@@ -6,6 +6,7 @@ import { Foliation } from './foliation.js';
 import { cylinders } from './uses/cylinders.js';
 import { parameterize } from './uses/parameterize.js';
 import { quads } from './uses/quads.js';
+import { atlas } from './uses/atlas.js';
 import { trace } from './uses/trace.js';
 import { wholeNumber } from './arguments.js';
 import { statusName } from './error.js';
@@ -13,7 +14,7 @@ import { statusName } from './error.js';
 export { HmfError } from './error.js';
 
 // What one does with a foliation (uses.h), apart from what it is like (hmf.h).
-for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads }))
+for (const [name, use] of Object.entries({ parameterize, trace, cylinders, quads, atlas }))
     Object.defineProperty(Foliation.prototype, name, { value: function (options) { return use(this, options); }, configurable: true, writable: true });
 
 export async function load(source) {

@@ -168,6 +168,7 @@ test('each call that can be long reports, and can be cancelled', () => {
         trace: options => foliation.trace({ spacing: 0.1, ...options }),
         cylinders: options => foliation.cylinders({ loops, ...options }),
         quads: options => foliation.quads(options),
+        atlas: options => foliation.atlas(options),
     };
     for (const [name, call] of Object.entries(calls)) {
         const seen = [];

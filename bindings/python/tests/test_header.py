@@ -109,6 +109,8 @@ def test_options_are_keywords() -> None:
     assert fields("hmf_trace_options") - hidden == trace - common
     quads = set(inspect.signature(foliations.Foliation.quads).parameters)
     assert fields("hmf_quad_options") - hidden == quads - common
+    atlas = set(inspect.signature(foliations.Foliation.atlas).parameters)
+    assert fields("hmf_atlas_options") - hidden == atlas - common
 
 
 def test_reports_have_all_fields() -> None:
@@ -116,6 +118,7 @@ def test_reports_have_all_fields() -> None:
     assert fields("hmf_report") - hidden == set(foliations.Report.__dataclass_fields__)
     hidden = {"struct_size", "reserved", "vertex_count", "edge_count", "triangle_count"}
     assert fields("hmf_parameterization") - hidden == set(foliations.Parameterization.__dataclass_fields__)
+    assert fields("hmf_chart_set") - hidden == set(foliations.Atlas.__dataclass_fields__) - {"_foliation"}
     assert fields("hmf_level_report") == set(foliations.LevelReport._fields)
     assert fields("hmf_history_entry") == set(foliations.HistoryEntry._fields)
     assert fields("hmf_line") == set(foliations.Leaf.__dataclass_fields__) - {"points", "edges"}

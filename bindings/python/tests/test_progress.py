@@ -137,6 +137,7 @@ LONG_CALLS: dict[str, Callable[[foliations.Foliation, Any], object]] = {
     "trace": lambda f, progress: f.trace(spacing=0.1, progress=progress),
     "cylinders": lambda f, progress: f.cylinders(f.hierarchy.loops(), progress=progress),
     "quads": lambda f, progress: f.quads(progress=progress),
+    "atlas": lambda f, progress: f.atlas(progress=progress),
 }
 
 

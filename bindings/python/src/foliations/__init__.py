@@ -13,6 +13,7 @@ wanted; :class:`Loops` are the closed curves that give the class;
 from ._boundary import Progress, ProgressCallback, ProgressOption
 from ._native import lib as _lib
 from ._plot import plot
+from .atlas import Atlas
 from .cylinders import Cylinder, Cylinders
 from .errors import (
     Cancelled,
@@ -48,6 +49,7 @@ def _version() -> str:
 __version__ = _version()
 
 __all__ = [
+    "Atlas",
     "Cancelled",
     "ClassState",
     "Cylinder",

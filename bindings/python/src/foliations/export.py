@@ -25,6 +25,7 @@ from ._texture import Pattern, default_period, texture
 if TYPE_CHECKING:
     from .foliation import Foliation, Singularities
     from .leaves import Leaves
+    from .atlas import Atlas
     from .quads import QuadMesh
 
 
@@ -339,6 +340,17 @@ def export_foliation(
             period = default_period(foliation, parameterization)
         drawing.corner_uv = parameterization.corner_uv / period
         drawing.cell_data["dilatation"] = parameterization.dilatation
+    save(path, drawing)
+
+
+def export_atlas(atlas: Atlas, path: str | os.PathLike[str]) -> None:
+    """Writes the mesh with the charts as texture coordinates, and a checkerboard as texture."""
+    level = atlas._foliation.hierarchy.levels[atlas._foliation.level]
+    drawing = Drawing(level.positions, level.triangles)
+    if Path(path).suffix.lower() in (".obj", ".glb", ".ply", ".vtp"):
+        drawing.texture = texture("checkerboard")
+        drawing.corner_uv = atlas.corner_uv
+        drawing.cell_data["chart"] = atlas.triangle_chart.astype(np.int32)
     save(path, drawing)
 
 

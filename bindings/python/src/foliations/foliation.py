@@ -31,6 +31,7 @@ from ._boundary import (
 from ._native import ffi, lib
 from ._options import RelaxOptions, solve_options, takes
 from ._show import repr_png, show
+from .atlas import atlas
 from .cylinders import cylinders
 from .errors import Cancelled, LimitWarning, Status
 from .export import export_foliation, export_singularities
@@ -326,6 +327,7 @@ class Foliation:
     trace = trace
     cylinders = cylinders
     quads = quads
+    atlas = atlas
     export = export_foliation
     show = show
     _repr_png_ = repr_png

@@ -549,6 +549,37 @@ impl Default for hmf_quad_mesh {
         }
     }
 }
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone)]
+pub struct hmf_atlas_options {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub margin: f64,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_chart_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub triangle_count: u64,
+    pub chart_count: u64,
+    pub corner_uv: *const f64,
+    pub triangle_chart: *const u32,
+    pub used_area: f64,
+    pub seam_length: f64,
+    pub seam_edge_count: u64,
+    pub collapsed_triangles: u64,
+    pub unevenness: f64,
+}
+impl Default for hmf_chart_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
 extern "C" {
     pub fn hmf_version() -> u32;
     pub fn hmf_status_string(status: hmf_status) -> *const ::core::ffi::c_char;
@@ -742,6 +773,13 @@ extern "C" {
         options: *const hmf_quad_options,
         control: *const hmf_control,
         out: *mut *mut hmf_quad_mesh,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_atlas(
+        foliation: *const hmf_foliation,
+        options: *const hmf_atlas_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_chart_set,
         error: *mut hmf_error,
     ) -> hmf_status;
 }

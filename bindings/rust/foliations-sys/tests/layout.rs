@@ -43,6 +43,7 @@ fn sizes_agree() {
             size!(hmf_lines, hmf_trace(foliation, null())),
             size!(hmf_cylinder_set, hmf_cylinders(foliation, null())),
             size!(hmf_quad_mesh, hmf_quads(foliation, null())),
+            size!(hmf_chart_set, hmf_atlas(foliation, null())),
             ("hmf_report", (*hmf_foliation_report(foliation)).struct_size as usize, size_of::<hmf_report>()),
         ];
         hmf_foliation_destroy(foliation);

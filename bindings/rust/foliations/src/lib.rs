@@ -23,6 +23,7 @@ pub use loops::{LoopElements, Loops, LoopsKind};
 pub use progress::{with_progress, Progress};
 pub use solve::{ClassState, HistoryEntry, HistoryKind, LevelReport, Method, Report, Solution, Solver};
 pub use threads::with_threads;
+pub use uses::atlas::Atlas;
 pub use uses::cylinders::{Cylinder, Cylinders};
 pub use uses::parameterize::{MapQuality, Parameterization, Parameterizer};
 pub use uses::quads::{QuadMesh, QuadOptions};

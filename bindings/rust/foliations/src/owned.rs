@@ -25,6 +25,7 @@ impl Made for sys::hmf_parameterization {}
 impl Made for sys::hmf_lines {}
 impl Made for sys::hmf_cylinder_set {}
 impl Made for sys::hmf_quad_mesh {}
+impl Made for sys::hmf_chart_set {}
 
 impl Made for sys::hmf_hierarchy {
     unsafe fn release(this: *mut Self) {

@@ -199,7 +199,7 @@ fn every_call_is_watched() {
     let foliation = hierarchy.solver().loops(&loops).solve().unwrap().foliation;
     let start = hierarchy.initialize(&loops).unwrap();
     type Call<'c> = (&'static str, Box<dyn Fn() -> foliations::Result<()> + 'c>);
-    let calls: [Call<'_>; 16] = [
+    let calls: [Call<'_>; 17] = [
         ("build", Box::new(|| Hierarchy::build(&positions, &triangles).map(drop))),
         (
             "even_design",
@@ -219,6 +219,7 @@ fn every_call_is_watched() {
         ("trace", Box::new(|| foliation.tracer().spacing(0.1).trace().map(drop))),
         ("cylinders", Box::new(|| foliation.cylinders(Some(&loops)).map(drop))),
         ("quads", Box::new(|| foliation.quads(None).map(drop))),
+        ("atlas", Box::new(|| foliation.atlas(None).map(drop))),
     ];
     for (name, call) in &calls {
         let mut fractions = Vec::new();

@@ -363,6 +363,18 @@ fn cylinders_fill_the_surface() {
 }
 
 #[test]
+fn an_atlas_lies_in_the_square() {
+    let hierarchy = genus_2();
+    let atlas = hierarchy.solver().solve().unwrap().foliation.atlas(Some(0.01)).unwrap();
+    assert_eq!(atlas.corner_uv().len(), atlas.triangle_chart().len());
+    assert!(atlas.corner_uv().iter().flatten().flatten().all(|x| (0.0..=1.0).contains(x)));
+    assert!(atlas.triangle_chart().iter().all(|&c| u64::from(c) < atlas.chart_count()));
+    let area = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    let used: f64 = atlas.corner_uv().iter().map(|&corners| area(corners) / 2.0).sum();
+    assert!((used - atlas.used_area()).abs() < 1e-9);
+}
+
+#[test]
 fn quads_are_regular_but_at_the_zeros() {
     let hierarchy = genus_2();
     let loops = hierarchy.loops(0, LoopsKind::Tunnel).unwrap();

@@ -1,5 +1,6 @@
 //! What one does with a foliation.
 
+pub mod atlas;
 pub mod cylinders;
 pub mod parameterize;
 pub mod quads;

@@ -1,0 +1,15 @@
+// hmf_atlas.
+import { optionsOf, realNumber } from '../arguments.js';
+
+export function atlas(foliation, options) {
+    const given = optionsOf(options, 'options', ['margin', 'progress']);
+    const fields = given.margin === undefined ? {} : { margin: realNumber(given.margin, 'margin') };
+    return foliation.perform(given, (frame, address) => {
+        const result = frame.result('hmf_atlas', address, frame.structure('hmf_atlas_options', fields));
+        const { triangleCount, ...numbers } = frame.plain('hmf_chart_set', result);
+        return {
+            ...frame.arrays('hmf_chart_set', result, { corner_uv: 6 * triangleCount, triangle_chart: triangleCount }),
+            ...numbers,
+        };
+    });
+}

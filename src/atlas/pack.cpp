@@ -1,0 +1,278 @@
+#include "pack.hpp"
+
+#include "../base/heap_sort.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+constexpr uint32_t ROUND = 300;                  // packings after which higher ones are accepted again
+constexpr uint32_t TRIES = 60, TRIES_EACH = 120; // of an atlas, and for each chart
+constexpr uint32_t none = 0xffffffffu;
+} // namespace
+
+void Packer::start(Memory& memory, double column, double margin) {
+    memory_ = &memory;
+    column_ = std::floor(std::max(1.0, column));
+    margin_ = margin;
+    area_ = side_ = 0;
+    steps_ = 0;
+    items_.start(memory);
+    bottom_.start(memory);
+    top_.start(memory);
+    best_places_.start(memory);
+}
+
+Done Packer::State::copy(const State& from, Memory& memory) {
+    if (order.size() != from.order.size()
+        && (!order.allocate(memory, from.order.size()) || !turns.allocate(memory, from.turns.size())))
+        return false;
+    for (size_t i = 0; i < order.size(); ++i) {
+        order[i] = from.order[i];
+        turns[i] = from.turns[i];
+    }
+    return true;
+}
+
+Done Packer::begin_shape(double x0, double y0, double x1, double y1) {
+    const double half = margin_ / 2;
+    Item item{std::floor(x0 - half), std::floor(y0 - half), std::ceil(x1 + half), std::ceil(y1 + half), {}};
+    const double size[2] = {item.x1 - item.x0, item.y1 - item.y0};
+    for (int turned = 0; turned < 2; ++turned) {
+        Profile& p = item.side[turned];
+        p.first = bottom_.size();
+        p.columns = static_cast<uint32_t>(size[turned] / column_) + 1;
+        p.height = size[1 - turned];
+        for (uint32_t j = 0; j < p.columns; ++j)
+            if (!bottom_.push(p.height) || !top_.push(0)) return false;
+    }
+    return items_.push(item);
+}
+
+// A convex part, wider by half a margin, in each column that it meets.
+void Packer::add_to(const Profile& profile, double x0, double y0, const double* xy, int corners) {
+    double low = xy[0], high = xy[0];
+    for (int i = 1; i < corners; ++i) {
+        low = std::min(low, xy[2 * i]);
+        high = std::max(high, xy[2 * i]);
+    }
+    const double half = margin_ / 2;
+    const uint32_t last = profile.columns - 1;
+    const auto column_at = [&](double x) {
+        const double j = (x - x0) / column_;
+        return j <= 0 ? 0u : std::min(last, static_cast<uint32_t>(j));
+    };
+    for (uint32_t j = column_at(low - half); j <= column_at(high + half); ++j) {
+        const double left = x0 + column_ * j - half, right = left + column_ + margin_;
+        double least = HUGE_VAL, most = -HUGE_VAL;
+        const auto meet = [&](double y) {
+            least = std::min(least, y);
+            most = std::max(most, y);
+        };
+        for (int i = 0; i < corners; ++i) {
+            const double *a = xy + 2 * i, *b = xy + 2 * ((i + 1) % corners);
+            if (a[0] >= left && a[0] <= right) meet(a[1]);
+            for (const double x : {left, right})
+                if ((a[0] < x) != (b[0] < x)) meet(a[1] + (b[1] - a[1]) * ((x - a[0]) / (b[0] - a[0])));
+        }
+        double& bottom = bottom_[profile.first + j];
+        double& top = top_[profile.first + j];
+        bottom = std::max(0.0, std::min(bottom, std::floor(least - half - y0)));
+        top = std::min(profile.height, std::max(top, std::ceil(most + half - y0)));
+    }
+}
+
+void Packer::add_part(const double* xy, int corners) {
+    const Item& item = items_.back();
+    add_to(item.side[0], item.x0, item.y0, xy, corners);
+    double turned[8];
+    for (int i = 0; i < corners; ++i) {
+        turned[2 * i] = -xy[2 * i + 1];
+        turned[2 * i + 1] = xy[2 * i];
+    }
+    add_to(item.side[1], -item.y1, item.x0, turned, corners);
+}
+
+// Half a turn turns a profile upside down.
+Done Packer::turn_upside_down() {
+    for (Item& item : items_)
+        for (int turned = 0; turned < 2; ++turned) {
+            const Profile& p = item.side[turned];
+            Profile& q = item.side[turned + 2];
+            q = p;
+            q.first = bottom_.size();
+            for (uint32_t j = p.columns; j-- > 0;) {
+                const double bottom = p.height - top_[p.first + j], top = p.height - bottom_[p.first + j];
+                if (!bottom_.push(bottom) || !top_.push(top)) return false;
+            }
+        }
+    return true;
+}
+
+// The lowest y, at most `most`, at which a profile is free in all columns from x on.
+bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) {
+    const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
+    y = 0;
+    // Each time it rises beyond an interval.
+    for (bool rises = true; rises;) {
+        rises = false;
+        steps_ += p.columns;
+        for (uint32_t j = 0; j < p.columns; ++j)
+            for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
+                const Interval& i = intervals_[k];
+                if (y + top[j] <= i.bottom) break;
+                if (y + bottom[j] >= i.top) continue;
+                y = i.top - bottom[j];
+                if (y > most) return false;
+                rises = true;
+            }
+    }
+    return y <= most;
+}
+
+void Packer::occupy(const Profile& p, uint32_t x, double y) {
+    const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
+    for (uint32_t j = 0; j < p.columns; ++j) {
+        if (!(bottom[j] < top[j])) continue;
+        uint32_t* at = &column_first_[x + j];
+        while (*at != none && intervals_[*at].bottom < y + bottom[j]) at = &intervals_[*at].next;
+        const uint32_t next = *at;
+        *at = static_cast<uint32_t>(intervals_.size());
+        intervals_.add({y + bottom[j], y + top[j], next});
+    }
+}
+
+// The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`.
+double Packer::let_down(const State& state, uint32_t width, double most, Place* places) {
+    for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
+    intervals_.clear();
+    double missing = 0;
+    missed_ = none;
+    for (uint32_t k = 0; k < state.order.size(); ++k) {
+        const uint32_t i = state.order[k];
+        const uint32_t turns = state.turns[i];
+        const Profile& p = items_[i].side[turns];
+        double best_y = column_ * width - p.height;
+        uint32_t best_x = none;
+        for (uint32_t x = 0; x + p.columns <= width; ++x) {
+            double y = 0;
+            if (lowest(p, x, best_x == none ? best_y : best_y - 1, y)) best_y = y, best_x = x;
+            if (best_x != none && best_y == 0) break;
+        }
+        if (best_x == none) {
+            missing += p.height * column_ * p.columns;
+            if (missed_ == none) missed_ = k;
+            if (missing > most) return HUGE_VAL;
+            continue;
+        }
+        occupy(p, best_x, best_y);
+        if (places) {
+            const Item& item = items_[i];
+            // The lower left corner of the box after the turns.
+            const double left[4] = {item.x0, -item.y1, -item.x1, item.y0},
+                         low[4] = {item.y0, item.x0, -item.y1, -item.x1};
+            // Half a turn also reverses the columns, the last of which is wider than the shape.
+            const double width_there = (turns & 1) ? item.y1 - item.y0 : item.x1 - item.x0;
+            const double spare = turns < 2 ? 0 : column_ * p.columns - width_there;
+            places[i] = {turns, column_ * best_x + spare - left[turns], best_y - low[turns]};
+        }
+    }
+    return missing;
+}
+
+void Packer::sort(State& state, int key, bool upright) const {
+    const auto size = [&](uint32_t i) {
+        const double w = items_[i].x1 - items_[i].x0, h = items_[i].y1 - items_[i].y0;
+        return key == 0 ? std::max(w, h) : key == 1 ? w * h : std::min(w, h);
+    };
+    for (uint32_t i = 0; i < count(); ++i) {
+        state.order[i] = i;
+        const bool tall = items_[i].y1 - items_[i].y0 > items_[i].x1 - items_[i].x0;
+        state.turns[i] = tall != upright;
+    }
+    heap_sort(state.order.data(), state.order.size(),
+              [&](uint32_t a, uint32_t b) { return size(a) != size(b) ? size(a) > size(b) : a < b; });
+}
+
+hmf_status Packer::search(uint64_t effort, Call& call) {
+    const uint32_t n = count();
+    State state;
+    if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
+        || !turn_upside_down())
+        return call.out_of_memory();
+    uint32_t all = 1, widest = 1;
+    size_t most_intervals = 0;
+    double whole = area_;
+    for (const Item& item : items_) {
+        const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns);
+        all += std::max(item.side[0].columns, item.side[1].columns) + 1;
+        widest = std::max(widest, narrow);
+        most_intervals += std::max(item.side[0].columns, item.side[1].columns);
+    }
+    // A width that all orders are tried with, until one fits; one row of all fits at last.
+    uint32_t width = std::max(widest, static_cast<uint32_t>(std::sqrt(whole) / column_));
+    all = std::max(all, width);
+    intervals_.start(*memory_);
+    if (!column_first_.allocate(*memory_, all) || !intervals_.reserve(most_intervals)) return call.out_of_memory();
+    bool found = false;
+    const int kinds = n < 100 ? 6 : 1;
+    while (!found) {
+        for (int kind = 0; kind < kinds && !found; ++kind) {
+            if (!call.tick(0.9)) return call.was_cancelled();
+            sort(state, kind % 3, kind / 3 == 0);
+            found = let_down(state, width, 0, nullptr) == 0;
+        }
+        if (!found) {
+            if (width >= all)
+                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
+                                 "The charts cannot be packed. Please report it.");
+            width = std::min(all, width + 1 + width / (steps_ > 10 * effort + 10000000 ? 4 : n < 100 ? 100 : 20));
+        }
+    }
+    if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
+    uint64_t random = 0x9e3779b97f4a7c15u;
+    const auto below = [&](uint32_t limit) {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<uint32_t>((random >> 33) % limit);
+    };
+    // A worse one is accepted as well, less and less so.
+    uint32_t best_width = width;
+    bool fresh = true;       // as it is, at a new width
+    double least = HUGE_VAL; // area that did not fit at the width that is tried
+    uint32_t missed = 0;     // of current_
+    for (uint32_t i = 0; steps_ < effort && i < TRIES + TRIES_EACH * n && best_width > widest; ++i) {
+        if (!call.tick(0.9)) return call.was_cancelled();
+        const uint32_t narrower = best_width - 1;
+        if (!state.copy(current_, *memory_)) return call.out_of_memory();
+        if (!fresh) {
+            // Often one that did not fit comes earlier.
+            const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
+            if (what != 0) std::swap(state.order[a], state.order[b]);
+            if (what != 1) {
+                uint8_t& turns = state.turns[state.order[a]];
+                turns = static_cast<uint8_t>((turns + 1 + below(3)) % 4);
+            }
+        }
+        fresh = false;
+        const double part = 1 - static_cast<double>(i % ROUND) / ROUND;
+        const double most = least * (1 + 0.5 * part * part);
+        const double missing = let_down(state, narrower, most, nullptr);
+        if (missing > most) continue;
+        least = std::min(least, missing);
+        missed = missed_;
+        if (!current_.copy(state, *memory_)) return call.out_of_memory();
+        if (missing == 0) {
+            best_width = narrower;
+            if (!best_.copy(state, *memory_)) return call.out_of_memory();
+            least = HUGE_VAL;
+            fresh = true;
+        }
+    }
+    let_down(best_, best_width, HUGE_VAL, best_places_.data());
+    side_ = column_ * best_width;
+    return HMF_OK;
+}
+
+} // namespace hmf
