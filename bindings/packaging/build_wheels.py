@@ -111,9 +111,24 @@ def check_binary(module: Path, name: str) -> None:
         raise SystemExit(f"{name}: asks for glibc {versions}")
     # Only PyInit__native is exported, so a mangled name among the dynamic symbols is one that nobody has.
     undefined = module.name.startswith("_native") and data[:4] == b"\x7fELF" and re.search(rb"\0_Z[A-Z]", data)
-    # That of macOS is a part of the system.
-    if b"libstdc++" in data or b"libc++.so" in data or undefined:
-        raise SystemExit(f"{name}: {module.name} asks for a C++ library")
+    # Mach-O says what it loads; the C++ library in it also has the name of another one as a text.
+    if machine.startswith(b"MACH"):
+        needed = libraries_of_macos(data) - {b"/usr/lib/libSystem.B.dylib"}
+    else:
+        needed = set(re.findall(rb"libstdc\+\+|libc\+\+\.so", data))
+    if needed or undefined:
+        raise SystemExit(f"{name}: {module.name} asks for a C++ library {sorted(needed)}")
+
+
+def libraries_of_macos(data: bytes) -> set[bytes]:
+    """The libraries that a Mach-O file of 64 bits loads: the names in its commands LC_LOAD_DYLIB."""
+    names, at = set(), 32
+    for _ in range(int.from_bytes(data[16:20], "little")):
+        command, size, name = (int.from_bytes(data[at + k : at + k + 4], "little") for k in (0, 4, 8))
+        if command == 12:
+            names.add(data[at + name : at + size].split(b"\0")[0])
+        at += size
+    return names
 
 
 def compile_binaries(name: str, work: Path, jobs: int) -> tuple[Path, Path]:

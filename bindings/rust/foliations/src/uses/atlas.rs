@@ -11,7 +11,7 @@ use foliations_sys as sys;
 /// Charts without overlap in the unit square, for painting and baking.
 ///
 /// Every triangle belongs to one chart. Charts are conformal as (u, v) of
-/// [`Foliation::parameterize`] is, with areas in proportion to those in space.
+/// [`Foliation::parameterizer`] is, with areas in proportion to those in space.
 #[derive(Debug)]
 pub struct Atlas {
     block: Owned<sys::hmf_chart_set>,
@@ -60,7 +60,7 @@ impl Atlas {
 
 impl Foliation {
     /// Charts without overlap in the unit square; few and even ones come from
-    /// [`even_design`](crate::even_design).
+    /// [`even_design`](crate::Builder::even_design).
     ///
     /// `margin` is the least distance of two charts, as a part of the side of the square;
     /// with `None` 1/512.
