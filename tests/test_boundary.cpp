@@ -1020,7 +1020,7 @@ Path boundary_curve(const TriMesh& mesh) {
 
 } // namespace
 
-// Cut along a leaf of its solution, a flat surface falls into parts whose solutions are its own: energies are the shares.
+// Cut along a leaf of its solution, a flat surface falls into parts whose solutions are its own.
 TEST(Boundary, CutAlongALeafIsExactOnAPillow) {
     const double a = 3, b = 1.25;
     const size_t n = 20, m = 9;
@@ -1102,7 +1102,7 @@ TEST(Boundary, CutAlongALeafOfATorus) {
     EXPECT_NEAR(found.report.energy, s.report.energy, 0.01 * s.report.energy);
 }
 
-// Random holes cut into real meshes, those of HMF_MESHES and HMF_SURFACES: HMF_HOLES says how many cases (500 takes some
+// Random holes cut into real meshes, those of HMF_MESHES and HMF_SURFACES: HMF_HOLES says how many cases (60 take some
 // minutes), each with 1 to 50 holes.
 TEST(Boundary, HolesInRealMeshes) {
     const char* wished = std::getenv("HMF_HOLES");
