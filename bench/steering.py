@@ -146,13 +146,15 @@ def main():
         work = pathlib.Path(folder)
         (work / "steering.hpp").write_text(re.sub(r"^constexpr", "inline", header, flags=re.M))
         (work / "steering_table.inc").write_text("".join(table))
-        source = (ROOT / "src/solve/newton.cpp").read_text()
-        (work / "newton.cpp").write_text(source.replace('#include "', f'#include "{ROOT}/src/solve/').replace(
-            f'"{ROOT}/src/solve/steering.hpp"', '"steering.hpp"'))
+        steered = ["newton.cpp", "cascade.cpp"]
+        for name in steered:
+            source = (ROOT / "src/solve" / name).read_text()
+            (work / name).write_text(source.replace('#include "', f'#include "{ROOT}/src/solve/').replace(
+                f'"{ROOT}/src/solve/steering.hpp"', '"steering.hpp"'))
         (work / "program.cpp").write_text(PROGRAM)
         flags = ["-std=c++17", "-O3", "-DNDEBUG", "-ffp-contract=off", f"-I{ROOT}/include"]
-        subprocess.check_call(["c++", *flags, "-fno-exceptions", "-fno-rtti", "-c", "newton.cpp"], cwd=work)
-        subprocess.check_call(["c++", *flags, "program.cpp", "newton.o",
+        subprocess.check_call(["c++", *flags, "-fno-exceptions", "-fno-rtti", "-c", *steered], cwd=work)
+        subprocess.check_call(["c++", *flags, "program.cpp", "newton.o", "cascade.o",
                                str(pathlib.Path(options.build).resolve() / "libhmf.a"), "-o", "program"], cwd=work)
         sys.exit(subprocess.call([str(work / "program"), options.only, *options.mesh]))
 

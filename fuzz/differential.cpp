@@ -2,6 +2,7 @@
 // hierarchy and another method to start with: the minimum is unique, so both have the same energy; no pole on either
 // way.  Scaled by a power of two: the same bits.
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "random_plate.hpp"

@@ -18,22 +18,18 @@
 #include <system_error>
 #include <vector>
 
+#include "bytes.hpp"
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace {
+
+using fuzz::next_random;
 
 void run(const std::vector<uint8_t>& bytes) {
     std::unique_ptr<uint8_t[]> block(new uint8_t[bytes.size()]);
     std::copy(bytes.begin(), bytes.end(), block.get());
     LLVMFuzzerTestOneInput(block.get(), bytes.size());
-}
-
-// splitmix64: the same inputs on every platform.
-uint64_t next_random(uint64_t& state) {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
 }
 
 // Half of the inputs are small numbers, which get further into a parser.

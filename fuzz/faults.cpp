@@ -1,6 +1,8 @@
 // Bytes choose a surface, a sequence of calls, and for each the allocation that fails or the call of the progress
 // function that cancels.  A call that fails gives nothing and leaves the memory as it was; made again without a
 // fault it succeeds, with the same bits as if nothing had happened.
+#include <cstring>
+
 #include "random_plate.hpp"
 
 namespace {

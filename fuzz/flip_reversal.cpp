@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     std::vector<Done> log;
     bool moved = false;
     for (uint32_t i = 0; i < 60 && !bytes.empty(); ++i) {
-        const uint32_t edge = bytes.below(f.mesh.edge_count), h = 2 * edge;
+        const uint32_t edge = bytes.wide_below(f.mesh.edge_count), h = 2 * edge;
         if (bytes.byte() % 32 == 0) {
             random.shake(bytes, 1);
             moved = true;

@@ -20,27 +20,12 @@
 #include <utility>
 #include <vector>
 
+#include "bytes.hpp"
+#include "owned.hpp"
+
 namespace {
 
-#define FUZZ_ASSERT(condition)                                                                                         \
-    do {                                                                                                               \
-        if (!(condition)) {                                                                                            \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
-            std::abort();                                                                                              \
-        }                                                                                                              \
-    } while (0)
-
-class Bytes {
-public:
-    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
-    uint8_t byte() { return at_ < size_ ? data_[at_++] : uint8_t{0}; }
-    uint32_t below(uint32_t n) { return byte() % n; }
-    bool rarely() { return byte() % 16 == 15; }
-
-private:
-    const uint8_t* data_;
-    size_t size_, at_ = 0;
-};
+using namespace fuzz;
 
 // The limit bounds the hierarchy with what the running call takes: not the
 // foliations and results that the caller already has.
@@ -89,22 +74,6 @@ int64_t index_sum(const hmf_hierarchy* h) {
 
 // With boundary the list has what touches the caller's half of the double, and the sum may be another.
 bool has_index_sum(const hmf_hierarchy* h, int64_t sum) { return hmf_boundary_count(h) > 0 || sum == index_sum(h); }
-
-struct Delete {
-    void operator()(const hmf_foliation* foliation) const {
-        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
-    }
-    void operator()(const void* result) const { hmf_free(result); }
-};
-template <class T>
-using Owned = std::unique_ptr<const T, Delete>;
-
-template <class T>
-T sized() {
-    T structure{};
-    structure.struct_size = sizeof structure;
-    return structure;
-}
 
 // A status that the call may return; a failure tells its story.
 void expect_status(hmf_status status, const hmf_error& error, std::initializer_list<int> classes) {
@@ -654,6 +623,39 @@ void any_calls(Bytes& bytes, const hmf_hierarchy* h, const hmf_foliation* first,
     }
 }
 
+// Divides any triangles.  The status that hmf_build has to have, if they are one component; else negative.
+hmf_status expect_components(const Surface& surface, size_t vertices, const hmf_build_options& build,
+                             bool memory_is_short) {
+    const size_t triangles = surface.triangles.size() / 3;
+    hmf_component_set* made = nullptr;
+    hmf_error error{};
+    const hmf_status status = hmf_components(surface.positions.data(), vertices, surface.triangles.data(), triangles,
+                                             &build, nullptr, &made, &error);
+    const Owned<hmf_component_set> set(made);
+    expect_status(status, error, {1, 2, 3});
+    FUZZ_ASSERT(memory_is_short || status / 100 != 2);
+    FUZZ_ASSERT((made != nullptr) == (status == HMF_OK));
+    if (!set) return -1;
+    size_t used = 0, first_edge = 0, first_triangle = 0;
+    for (uint64_t k = 0; k < set->count; ++k) {
+        const hmf_component& c = set->list[k];
+        FUZZ_ASSERT(c.first_vertex == used && c.first_edge == first_edge && c.first_triangle == first_triangle);
+        for (uint64_t v = used; v < used + c.vertex_count; ++v)
+            FUZZ_ASSERT(set->vertex_component[set->whole_vertices[v]] == k
+                        && set->vertex_part[set->whole_vertices[v]] == v - used);
+        for (uint64_t t = first_triangle; t < first_triangle + c.triangle_count; ++t)
+            for (size_t s = 0; s < 3; ++s)
+                FUZZ_ASSERT(set->whole_vertices[used + set->part_triangles[3 * t + s]]
+                            == surface.triangles[3 * size_t{set->whole_triangles[t]} + s]);
+        used += static_cast<size_t>(c.vertex_count);
+        first_edge += static_cast<size_t>(c.edge_count);
+        first_triangle += static_cast<size_t>(c.triangle_count);
+        FUZZ_ASSERT(c.status == HMF_OK || c.status / 100 == 3);
+    }
+    FUZZ_ASSERT(used == set->used_vertex_count && first_edge == set->edge_count && first_triangle == triangles);
+    return set->count == 1 && used == vertices ? set->list[0].status : -1;
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -729,6 +731,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         surface.positions = std::move(spread);
     }
     marks_now = build.struct_size > offsetof(hmf_build_options, marked_count) ? marks.size() : 0;
+    const hmf_status alone = expect_components(surface, vertices, build, memory_is_short);
     meter.peak = 0;
     hmf_hierarchy* h = nullptr;
     hmf_error error{};
@@ -740,6 +743,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     expect_status(status, error, {1, 2, 3});
     FUZZ_ASSERT((h != nullptr) == (status == HMF_OK));
     FUZZ_ASSERT(memory_is_short || status / 100 != 2);
+    FUZZ_ASSERT(memory_is_short || alone < 0 || alone == status);
     if (h) {
         const uint64_t held = meter.held = meter.used;
         FUZZ_ASSERT((hmf_genus(h) >= 1 || marks_now >= 4) && hmf_level_count(h) >= 1);

@@ -59,7 +59,7 @@ private:
     }
 
     void flip() {
-        const uint32_t edge = bytes_.below(f_.mesh.edge_count), h = 2 * edge;
+        const uint32_t edge = bytes_.wide_below(f_.mesh.edge_count), h = 2 * edge;
         if (f_.mesh.face[h] == f_.mesh.face[twin(h)]) return;
         Done done{};
         done.edge = edge;
@@ -73,7 +73,7 @@ private:
     void split() {
         Mesh& mesh = f_.mesh;
         if (!simplicial_ || splits_ == RandomFoliation::spare_vertices) return;
-        const uint32_t il = bytes_.below(2 * mesh.edge_count);
+        const uint32_t il = bytes_.wide_below(2 * mesh.edge_count);
         uint32_t degree = 0, ik = il;
         do {
             ++degree;

@@ -18,34 +18,11 @@
 #include <vector>
 
 #include "../src/foliation/whitehead.hpp"
+#include "bytes.hpp"
 
 namespace fuzz {
 
 using namespace hmf;
-
-#define FUZZ_ASSERT(condition)                                                                                         \
-    do {                                                                                                               \
-        if (!(condition)) {                                                                                            \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
-            std::abort();                                                                                              \
-        }                                                                                                              \
-    } while (0)
-
-// Bytes of the input as numbers; zeros when they run out.
-class Bytes {
-public:
-    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
-    bool empty() const { return at_ >= size_; }
-    uint8_t byte() { return empty() ? uint8_t{0} : data_[at_++]; }
-    uint32_t below(uint32_t n) {
-        const uint32_t high = byte();
-        return ((high << 8) | byte()) % n;
-    }
-
-private:
-    const uint8_t* data_;
-    size_t size_, at_ = 0;
-};
 
 class RandomFoliation {
 public:
@@ -74,7 +51,7 @@ public:
             for (uint32_t i = 0; i < n * m; ++i)
                 if (id[i] == NONE) id[i] = vertices++;
             seam = {id[tail[0]], id[tail[1]], id[tail[2]]};
-            int64_t weight = static_cast<int64_t>(bytes.below(65536)) << (bytes.byte() % 20u);
+            int64_t weight = static_cast<int64_t>(bytes.wide_below(65536)) << (bytes.byte() % 20u);
             if (first && weight == 0) weight = 1 << 20;
             weight_.push_back(weight);
             across_.emplace_back();
@@ -177,7 +154,7 @@ private:
     // runs between rings 0 and 1.
     void make_sphere(Bytes& bytes, uint32_t n, uint32_t m, std::vector<std::array<uint32_t, 3>>& triangles,
                      uint32_t& vertices, std::map<std::pair<uint32_t, uint32_t>, int64_t>& crossing) {
-        const int64_t weight = (1 + static_cast<int64_t>(bytes.below(65536))) << (2 + bytes.byte() % 20u);
+        const int64_t weight = (1 + static_cast<int64_t>(bytes.wide_below(65536))) << (2 + bytes.byte() % 20u);
         weight_.push_back(weight);
         for (uint32_t y = 0; y < m; ++y) {
             const uint32_t z = (y + 1) % m;
@@ -199,11 +176,11 @@ private:
         std::vector<uint32_t> marked;
         if (sphere) {
             const uint32_t ring = static_cast<uint32_t>(crossing.size() / 2); // vertices of ring 0
-            marked = {vertices - 2, vertices - 1, bytes.below(ring), ring + bytes.below(vertices - 2 - ring)};
+            marked = {vertices - 2, vertices - 1, bytes.wide_below(ring), ring + bytes.wide_below(vertices - 2 - ring)};
             for (const uint32_t v : marked) side_of_mark_.push_back(v == vertices - 2 || v < ring);
         }
         for (uint32_t more = bytes.byte() % (sphere ? 4u : 8u); more > 0; --more) {
-            const uint32_t v = bytes.below(vertices);
+            const uint32_t v = bytes.wide_below(vertices);
             if (std::find(marked.begin(), marked.end(), v) != marked.end()) continue;
             side_of_mark_.push_back(sphere && (v == vertices - 2 || v < crossing.size() / 2));
             marked.push_back(v);

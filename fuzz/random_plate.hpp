@@ -10,46 +10,15 @@
 //     +--+--+--+--+--+
 #pragma once
 
-#include <hmf/hmf.h>
-#include <hmf/uses.h>
-
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <map>
-#include <memory>
 #include <vector>
 
+#include "bytes.hpp"
+#include "owned.hpp"
+
 namespace fuzz {
-
-#define FUZZ_ASSERT(condition)                                                                                         \
-    do {                                                                                                               \
-        if (!(condition)) {                                                                                            \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
-            std::abort();                                                                                              \
-        }                                                                                                              \
-    } while (0)
-
-class Bytes {
-public:
-    Bytes(const uint8_t* data, size_t size) : data_(data), size_(size) {}
-    uint8_t byte() { return at_ < size_ ? data_[at_++] : uint8_t{0}; }
-    uint32_t below(uint32_t n) { return byte() % n; }
-
-private:
-    const uint8_t* data_;
-    size_t size_, at_ = 0;
-};
-
-// splitmix64, for what needs more numbers than there are bytes.
-inline uint64_t next_random(uint64_t& state) {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
 
 struct Plate {
     std::vector<double> positions;
@@ -109,22 +78,5 @@ private:
     int size_x_, size_y_, size_z_, fine_, columns_;
     std::vector<bool> hole_;
 };
-
-struct Delete {
-    void operator()(const hmf_hierarchy* hierarchy) const { hmf_destroy(const_cast<hmf_hierarchy*>(hierarchy)); }
-    void operator()(const hmf_foliation* foliation) const {
-        hmf_foliation_destroy(const_cast<hmf_foliation*>(foliation));
-    }
-    void operator()(const void* result) const { hmf_free(result); }
-};
-template <class T>
-using Owned = std::unique_ptr<const T, Delete>;
-
-template <class T>
-T sized() {
-    T structure{};
-    structure.struct_size = sizeof structure;
-    return structure;
-}
 
 } // namespace fuzz

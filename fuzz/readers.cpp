@@ -11,16 +11,9 @@
 #include <new>
 
 #include "../bindings/readers/mesh_formats.hpp"
+#include "bytes.hpp"
 
 namespace {
-
-#define FUZZ_ASSERT(condition)                                                                                         \
-    do {                                                                                                               \
-        if (!(condition)) {                                                                                            \
-            std::fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                       \
-            std::abort();                                                                                              \
-        }                                                                                                              \
-    } while (0)
 
 // The most that was found is 170, for a glTF whose nodes repeat a mesh; in the other formats it is 36.
 constexpr size_t bytes_for_a_byte = 320, bytes_at_least = 1u << 16;

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             moved = true;
         }
         // Vertex i is split between its half-edges to k and to l.
-        const uint32_t il = bytes.below(2 * mesh.edge_count);
+        const uint32_t il = bytes.wide_below(2 * mesh.edge_count);
         uint32_t degree = 0, ik = il;
         do {
             ++degree;

@@ -196,8 +196,8 @@ arm64_python() {
     version=$(apt-cache "${options[@]}" show python3-minimal:arm64 | sed -n 's/^Depends:.*python\(3\.[0-9]*\)-minimal.*/\1/p' | head -1)
     apt-get "${options[@]}" download "python$version-minimal:arm64" "libpython$version-minimal:arm64" "libpython$version-stdlib:arm64" libc6:arm64 libgcc-s1:arm64 \
         libstdc++6:arm64 libexpat1:arm64 zlib1g:arm64 libffi8:arm64 || return 1
-    for package in *.deb; do dpkg-deb -x "$package" root || return 1; done
-    printf '%s\n' "$work/arm64/root/usr/bin/python$version" > "$work/arm64/interpreter"
+    for package in *.deb; do dpkg-deb -x "$package" system || return 1; done
+    printf '%s\n' "$work/arm64/system/usr/bin/python$version" > "$work/arm64/interpreter"
 }
 if [ -z "$native" ] || ! { python3 -m venv "$work/venv" && "$work/venv/bin/pip" install -q ziglang cffi build scikit-build-core; } > "$work/venv.log" 2>&1; then
     skip wheel "no environment with ziglang, cffi, build"
@@ -215,7 +215,7 @@ else
     if ! ls "$work"/dist/*manylinux*aarch64.whl > /dev/null 2>&1; then skip wheel-aarch64 "HMF_PACKAGE_TARGETS does not name it"
     elif [ "$(uname -m)" != x86_64 ] || ! command -v qemu-aarch64 > /dev/null; then skip wheel-aarch64 "no qemu-aarch64, or another machine"
     elif ! arm64_python > "$work/arm64.log" 2>&1; then skip wheel-aarch64 "no Python for arm64 can be had"
-    else check wheel-aarch64 other_wheel '*manylinux*aarch64.whl' qemu-aarch64 -L "$work/arm64/root" "$(cat "$work/arm64/interpreter")"; fi
+    else check wheel-aarch64 other_wheel '*manylinux*aarch64.whl' qemu-aarch64 -L "$work/arm64/system" "$(cat "$work/arm64/interpreter")"; fi
     if ! ls "$work"/dist/*musllinux*"$(uname -m)".whl > /dev/null 2>&1; then skip wheel-musl "HMF_PACKAGE_TARGETS does not name it"
     elif [ -z "${HMF_MUSL_PYTHON:-}" ]; then skip wheel-musl "HMF_MUSL_PYTHON is not set"
     else check wheel-musl other_wheel "*musllinux*$(uname -m).whl" "$HMF_MUSL_PYTHON"; fi
@@ -239,7 +239,7 @@ debian_package() {
     (cd "$root" && git ls-files -z | tar c --null -T -) | tar x -C "$work/debian/hmf"
     cp -r "$packaging/debian" "$work/debian/hmf/debian"
     cd "$work/debian/hmf" && dpkg-buildpackage -us -uc -b && dpkg -c ../hmf_*.deb | grep -q man1/hmf.1 &&
-        dpkg -c ../libhmf-dev_*.deb | grep -q 'include/hmf/hmf.h' && dpkg-deb -x ../hmf_*.deb ../root && ../root/usr/bin/hmf --version
+        dpkg -c ../libhmf-dev_*.deb | grep -q 'include/hmf/hmf.h' && dpkg-deb -x ../hmf_*.deb ../system && ../system/usr/bin/hmf --version
 }
 if command -v dpkg-buildpackage > /dev/null && dpkg -s debhelper > /dev/null 2>&1; then check debian debian_package
 else skip debian "no debhelper"; fi

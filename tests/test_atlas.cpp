@@ -17,20 +17,6 @@ namespace {
 
 using Made = Owned<hmf_chart_set>;
 
-struct Marked {
-    Hierarchy hierarchy;
-    Solution solution;
-    static hmf_build_options options(const std::vector<uint32_t>& marks) {
-        hmf_build_options o{};
-        o.struct_size = sizeof o;
-        o.marked_vertices = marks.data();
-        o.marked_count = marks.size();
-        return o;
-    }
-    Marked(const TriMesh& mesh, const std::vector<uint32_t>& marks) :
-        hierarchy(mesh, options(marks)), solution(solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8))) {}
-};
-
 Made atlas_of(const Foliation& foliation, double margin = 0) {
     hmf_atlas_options options{};
     options.struct_size = sizeof options;
@@ -228,7 +214,7 @@ TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
                 const uint32_t v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
                 if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
             }
-            const Marked surface(mesh, marks);
+            const SolvedSurface surface(mesh, marks);
             ASSERT_TRUE(surface.solution.foliation);
             const double margin = n == 4 ? 1.0 / 64 : 1.0 / 512;
             const Made atlas = atlas_of(surface.solution.foliation, margin);
@@ -277,7 +263,7 @@ TEST(Atlas, OfACoarseLevel) {
 
 TEST(AtlasContract, MarginsThatDoNotFit) {
     const TriMesh mesh = pretzel(2, 1);
-    const Marked surface(mesh, {});
+    const SolvedSurface surface(mesh, {});
     for (const double bad : {-1.0, 0.07, double(NAN), double(INFINITY)}) {
         hmf_atlas_options options{};
         options.struct_size = sizeof options;

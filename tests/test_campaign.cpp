@@ -332,12 +332,14 @@ TEST(Campaign, SeedsThatFailed) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
-// Parts of a unit, four bits of them: integers in a finer unit that are a foliation, of a smaller residual.
+// Integers alone miss this tolerance.  Parts of a unit, three bits of them, are integers in a finer unit: a foliation,
+// of a smaller residual.
 TEST(Campaign, FractionsBelongToAFoliation) {
+    constexpr double tolerance = 1e-11;
     Problem p;
     ASSERT_TRUE(make_problem(9008, p));
     const Hierarchy hierarchy(p.mesh, 0.5, 1000);
-    const Solution s = solve(hierarchy, &p.loops, solve_options(HMF_METHOD_NEWTON, 0));
+    const Solution s = solve(hierarchy, &p.loops, solve_options(HMF_METHOD_NEWTON, tolerance));
     ASSERT_EQ(s.status, HMF_OK);
     ASSERT_TRUE(s.foliation->fraction);
     hmf_error error{};
@@ -354,10 +356,10 @@ TEST(Campaign, FractionsBelongToAFoliation) {
     hmf::TwistedModel model;
     ASSERT_TRUE(rings.build(mesh, weight, memory) && star.allocate(memory, rings.max_degree));
     const double before = hmf::residuals(f, rings, weight, star, nullptr, call).max;
-    EXPECT_GT(before, 3e-8);
+    EXPECT_GT(before, 10 * tolerance);
     ASSERT_TRUE(model.allocate(mesh, memory) && model.look(f, rings, weight, star, call));
     const hmf::SingularityCount zeros = hmf::count_singularities(f);
-    constexpr int64_t finer = 16;
+    constexpr int64_t finer = 8;
     const auto place = [&](uint32_t h) {
         return model.sign[h] * static_cast<int64_t>(std::floor(finer * s.foliation->fraction[mesh.origin[h]] + 0.5));
     };
@@ -369,5 +371,5 @@ TEST(Campaign, FractionsBelongToAFoliation) {
     EXPECT_EQ(fine.broken_triangles, 0u);
     EXPECT_EQ(fine.poles, 0u);
     EXPECT_EQ(fine.index_sum, zeros.index_sum);
-    EXPECT_LT(hmf::residuals(f, rings, weight, star, nullptr, call).max, before / 6);
+    EXPECT_LT(hmf::residuals(f, rings, weight, star, nullptr, call).max, before / 3);
 }

@@ -144,6 +144,36 @@ TEST(Scale, EnergyAndDeviation) {
     EXPECT_EQ(hmf_conformal_scale(solution.foliation.get(), nullptr, nullptr, 0, nullptr, &error), HMF_ERROR_NULL);
 }
 
+// A trial finds its loops once: it hands them out, and takes those that are given.
+TEST(EvenDesign, TrialsShareLoops) {
+    const TriMesh mesh = pretzel(2, 3);
+    hmf_hierarchy like(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Call call(like.memory, &error, nullptr, nullptr);
+    const hmf::Surface surface = surface_of(mesh, like.memory);
+    hmf::Array<uint32_t> marks;
+    marks.start(like.memory);
+    const double fraction = 0;
+    hmf::Loops found, two;
+    double unevenness = 0;
+    {
+        hmf::MarkedTrial first(like, call, fraction);
+        ASSERT_EQ(first.start(surface, marks, HMF_LOOPS_PANTS, found), HMF_OK);
+        ASSERT_EQ(first.solve(), HMF_OK);
+        unevenness = first.unevenness();
+    }
+    ASSERT_EQ(found.count(), 3u);
+    hmf::MarkedTrial again(like, call, fraction);
+    ASSERT_EQ(again.start(surface, marks, HMF_LOOPS_PANTS, found), HMF_OK);
+    ASSERT_EQ(again.solve(), HMF_OK);
+    EXPECT_EQ(again.unevenness(), unevenness);
+    ASSERT_TRUE(two.copy_from(found, like.memory));
+    two.keep_first(2);
+    hmf::MarkedTrial fewer(like, call, fraction);
+    ASSERT_EQ(fewer.start(surface, marks, HMF_LOOPS_PANTS, two), HMF_OK);
+    EXPECT_EQ(fewer.weights.size(), 2u);
+}
+
 // Derivatives by the logarithms of the weights: together they are 1, as the
 // scale grows with all weights; each as differences say.
 TEST(EvenDesign, DerivativesByWeights) {
@@ -156,7 +186,8 @@ TEST(EvenDesign, DerivativesByWeights) {
     marks.start(like.memory);
     const double fraction = 0;
     hmf::MarkedTrial trial(like, call, fraction);
-    ASSERT_EQ(trial.start(surface, marks), HMF_OK);
+    hmf::Loops loops;
+    ASSERT_EQ(trial.start(surface, marks, HMF_LOOPS_PANTS, loops), HMF_OK);
     ASSERT_TRUE(trial.usable());
     ASSERT_EQ(trial.weights.size(), 3u);
     for (double& w : trial.weights) w = 1;

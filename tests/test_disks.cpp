@@ -58,22 +58,6 @@ double distance(const TriMesh& mesh, uint32_t v, uint32_t w) {
     return std::sqrt(sum);
 }
 
-std::vector<uint32_t> suggested(const TriMesh& mesh) {
-    const auto set = make<hmf_mark_set>([&](hmf_mark_set** out, hmf_error* e) {
-        return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
-                                 mesh.triangle_count(), nullptr, nullptr, out, e);
-    });
-    return set ? std::vector<uint32_t>(set->vertices, set->vertices + set->count) : std::vector<uint32_t>();
-}
-
-hmf_build_options with_marks(const std::vector<uint32_t>& marks) {
-    hmf_build_options options{};
-    options.struct_size = sizeof options;
-    options.marked_vertices = marks.data();
-    options.marked_count = marks.size();
-    return options;
-}
-
 // Energy of the harmonic function that is 0 and 1 on two parts of the boundary, free on the rest.
 double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fixed) {
     std::vector<Eigen::Triplet<double>> entries;
@@ -109,9 +93,9 @@ double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fi
 TEST(Disks, SuggestedMarksDivideTheBoundary) {
     for (const double height : {0.0, 0.7}) {
         const TriMesh mesh = sheet(20, 14, 3, 2, height, 0.5);
-        const std::vector<uint32_t> marks = suggested(mesh), walk = boundary_of(mesh);
+        const std::vector<uint32_t> marks = suggested_marks(mesh), walk = boundary_of(mesh);
         ASSERT_EQ(marks.size(), 4u);
-        EXPECT_EQ(suggested(mesh), marks);
+        EXPECT_EQ(suggested_marks(mesh), marks);
         std::vector<double> at; // along the boundary, from its first vertex on
         double length = 0, longest = 0;
         std::vector<double> place(mesh.vertex_count(), -1);
@@ -157,7 +141,7 @@ TEST(Disks, ShortBoundaryHasNoCorners) {
         p[1] = (r > 0 ? y * round / r : 0) * std::sin(angle);
         p[2] = 3 * std::cos(angle); // a long egg
     }
-    const std::vector<uint32_t> marks = suggested(mesh), walk = boundary_of(mesh);
+    const std::vector<uint32_t> marks = suggested_marks(mesh), walk = boundary_of(mesh);
     size_t on_boundary = 0;
     for (const uint32_t v : marks) on_boundary += static_cast<size_t>(std::count(walk.begin(), walk.end(), v));
     EXPECT_LT(on_boundary, marks.size());
@@ -213,7 +197,7 @@ TEST(Disks, ArcsOfTheLibraryAreTheLinearProblem) {
 
 TEST(Disks, Refusals) {
     const TriMesh mesh = sheet(20, 14, 3, 2, 0, 0.5);
-    const std::vector<uint32_t> marks = suggested(mesh);
+    const std::vector<uint32_t> marks = suggested_marks(mesh);
     const Hierarchy disk(mesh, with_marks(marks)), closed(torus(12, 8, 3, 1));
     ASSERT_TRUE(disk && closed);
     const auto refused = [](const Hierarchy& h, const hmf_loop_set& set, hmf_status expected) {

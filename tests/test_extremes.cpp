@@ -204,7 +204,8 @@ TEST(CoarserUnit, RoundsPlacesAndNotValues) {
         hmf::Star star;
         ASSERT_TRUE(rings.build(f.mesh, h.levels[0].weight, memory) && star.allocate(memory, rings.max_degree));
         hmf::SweepResult result;
-        for (int i = 0; i < 3; ++i) sweep(f, rings, h.levels[0].weight, i % 2 != 0, star, result, call, 0);
+        hmf::Sweeps sweeps;
+        for (int i = 0; i < 3; ++i) sweeps.sweep(f, rings, h.levels[0].weight, i % 2 != 0, star, result, call, 0);
         ASSERT_GT(result.moves, 0u);
         const std::vector<int64_t> fine(f.value, f.value + n);
         EXPECT_TRUE(hmf::to_coarser_unit(f, 58, memory, exact) && !exact); // not even the heights are

@@ -561,7 +561,7 @@ TEST(Weights, OfACoarseLevelAreBounded) {
     Mesh mesh;
     double sum[] = {-2, 0, 1e-9, 2e-3, 8, 2e3, 1e7};
     mesh.edge_count = 7;
-    EXPECT_EQ(coarse_weights(mesh, sum), 1u);
+    EXPECT_EQ(coarse_weights(mesh, sum, Parallel()), 1u);
     const double expected[] = {1e-3, 1e-3, 1e-3, 1e-3, 4, 1e3, 1e3};
     for (int e = 0; e < 7; ++e) EXPECT_EQ(sum[e], expected[e]) << e;
 }

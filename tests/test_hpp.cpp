@@ -511,4 +511,74 @@ TEST(Hpp, ThreadsShareAHierarchy) {
     EXPECT_EQ(3, same);
 }
 
+// --- Several components ---------------------------------------------------------
+
+// A torus, a sphere and another torus.
+test::TriMesh three_parts() {
+    test::TriMesh all = test::torus(12, 9, 3, 1);
+    test::TriMesh sphere;
+    sphere.positions = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
+    sphere.triangles = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    for (const test::TriMesh& part : {sphere, test::torus(10, 8, 3, 1)}) {
+        const uint32_t first = static_cast<uint32_t>(all.vertex_count());
+        all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+        for (const uint32_t v : part.triangles) all.triangles.push_back(first + v);
+    }
+    return all;
+}
+
+TEST(Hpp, ComponentsAreSolvedInOneCall) {
+    const test::TriMesh all = three_parts(), last = test::torus(10, 8, 3, 1);
+    const hmf::Components components(all.positions, all.triangles);
+    ASSERT_EQ(components.size(), 3u);
+    EXPECT_EQ(copy(components.triangles(2)), last.triangles);
+    double reached = 0;
+    const hmf::ComponentSolutions whole = components.solve({}, {}, [&](double fraction) {
+        EXPECT_GE(fraction, reached);
+        reached = fraction;
+        return hmf::Progress::proceed;
+    });
+    EXPECT_NEAR(reached, 1, 1e-12);
+    ASSERT_EQ(whole.components.size(), 3u);
+    EXPECT_EQ(whole.components[0].status, HMF_OK);
+    EXPECT_EQ(whole.components[1].status, HMF_ERROR_MESH_GENUS);
+    EXPECT_FALSE(whole.components[1].solution);
+    EXPECT_FALSE(whole.components[1].message.empty());
+    for (const uint32_t e : components.whole_edges(1)) EXPECT_EQ(whole.values[e], 0);
+    const std::vector<double> own = copy(hmf::Hierarchy(last.positions, last.triangles).solve().foliation.values());
+    for (std::size_t e = 0; e < own.size(); ++e) EXPECT_EQ(whole.values[components.whole_edges(2)[e]], own[e]);
+    // A sphere with marked vertices.
+    hmf::BuildOptions options;
+    const std::vector<uint32_t> marks = hmf::Hierarchy::suggest_marks(all.positions, all.triangles);
+    options.marked_vertices = marks;
+    const hmf::Components marked(all.positions, all.triangles, options);
+    EXPECT_EQ(marked.marked_vertices(1).size(), 4u);
+    EXPECT_EQ(marked.solve().components[1].status, HMF_OK);
+}
+
+TEST(Hpp, LoopsGoToTheirComponents) {
+    const test::TriMesh all = three_parts();
+    const hmf::Components components(all.positions, all.triangles);
+    hmf::Loops loops;
+    std::vector<uint32_t> round;
+    for (uint32_t j = 0; j < 8; ++j) round.push_back(12 * 9 + 6 + j);
+    loops.add(round, 2);
+    const std::vector<hmf::Loops> parts = components.split(loops);
+    EXPECT_EQ(parts[0].size(), 0u);
+    EXPECT_EQ(copy(parts[2][0]), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
+    const hmf::ComponentSolutions whole = components.solve(loops);
+    EXPECT_EQ(whole.components[0].status, HMF_ERROR_LOOP_COUNT);
+    EXPECT_EQ(whole.components[2].status, HMF_OK);
+    const test::TriMesh last = test::torus(10, 8, 3, 1);
+    hmf::Loops own;
+    own.add({0, 1, 2, 3, 4, 5, 6, 7}, 2);
+    EXPECT_EQ(copy(whole.components[2].solution->foliation.values()),
+              copy(hmf::Hierarchy(last.positions, last.triangles).solve(own).foliation.values()));
+    loops.add({0, 12 * 9});
+    EXPECT_EQ(error_of([&] { components.split(loops); }).status(), HMF_ERROR_LOOP_NOT_CLOSED);
+    loops = hmf::Loops();
+    loops.add({12 * 9 + 6 + 80});
+    EXPECT_EQ(error_of([&] { components.split(loops); }).status(), HMF_ERROR_LOOP_INDEX);
+}
+
 } // namespace

@@ -269,9 +269,10 @@ TEST(Mollify, AddsWhatIsMissing) {
     const double* position = hierarchy.get()->levels[0].position;
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Metric plain, thick;
-    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, memory, plain, nullptr));
-    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, memory, thick, nullptr));
-    hmf::mollify(input, 0.01, thick, nullptr);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, plain, nullptr, call));
+    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, thick, nullptr, call));
+    ASSERT_TRUE(hmf::mollify(input, 0.01, thick, nullptr, call));
     double mean = 0, margin = HUGE_VAL;
     for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;
     for (uint32_t h = 0; h < 2 * input.edge_count; ++h)
@@ -291,6 +292,16 @@ TEST(Mollify, LeavesGoodMeshesAlone) {
     const Solution a = solve(plain, nullptr, solve_options(HMF_METHOD_NEWTON, 0)),
                    b = solve(mollify, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
     EXPECT_EQ(a.values, b.values);
+}
+
+// As documented (docs/mathematics.md, section 7): the weights of level 0 lie between 1e-9 and 1e6.
+TEST(Mollify, WeightsAreKeptWithinBounds) {
+    hmf::Mesh mesh{};
+    mesh.edge_count = 4;
+    double weight[] = {0, 1, 2e6, 4e6}; // sums of two cotangents
+    EXPECT_EQ(hmf::intrinsic_weights(mesh, weight), 0u);
+    const double expected[] = {1e-9, 0.5, 1e6, 1e6};
+    for (size_t e = 0; e < 4; ++e) EXPECT_EQ(weight[e], expected[e]) << e;
 }
 
 TEST(Mollify, Range) {

@@ -315,6 +315,31 @@ void expect_pants(const TriMesh& mesh) {
     EXPECT_EQ(solution.report.poles, 0u);
 }
 
+// How often cut loops of a plate report progress, which they do a few times for each search of the surface.
+size_t reports_of_cut_loops(size_t holes) {
+    const Hierarchy hierarchy(pretzel(holes, 1, 3));
+    size_t calls = 0;
+    hmf_control control{};
+    control.struct_size = sizeof control;
+    control.progress_user = &calls;
+    control.progress = [](void* user, double) -> int32_t {
+        ++*static_cast<size_t*>(user);
+        return HMF_PROGRESS_CONTINUE;
+    };
+    hmf_loop_set* loops = nullptr;
+    EXPECT_EQ(hmf_loops(hierarchy.get(), hierarchy.coarsest(), HMF_LOOPS_CUT, &control, &loops, nullptr), HMF_OK);
+    if (loops) { EXPECT_EQ(loops->count, holes); }
+    hmf_free(loops);
+    return calls;
+}
+
+// One search serves for a batch of loops, so that ten times as many handles are at most ten times the work.  With a
+// search of the whole surface for each loop it was 19 times.
+TEST(CutLoops, SearchesAreSharedByManyLoops) {
+    const size_t few = reports_of_cut_loops(12), many = reports_of_cut_loops(120);
+    EXPECT_LT(many, 10 * few) << few << " " << many;
+}
+
 TEST(PantsLoops, Torus) { expect_pants(torus(40, 16, 3, 1)); }
 
 TEST(PantsLoops, Plates) {

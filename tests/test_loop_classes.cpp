@@ -18,7 +18,7 @@
 #include <numeric>
 #include <random>
 
-#include "../src/api/caller_numbers.hpp"
+#include "../src/hierarchy/caller_numbers.hpp"
 #include "../src/homotopy/edge_words.hpp"
 #include "../src/loops/closed_geodesic.hpp"
 

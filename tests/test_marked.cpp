@@ -19,16 +19,6 @@ namespace {
 
 using Marks = std::vector<uint32_t>;
 
-hmf_build_options with_marks(const Marks& marks, double ratio = 0.5, uint64_t coarsest = 0) {
-    hmf_build_options options{};
-    options.struct_size = sizeof options;
-    options.ratio = ratio;
-    options.coarsest = coarsest;
-    options.marked_vertices = marks.data();
-    options.marked_count = marks.size();
-    return options;
-}
-
 // A regular tetrahedron of edge length sqrt(8) with n edges on each of its own; corners 0 to 3.
 TriMesh tetrahedron(size_t n) {
     const double corner[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};

@@ -330,7 +330,9 @@ TEST(Layout, TooWideIsPushedBack) {
     }
     Seams seams;
     Layout layout;
-    ASSERT_TRUE(cut_through_cones(mesh, length.data(), is_cone.data(), seams, call));
+    Stars stars;
+    ASSERT_TRUE(stars.build(mesh, call));
+    ASSERT_TRUE(cut_through_cones(mesh, stars, length.data(), is_cone.data(), seams, call));
     ASSERT_TRUE(layout.build(mesh, bundle, du, dv, 0, seams, call));
     uint32_t pushed = 0;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {

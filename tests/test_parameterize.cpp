@@ -211,9 +211,8 @@ TEST(Parameterize, SurfacesOfSeveralGenera) {
         const LevelMesh mesh = read_level(hierarchy, 0);
         const Flat flat = parameterize(s.foliation);
         expect_flat_surface(mesh, s.foliation, flat, genus);
-        EXPECT_LT(flat.numbers.dilatation_mean, 1.2);
         EXPECT_NEAR(flat.numbers.area, s.report.energy, 2e-3 * s.report.energy);
-        // The map is injective beside the zeros: flips only in triangles near one.
+        // The map is injective beside the zeros, and nearly conformal: flips only in triangles near one.
         std::vector<uint8_t> near(mesh.vertex_count, 0);
         for (size_t v = 0; v < mesh.vertex_count; ++v) near[v] = flat.cone[v] != 2;
         for (int ring = 0; ring < 2; ++ring) {
@@ -222,9 +221,18 @@ TEST(Parameterize, SurfacesOfSeveralGenera) {
                 for (size_t x = 0; x < 2; ++x)
                     near[mesh.edge_vertices[2 * e + x]] |= inner[mesh.edge_vertices[2 * e + 1 - x]];
         }
+        // Near a zero of order k the map is z^(1 + k/2), and its linear interpolation on a triangle there may have any
+        // dilatation: one triangle with 674 is enough to raise the mean of 2 000 from 1.08 to 1.23.
+        double dilatation = 0;
+        size_t regular = 0;
         for (size_t t = 0; t < mesh.triangle_count; ++t) {
-            if (flat.dilatation[t] < 0) { EXPECT_TRUE(near[mesh.triangle_vertices[3 * t]]) << "triangle " << t; }
+            if (near[mesh.triangle_vertices[3 * t]]) continue;
+            EXPECT_GT(flat.dilatation[t], 0) << "triangle " << t;
+            dilatation += flat.dilatation[t];
+            ++regular;
         }
+        EXPECT_LT(dilatation, 1.2 * static_cast<double>(regular));
+        EXPECT_GT(regular, mesh.triangle_count / 2);
     }
 }
 

@@ -8,7 +8,7 @@
 #include <array>
 #include <set>
 
-#include "support/meshes.hpp"
+#include "support/surface.hpp"
 
 using namespace readers;
 
@@ -29,10 +29,22 @@ TriangleMesh torus(size_t n = 9, size_t m = 7) { return plain(test::torus(n, m, 
 
 // Every component is a closed oriented manifold with this Euler characteristic.
 void expect_surfaces(const TriangleMesh& mesh, size_t count, size_t genus) {
-    const std::vector<Component> components = components_of(mesh);
-    ASSERT_EQ(components.size(), count);
-    for (const Component& c : components) EXPECT_EQ(test::mesh_defect({c.mesh.positions, c.mesh.triangles, genus}), "");
+    const auto set = test::make<hmf_component_set>([&](hmf_component_set** out, hmf_error* e) {
+        return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                              nullptr, nullptr, out, e);
+    });
+    ASSERT_EQ(set->count, count);
+    for (const hmf_component* c = set->list; c != set->list + count; ++c) {
+        const double* const p = set->part_positions + 3 * c->first_vertex;
+        const uint32_t* const t = set->part_triangles + 3 * c->first_triangle;
+        EXPECT_EQ(test::mesh_defect({{p, p + 3 * c->vertex_count}, {t, t + 3 * c->triangle_count}, genus}), "");
+    }
     EXPECT_EQ(boundary_count(mesh), 0u);
+}
+
+size_t component_count(const TriangleMesh& mesh) {
+    const std::vector<uint32_t> of = component_of_triangles(mesh.triangles, mesh.vertex_count());
+    return of.empty() ? 0 : size_t{1} + *std::max_element(of.begin(), of.end());
 }
 
 // The places of the corners of each triangle, whichever way it turns.
@@ -89,7 +101,7 @@ TEST(Repair, TwoToriShareAVertex) {
     for (uint32_t& v : mesh.triangles)
         if (v == n + 3) v = 5;
     for (size_t a = 0; a < 3; ++a) mesh.positions[3 * size_t{n + 3} + a] = mesh.positions[size_t{15} + a];
-    EXPECT_EQ(components_of(mesh).size(), 1u);
+    EXPECT_EQ(component_count(mesh), 1u);
     TriangleMesh repaired = mesh;
     const Repairs done = repair(repaired);
     EXPECT_EQ(done.split_vertices, 1u);
@@ -165,7 +177,7 @@ TEST(Repair, BackSides) {
     EXPECT_EQ(done.back_sides, 0u);
     EXPECT_EQ(done.split_vertices, 2u);
     EXPECT_EQ(mesh.triangle_count(), good.triangle_count() + 2);
-    EXPECT_EQ(components_of(mesh).size(), 2u);
+    EXPECT_EQ(component_count(mesh), 2u);
     // Two cells of one wall keep both sides of it.
     const TriangleMesh cube = {
         {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1},
@@ -191,7 +203,7 @@ TEST(Repair, JoinPoints) {
     }
     TriangleMesh apart = soup;
     EXPECT_EQ(repair(apart).count(), 0u);
-    EXPECT_EQ(components_of(apart).size(), good.triangle_count());
+    EXPECT_EQ(component_count(apart), good.triangle_count());
     const Repairs done = repair(soup, true);
     EXPECT_EQ(done.joined_vertices, 6 * good.vertex_count() - good.vertex_count());
     EXPECT_EQ(done.count(), done.joined_vertices);
@@ -214,7 +226,7 @@ TEST(Repair, WhatIsLeft) {
     mesh.triangles.insert(mesh.triangles.end(), {0, 1, static_cast<uint32_t>(mesh.vertex_count() - 1)});
     Repairs done = repair(mesh);
     EXPECT_EQ(done.crowded_edges, 0u);
-    EXPECT_EQ(components_of(mesh).size(), 2u);
+    EXPECT_EQ(component_count(mesh), 2u);
     EXPECT_EQ(boundary_count(mesh), 1u);
     EXPECT_EQ(mesh.triangle_count(), count + 1);
     // Three triangles at an edge and nothing else.
@@ -223,7 +235,7 @@ TEST(Repair, WhatIsLeft) {
     EXPECT_EQ(done.cut_edges, 1u);
     EXPECT_EQ(done.split_vertices, 2u);
     EXPECT_EQ(mesh.vertex_count(), 9u);
-    EXPECT_EQ(components_of(mesh).size(), 3u);
+    EXPECT_EQ(component_count(mesh), 3u);
     // A Moebius strip.
     mesh.positions.assign(18, 0);
     for (size_t k = 0; k < 18; ++k) mesh.positions[k] = static_cast<double>(k * k % 7);
@@ -352,48 +364,9 @@ TEST(Repair, SurfaceThatTouchesItself) {
     }
 }
 
-// --- Components --------------------------------------------------------------------
+// --- Boundary ----------------------------------------------------------------------
 
-TEST(Components, OrderAndNumbers) {
-    TriangleMesh mesh = beside(torus(9, 7), torus(5, 6), 7);
-    // Triangles of the two alternate, and a vertex without a triangle is in none.
-    std::vector<uint32_t> mixed;
-    const size_t a = torus(9, 7).triangle_count(), b = torus(5, 6).triangle_count();
-    for (size_t k = 0; k < std::max(a, b); ++k)
-        for (const size_t t : {a + k, k})
-            if (t < a + b && (t >= a ? k < b : k < a))
-                mixed.insert(mixed.end(), &mesh.triangles[3 * t], &mesh.triangles[3 * t] + 3);
-    mesh.triangles = mixed;
-    mesh.positions.insert(mesh.positions.end(), {0, 0, 0});
-    const std::vector<Component> parts = components_of(mesh);
-    ASSERT_EQ(parts.size(), 2u);
-    EXPECT_EQ(parts[0].mesh.triangle_count(), b);
-    const Edges edges = edges_of(mesh);
-    EXPECT_EQ(edges.count(), 3 * (a + b) / 2);
-    size_t vertices = 0;
-    for (const Component& c : parts) {
-        vertices += c.vertices.size();
-        EXPECT_TRUE(std::is_sorted(c.vertices.begin(), c.vertices.end()));
-        EXPECT_TRUE(std::is_sorted(c.triangles.begin(), c.triangles.end()));
-        const Edges own = edges_of(c.mesh);
-        uint32_t last = 0;
-        std::vector<uint32_t> whole(own.count());
-        for (size_t t = 0; t < c.triangles.size(); ++t)
-            for (size_t s = 0; s < 3; ++s) {
-                EXPECT_EQ(c.vertices[c.mesh.triangles[3 * t + s]], mesh.triangles[3 * size_t{c.triangles[t]} + s]);
-                whole[own.triangles[3 * t + s]] = edges.triangles[3 * size_t{c.triangles[t]} + s];
-            }
-        for (size_t e = 0; e < whole.size(); ++e) {
-            EXPECT_TRUE(e == 0 || whole[e] > last);
-            last = whole[e];
-            for (size_t k = 0; k < 2; ++k)
-                EXPECT_EQ(c.vertices[own.vertices[2 * e + k]], edges.vertices[2 * size_t{whole[e]} + k]);
-        }
-    }
-    EXPECT_EQ(vertices, mesh.vertex_count() - 1);
-}
-
-TEST(Components, BoundaryCount) {
+TEST(Boundary, Count) {
     TriangleMesh mesh = torus();
     mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 3);
     EXPECT_EQ(boundary_count(mesh), 1u);

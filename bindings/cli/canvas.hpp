@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "camera.hpp"
@@ -50,7 +51,7 @@ public:
     template <class Shade>
     Image paint(double occlusion_radius, const Shade& shade) {
         find_visible();
-        shaded_.resize(front_.size());
+        shaded_.reset(new Lit[front_.size()]); // not filled: memory of the background is never touched
         Current current;
         for (size_t y = 0, at = 0; y < height_; ++y)
             for (size_t x = 0; x < width_; ++x, ++at)
@@ -163,9 +164,9 @@ private:
     double scale_, pixel_; // pixels per unit at distance 1, and its inverse
     std::vector<Sheet> sheets_;
     std::vector<Hit> front_;
-    std::vector<Lit> shaded_;
-    std::vector<uint32_t> rough_; // pixels
-    std::vector<Hit> fine_;       // 9 samples of each
+    std::unique_ptr<Lit[]> shaded_; // where there is a triangle
+    std::vector<uint32_t> rough_;   // pixels
+    std::vector<Hit> fine_;         // 9 samples of each
 };
 
 } // namespace cli

@@ -44,6 +44,9 @@ public:
             (pair[0] == NONE ? pair[0] : pair[1]) = k;
             around_[t_[k]] = k;
         }
+        // On the boundary the walk round a vertex begins at the side with nothing on its right.
+        for (uint32_t k = 0; k < e_.size(); ++k)
+            if (sides_[e_[k]][1] == NONE) around_[t_[k]] = k;
     }
 
     std::vector<double> run() {
@@ -65,12 +68,14 @@ private:
     uint32_t twin(uint32_t k) const { return sides_[e_[k]][0] == k ? sides_[e_[k]][1] : sides_[e_[k]][0]; }
     static uint32_t next(uint32_t k) { return k % 3 == 2 ? k - 2 : k + 1; }
     static uint32_t last(uint32_t k) { return k % 3 == 0 ? k + 2 : k - 1; }
-    // Sides that leave a vertex, counterclockwise: the next one lies behind the third side of the triangle.
+    bool on_boundary(uint32_t v) const { return around_[v] != NONE && twin(around_[v]) == NONE; }
+    // Sides that leave a vertex, counterclockwise: the next one lies behind the third side of the triangle.  NONE: that
+    // is on the boundary.
     uint32_t turned(uint32_t k) const { return twin(last(k)); }
 
-    bool is_node(uint32_t v) const { return degree_[v] != 2 || p_.cone[v] != 2; }
-    // No condition: a turn around it changes the sign.
-    bool is_free(uint32_t v) const { return p_.cone[v] % 2 != 0; }
+    bool is_node(uint32_t v) const { return degree_[v] != 2 || p_.cone[v] != 2 || on_boundary(v); }
+    // No condition: a turn around it changes the sign, or there is none.
+    bool is_free(uint32_t v) const { return p_.cone[v] % 2 != 0 || on_boundary(v); }
 
     struct Chain {
         uint32_t begin, end;          // vertices
@@ -134,7 +139,7 @@ private:
                 coefficient = s * coefficient + (chain_[e_[out]] == of ? c : 0);
             }
             out = turned(out);
-        } while (out != begin);
+        } while (out != begin); // free vertices are not asked, so none of the boundary is
         return off;
     }
 
@@ -218,10 +223,10 @@ private:
             do {
                 corner_[out] = step;
                 // Across the third side, into the next triangle.
-                step = then(step, delta_out_of(last(out)));
+                if (twin(last(out)) != NONE) step = then(step, delta_out_of(last(out)));
                 out = turned(out);
-            } while (out != around_[v]);
-            if (step.sign > 0) continue;
+            } while (out != around_[v] && out != NONE);
+            if (step.sign > 0 || on_boundary(v)) continue;
             is_fixed[v] = 1;
             w_[v] = {step.shift[0] / 2, step.shift[1] / 2};
         }
@@ -240,8 +245,9 @@ private:
                 uint32_t out = around_[near[at]];
                 do {
                     take(t_[next(out)]);
+                    if (twin(last(out)) == NONE) take(t_[last(out)]);
                     out = turned(out);
-                } while (out != around_[near[at]]);
+                } while (out != around_[near[at]] && out != NONE);
             }
         const size_t m = near.size();
         // Along each edge: w_i - s w_j - b.

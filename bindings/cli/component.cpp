@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../readers/components.hpp"
 #include "closed_pattern.hpp"
 #include "marks.hpp"
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "../readers/components.hpp"
 #include "../readers/json.hpp"
 #include "library.hpp"
 #include "potential.hpp"
@@ -14,6 +13,7 @@
 #include "read_loops.hpp"
 #include "read_mesh.hpp"
 #include "solve.hpp"
+#include "split_mesh.hpp"
 
 namespace cli {
 
@@ -43,7 +43,7 @@ class Component {
 public:
     // subject: in sentences.  alone: the whole mesh, vertices and triangles by the same numbers; then it throws Failure
     // where others are refused.
-    Component(readers::Component part, std::string subject, bool alone) :
+    Component(MeshPart part, std::string subject, bool alone) :
         part_(std::move(part)), subject_(std::move(subject)), alone_(alone) {}
 
     // --- In this order; throw Failure ---
@@ -112,7 +112,7 @@ private:
     hmf_status make_design(bool no_poles, hmf_build_options options, const hmf_control* control, hmf_error& error);
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;
 
-    readers::Component part_;
+    MeshPart part_;
     std::string subject_, refusal_, limit_;
     bool alone_;
     int32_t kind_ = 0;

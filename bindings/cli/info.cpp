@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "../readers/components.hpp"
 #include "../readers/json.hpp"
 #include "library.hpp"
 #include "marks.hpp"
@@ -104,7 +105,7 @@ void info(const InfoRequest& request) {
     if (request.repairs) repairs = repair_mesh(mesh, request.joins, mesh_name);
     const Quality q = quality_of(mesh);
     const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
-    const std::vector<readers::Component> parts = split_mesh(mesh, mesh_name);
+    const std::vector<MeshPart> parts = split_mesh(mesh, mesh_name);
     const bool alone = parts.size() == 1;
     Progress progress;
     Json::Array rows;

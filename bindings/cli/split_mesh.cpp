@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "failure.hpp"
+#include "../readers/components.hpp"
+#include "library.hpp"
 
 namespace cli {
 
@@ -18,27 +19,40 @@ readers::Repairs repair_mesh(TriangleMesh& mesh, bool join_points, const std::st
     } catch (const readers::MeshError& error) { throw Failure(EXIT_BAD_INPUT, mesh_name + ": " + error.what()); }
 }
 
-std::vector<readers::Component> split_mesh(TriangleMesh& mesh, const std::string& mesh_name) {
+std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_name) {
     const std::vector<uint32_t> component = readers::component_of_triangles(mesh.triangles, mesh.vertex_count());
-    std::vector<readers::Component> parts;
+    std::vector<MeshPart> parts;
     if (component.empty() || *std::max_element(component.begin(), component.end()) == 0) {
         parts.emplace_back();
         parts[0].mesh = std::move(mesh);
         return parts;
     }
-    std::vector<uint8_t> is_used(mesh.vertex_count(), 0);
-    for (const uint32_t v : mesh.triangles) is_used[v] = 1;
-    const auto unused = std::find(is_used.begin(), is_used.end(), 0);
-    if (unused != is_used.end())
+    const auto set = make<hmf_component_set>(mesh_name, [&](hmf_component_set** out, hmf_error* error) {
+        return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                              nullptr, nullptr, out, error);
+    });
+    const uint32_t* const in = set->vertex_component;
+    const size_t unused = static_cast<size_t>(std::find(in, in + set->vertex_count, HMF_NONE) - in);
+    if (unused < set->vertex_count)
         throw Failure(EXIT_BAD_INPUT, mesh_name + ": " + hmf_status_string(HMF_ERROR_MESH_UNUSED_VERTEX) + " (vertex "
-                                          + std::to_string(unused - is_used.begin()) + ")"
+                                          + std::to_string(unused) + ")"
                                           + repair_advice(HMF_ERROR_MESH_UNUSED_VERTEX, false, false));
-    return readers::components_of(mesh);
+    for (const hmf_component* c = set->list; c != set->list + set->count; ++c) {
+        const auto copy = [](auto& to, const auto* array, uint64_t first, uint64_t count) {
+            to.assign(array + first, array + first + count);
+        };
+        parts.emplace_back();
+        copy(parts.back().mesh.positions, set->part_positions, 3 * c->first_vertex, 3 * c->vertex_count);
+        copy(parts.back().mesh.triangles, set->part_triangles, 3 * c->first_triangle, 3 * c->triangle_count);
+        copy(parts.back().vertices, set->whole_vertices, c->first_vertex, c->vertex_count);
+        copy(parts.back().triangles, set->whole_triangles, c->first_triangle, c->triangle_count);
+    }
+    return parts;
 }
 
-std::string name_of_component(const readers::Component& component, size_t number) {
-    return "component " + std::to_string(number) + " (" + std::to_string(component.mesh.triangle_count())
-         + " triangles, first " + std::to_string(component.triangles[0]) + ")";
+std::string name_of_component(const MeshPart& part, size_t number) {
+    return "component " + std::to_string(number) + " (" + std::to_string(part.mesh.triangle_count())
+         + " triangles, first " + std::to_string(part.triangles[0]) + ")";
 }
 
 } // namespace cli

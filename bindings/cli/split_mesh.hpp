@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "../readers/components.hpp"
 #include "../readers/repair.hpp"
 #include "read_mesh.hpp"
 
@@ -13,11 +12,18 @@ namespace cli {
 // Repairs, and says on standard error what was done.
 readers::Repairs repair_mesh(TriangleMesh& mesh, bool join_points, const std::string& mesh_name);
 
+// A component; its vertices and triangles have the order that they have in the whole mesh.
+struct MeshPart {
+    TriangleMesh mesh;
+    std::vector<uint32_t> vertices;  // of each vertex of it: the number in the whole mesh
+    std::vector<uint32_t> triangles; // likewise
+};
+
 // The components; the only one takes the mesh as it is, whatever is wrong with it, without numbers of vertices and
 // triangles.  Throws Failure where a vertex belongs to none of several.
-std::vector<readers::Component> split_mesh(TriangleMesh& mesh, const std::string& mesh_name);
+std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_name);
 
 // In sentences.
-std::string name_of_component(const readers::Component& component, size_t number);
+std::string name_of_component(const MeshPart& part, size_t number);
 
 } // namespace cli

@@ -26,30 +26,6 @@ std::vector<uint32_t> component_of_triangles(const std::vector<uint32_t>& triang
     return component;
 }
 
-std::vector<Component> components_of(const TriangleMesh& mesh) {
-    const std::vector<uint32_t> of_triangle = component_of_triangles(mesh.triangles, mesh.vertex_count());
-    std::vector<uint32_t> of_vertex(mesh.vertex_count(), NONE), number(mesh.vertex_count(), NONE);
-    std::vector<Component> components;
-    for (size_t t = 0; t < of_triangle.size(); ++t) {
-        if (of_triangle[t] == components.size()) components.emplace_back();
-        for (size_t s = 0; s < 3; ++s) of_vertex[mesh.triangles[3 * t + s]] = of_triangle[t];
-    }
-    for (uint32_t v = 0; v < of_vertex.size(); ++v) {
-        if (of_vertex[v] == NONE) continue;
-        Component& c = components[of_vertex[v]];
-        number[v] = static_cast<uint32_t>(c.vertices.size());
-        c.vertices.push_back(v);
-        const double* const p = &mesh.positions[size_t{3} * v];
-        c.mesh.positions.insert(c.mesh.positions.end(), p, p + 3);
-    }
-    for (uint32_t t = 0; t < of_triangle.size(); ++t) {
-        Component& c = components[of_triangle[t]];
-        c.triangles.push_back(t);
-        for (size_t s = 0; s < 3; ++s) c.mesh.triangles.push_back(number[mesh.triangles[size_t{3} * t + s]]);
-    }
-    return components;
-}
-
 Edges edges_of(const TriangleMesh& mesh) {
     const Groups sides = group_sides(mesh.triangles, mesh.vertex_count());
     Edges edges;

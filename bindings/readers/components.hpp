@@ -1,4 +1,4 @@
-// The components of a triangle mesh: each is solved on its own.
+// What a triangle mesh is made of: components, edges, boundaries.
 #pragma once
 
 #include <cstddef>
@@ -9,19 +9,9 @@
 
 namespace readers {
 
-// Vertices and triangles of a component have the order that they have in the whole mesh.
-struct Component {
-    TriangleMesh mesh;
-    std::vector<uint32_t> vertices;  // of each vertex of it: the number in the whole mesh
-    std::vector<uint32_t> triangles; // likewise
-};
-
 // The component of each triangle, numbered in the order in which they come; triangles that share a vertex are in one.
 // Linear time.
 std::vector<uint32_t> component_of_triangles(const std::vector<uint32_t>& triangles, size_t vertex_count);
-
-// Vertices without a triangle are in none.
-std::vector<Component> components_of(const TriangleMesh& mesh);
 
 // The edges of a mesh, numbered by their first appearance in the triangle array, as hmf numbers them on level 0: so the
 // edges of a component have the order that they have in the whole mesh.

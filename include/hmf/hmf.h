@@ -61,9 +61,10 @@
  *             double, and so are counts of poles, zeros and indices.  Leaves run
  *             along the boundary or meet it at right angles.  Values of level 0
  *             that hmf_solve gives are exactly symmetric, but where a part that no
- *             leaf crosses joins a boundary and a handle or marked vertices: what the
- *             caller gets is one half, and can be read back.  The minimum on the intrinsic triangulation, where
- *             energy and residual are measured, is so up to the residual.
+ *             leaf crosses joins a boundary and a handle or marked vertices.  What
+ *             the caller gets is the half in front, and can be read back.  On the
+ *             intrinsic triangulation, where energy and residual are measured, the
+ *             minimum is symmetric up to the residual.
  *   sources   [W] Wang, Ma, Zhao, Wang: A multigrid approach for generating
  *             harmonic measured foliations, Computers & Graphics 2021.
  */
@@ -134,7 +135,7 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_ORIENTATION 307 /* neighbouring triangles turn in opposite senses */
 #define HMF_ERROR_MESH_NON_MANIFOLD_VERTEX 308 /* a vertex with several fans of triangles */
 #define HMF_ERROR_MESH_UNUSED_VERTEX 309 /* a vertex without a triangle */
-#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component */
+#define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component; hmf_components divides it */
 #define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
 
@@ -301,12 +302,86 @@ HMF_API hmf_status hmf_build(const double *positions, size_t vertex_count, const
                              size_t triangle_count, const hmf_build_options *options, const hmf_control *control,
                              hmf_hierarchy **out, hmf_error *error);
 
+/* One of the components of a mesh: its parts of the arrays of hmf_component_set.
+   first_* say where they begin. */
+typedef struct hmf_component {
+    hmf_status status;           /* what hmf_build says of it with the default options, mollify and the marked vertices:
+                                    HMF_OK, HMF_ERROR_MESH_GENUS if it carries no foliation, or its defect */
+    int32_t element;             /* HMF_ELEMENT_* that the defect is about */
+    uint64_t index;              /* of the element, in the whole mesh */
+    uint64_t genus;              /* this and the next: 0 where the status is a defect */
+    uint64_t boundary_count;
+    uint64_t first_vertex;
+    uint64_t vertex_count;
+    uint64_t first_edge;
+    uint64_t edge_count;
+    uint64_t first_triangle;
+    uint64_t triangle_count;
+    uint64_t first_mark;
+    uint64_t marked_count;
+} hmf_component;
+
+/* The components of a mesh, each with numbers of its own, in one block.  Arrays
+   named part_* and whole_* have one component after the other: a part, as
+   hmf_build takes it and numbers it on level 0, and its numbers in the whole mesh. */
+typedef struct hmf_component_set {
+    uint32_t struct_size;
+    uint32_t reserved;           /* 0 */
+    uint64_t count;
+    uint64_t vertex_count;       /* of the whole mesh, like the next two */
+    uint64_t edge_count;
+    uint64_t triangle_count;
+    uint64_t used_vertex_count;  /* vertices that have a triangle */
+    uint64_t marked_count;       /* marked vertices that have a triangle */
+    const hmf_component *list;   /* count, in the order of their first triangles */
+    const double *part_positions; /* used_vertex_count x 3 */
+    const uint32_t *part_triangles; /* triangle_count x 3 */
+    const uint32_t *part_marks;  /* marked_count */
+    const uint32_t *whole_vertices; /* used_vertex_count */
+    const uint32_t *whole_edges; /* edge_count */
+    const uint32_t *whole_triangles; /* triangle_count */
+    const uint32_t *vertex_component; /* vertex_count: component of each vertex; HMF_NONE: it has no triangle */
+    const uint32_t *vertex_part; /* vertex_count: its number there */
+    const uint32_t *triangle_component; /* triangle_count, likewise */
+    const uint32_t *triangle_part;
+} hmf_component_set;
+
+/*
+ * Divides a mesh into its connected components (triangles that share a vertex are
+ * in one), which are then built and solved one by one, each with its own loops:
+ *
+ *     for (k = 0; k < set->count; ++k) {
+ *         const hmf_component *c = &set->list[k];
+ *         if (c->status) continue;                        it carries no foliation: values 0
+ *         options.marked_vertices = set->part_marks + c->first_mark;
+ *         options.marked_count = c->marked_count;
+ *         hmf_build(set->part_positions + 3 * c->first_vertex, c->vertex_count,
+ *                   set->part_triangles + 3 * c->first_triangle, c->triangle_count, &options, ...);
+ *         hmf_solve(...);
+ *         for (e = 0; e < c->edge_count; ++e)
+ *             values[set->whole_edges[c->first_edge + e]] = own_values[e];
+ *     }
+ *
+ * Elements of a component keep the order that they have in the whole mesh.  Edges
+ * are numbered as on level 0.  Each component is checked as hmf_build does; a
+ * defect is its status, not an error of this call.  Vertices without a triangle
+ * are in no component.
+ *
+ * Of the options, position_stride, mollify, the marked vertices (of the whole
+ * mesh) and the memory count.  Free with hmf_free.
+ * Returns HMF_OK, HMF_CANCELLED, or an error of classes 100 and 200, or
+ * HMF_ERROR_MESH_COUNTS, HMF_ERROR_MESH_INDEX.
+ */
+HMF_API hmf_status hmf_components(const double *positions, size_t vertex_count, const uint32_t *triangles,
+                                  size_t triangle_count, const hmf_build_options *options,
+                                  const hmf_control *control, hmf_component_set **out, hmf_error *error);
+
 /* Vertices that hmf_suggest_marks proposes, in one block. */
 typedef struct hmf_mark_set {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
     uint64_t count;
-    const uint32_t *vertices;    /* count, at most 24 */
+    const uint32_t *vertices;    /* count, at most 24 on each component */
 } hmf_mark_set;
 
 /*
@@ -315,6 +390,8 @@ typedef struct hmf_mark_set {
  * A disk gets four that divide its boundary into equal lengths or, where that is
  * short (its square less than twice the area), tips as a sphere.
  * None where none are needed.  The same input gives the same marks.
+ * Of several components each gets its own, but for those that hmf_build refuses
+ * whatever is marked.
  *
  * Of the options, position_stride, mollify and the memory count.  Free with
  * hmf_free.  Errors: as hmf_build.
@@ -736,7 +813,8 @@ typedef struct hmf_singularity {
     int32_t index;               /* < 0 a zero of order -index, > 0 a pole, 0 a marked vertex that is no zero */
     uint32_t element;
     uint32_t size;               /* vertices of a cluster, else 1 */
-    double position[3];          /* of the vertex; the middle of the triangle; the mean of the cluster */
+    double position[3];          /* of the vertex; the middle of the triangle; the mean of the cluster, with boundary
+                                    its vertex nearest to that */
 } hmf_singularity;
 
 typedef struct hmf_singularity_set {

@@ -39,6 +39,7 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -310,6 +311,14 @@ Handle<T> make(const ProgressFunction& progress, Call&& call) {
     return make<T>(progress, std::forward<Call>(call), error);
 }
 
+/* Throws unless an array holds three numbers for each element. */
+inline void check_triples(std::size_t size, const char* what, const char* element) {
+    if (size % 3 != 0)
+        throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
+                    std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element
+                        + ".");
+}
+
 inline hmf_build_options raw(const BuildOptions& options) {
     hmf_build_options all = options;
     all.struct_size = sizeof all;
@@ -560,8 +569,8 @@ public:
     /* hmf_build.  positions: vertex_count x 3; triangles: triangle_count x 3. */
     Hierarchy(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
               const ProgressFunction& progress = nullptr) {
-        check_triples(positions.size(), "positions", "vertex");
-        check_triples(triangles.size(), "triangles", "triangle");
+        detail::check_triples(positions.size(), "positions", "vertex");
+        detail::check_triples(triangles.size(), "triangles", "triangle");
         const hmf_build_options all = detail::raw(options);
         handle_ = detail::make<hmf_hierarchy>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
             return hmf_build(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
@@ -576,8 +585,8 @@ public:
     static std::vector<uint32_t> suggest_marks(Span<double> positions, Span<uint32_t> triangles,
                                                const BuildOptions& options = {},
                                                const ProgressFunction& progress = nullptr) {
-        check_triples(positions.size(), "positions", "vertex");
-        check_triples(triangles.size(), "triangles", "triangle");
+        detail::check_triples(positions.size(), "positions", "vertex");
+        detail::check_triples(triangles.size(), "triangles", "triangle");
         const hmf_build_options all = detail::raw(options);
         const auto set =
             detail::make<hmf_mark_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
@@ -590,8 +599,8 @@ public:
     /* hmf_even_design: marked vertices for the options of a hierarchy, and loops to solve for on it. */
     static Design even_design(Span<double> positions, Span<uint32_t> triangles, const DesignOptions& options = {},
                               const ProgressFunction& progress = nullptr) {
-        check_triples(positions.size(), "positions", "vertex");
-        check_triples(triangles.size(), "triangles", "triangle");
+        detail::check_triples(positions.size(), "positions", "vertex");
+        detail::check_triples(triangles.size(), "triangles", "triangle");
         const hmf_build_options build = detail::raw(options.build);
         hmf_design_options all = {};
         all.struct_size = sizeof all;
@@ -693,13 +702,6 @@ public:
     }
 
 private:
-    static void check_triples(std::size_t size, const char* what, const char* element) {
-        if (size % 3 != 0)
-            throw Error(HMF_ERROR_CAPACITY, HMF_ELEMENT_NONE, 0,
-                        std::string(what) + " has " + std::to_string(size) + " numbers. Give three for each " + element
-                            + ".");
-    }
-
     template <class T>
     std::vector<T> fill(std::size_t level, uint64_t LevelInfo::*count, std::size_t width,
                         hmf_status (*call)(const hmf_hierarchy*, std::size_t, T*, std::size_t, hmf_error*)) const {
@@ -725,6 +727,177 @@ private:
 
     detail::Handle<hmf_hierarchy> handle_;
 };
+
+/* ------------------------------------------------------------------------
+ * Several components
+ * --------------------------------------------------------------------- */
+
+struct ComponentSolutions;
+
+/* What hmf_components gives. */
+class Components : public Result<hmf_component_set> {
+public:
+    /* The options: mollify, marked vertices (of the whole mesh), memory. */
+    Components(Span<double> positions, Span<uint32_t> triangles, const BuildOptions& options = {},
+               const ProgressFunction& progress = nullptr) :
+        Result(divide(positions, triangles, options, progress)) {}
+
+    std::size_t size() const noexcept { return static_cast<std::size_t>(get()->count); }
+    const hmf_component& operator[](std::size_t k) const noexcept { return get()->list[k]; }
+
+    /* Component k with numbers of its own, for a Hierarchy. */
+    Span<double> positions(std::size_t k) const noexcept {
+        return part(get()->part_positions, (*this)[k].first_vertex, (*this)[k].vertex_count, 3);
+    }
+    Span<uint32_t> triangles(std::size_t k) const noexcept {
+        return part(get()->part_triangles, (*this)[k].first_triangle, (*this)[k].triangle_count, 3);
+    }
+    Span<uint32_t> marked_vertices(std::size_t k) const noexcept {
+        return part(get()->part_marks, (*this)[k].first_mark, (*this)[k].marked_count);
+    }
+
+    /* Its numbers in the whole mesh. */
+    Span<uint32_t> whole_vertices(std::size_t k) const noexcept {
+        return part(get()->whole_vertices, (*this)[k].first_vertex, (*this)[k].vertex_count);
+    }
+    Span<uint32_t> whole_edges(std::size_t k) const noexcept {
+        return part(get()->whole_edges, (*this)[k].first_edge, (*this)[k].edge_count);
+    }
+    Span<uint32_t> whole_triangles(std::size_t k) const noexcept {
+        return part(get()->whole_triangles, (*this)[k].first_triangle, (*this)[k].triangle_count);
+    }
+
+    /* Loops of the whole mesh (level 0): those of each component, in its numbers.  Throws
+       HMF_ERROR_LOOP_INDEX where an element does not exist, HMF_ERROR_LOOP_NOT_CLOSED where a loop is on several. */
+    std::vector<Loops> split(const Loops& whole) const;
+
+    /* Solves each component, with the loops of the library or with those of the whole mesh.  options: as for a
+       Hierarchy, but for marked vertices, which are those given to the constructor; start and stop_level are not
+       used.  What is wrong with one component, or its loops, is said in its row; other failures are thrown. */
+    ComponentSolutions solve(const BuildOptions& build = {}, const SolveOptions& options = {},
+                             const ProgressFunction& progress = nullptr) const;
+    ComponentSolutions solve(const Loops& loops, const BuildOptions& build = {}, const SolveOptions& options = {},
+                             const ProgressFunction& progress = nullptr) const;
+
+private:
+    static detail::Handle<hmf_component_set> divide(Span<double> positions, Span<uint32_t> triangles,
+                                                    const BuildOptions& options, const ProgressFunction& progress) {
+        detail::check_triples(positions.size(), "positions", "vertex");
+        detail::check_triples(triangles.size(), "triangles", "triangle");
+        const hmf_build_options all = detail::raw(options);
+        return detail::make<hmf_component_set>(progress, [&](const hmf_control* control, auto out, hmf_error* error) {
+            return hmf_components(positions.data(), positions.size() / 3, triangles.data(), triangles.size() / 3, &all,
+                                  control, out, error);
+        });
+    }
+
+    template <class T>
+    static Span<T> part(const T* array, uint64_t first, uint64_t count, uint64_t width = 1) noexcept {
+        return span(array + width * first, width * count);
+    }
+
+    ComponentSolutions solve_each(const std::vector<Loops>* loops, BuildOptions build, SolveOptions options,
+                                  const ProgressFunction& progress) const;
+};
+
+/* One component of ComponentSolutions. */
+struct ComponentSolution {
+    hmf_status status;                /* that of the solution; without one, why there is none */
+    std::string message;              /* likewise; empty with HMF_OK */
+    std::optional<Solution> solution; /* of this component alone */
+};
+
+/* One foliation over all components. */
+struct ComponentSolutions {
+    std::vector<double> values; /* one for each edge of the whole mesh; 0 where a component has none */
+    std::vector<ComponentSolution> components;
+};
+
+inline std::vector<Loops> Components::split(const Loops& whole) const {
+    const bool triangles = whole.kind == LoopElements::triangles;
+    const uint32_t* const component = triangles ? get()->triangle_component : get()->vertex_component;
+    const uint32_t* const number = triangles ? get()->triangle_part : get()->vertex_part;
+    const uint64_t count = triangles ? get()->triangle_count : get()->vertex_count;
+    std::vector<Loops> parts(size());
+    for (Loops& own : parts) own.kind = whole.kind;
+    for (std::size_t c = 0; c < whole.size(); ++c) {
+        std::vector<uint32_t> elements;
+        uint32_t on = HMF_NONE;
+        for (const uint32_t element : whole[c]) {
+            const uint32_t k = element < count ? component[element] : HMF_NONE;
+            if (k == HMF_NONE)
+                throw Error(HMF_ERROR_LOOP_INDEX, HMF_ELEMENT_LOOP, c,
+                            "Loop " + std::to_string(c) + " names element " + std::to_string(element)
+                                + ", which no component has.");
+            if (on != HMF_NONE && k != on)
+                throw Error(HMF_ERROR_LOOP_NOT_CLOSED, HMF_ELEMENT_LOOP, c,
+                            "Loop " + std::to_string(c) + " lies on the components " + std::to_string(on) + " and "
+                                + std::to_string(k) + ". Give a loop on one of them.");
+            on = k;
+            elements.push_back(number[element]);
+        }
+        if (on == HMF_NONE) continue;
+        parts[on].add(elements, whole.weights[c]);
+        parts[on].arcs.resize(parts[on].size(), 0);
+        if (!whole.arcs.empty()) parts[on].arcs.back() = whole.arcs[c];
+    }
+    return parts;
+}
+
+inline ComponentSolutions Components::solve_each(const std::vector<Loops>* loops, BuildOptions build,
+                                                 SolveOptions options, const ProgressFunction& progress) const {
+    options.start = nullptr;
+    options.stop_level = 0;
+    ComponentSolutions all;
+    all.values.resize(static_cast<std::size_t>(get()->edge_count));
+    double done = 0;
+    for (std::size_t k = 0; k < size(); ++k) {
+        const hmf_component& c = (*this)[k];
+        const double share = static_cast<double>(c.triangle_count) / static_cast<double>(get()->triangle_count);
+        // About a quarter of the time is the build.
+        const auto from_to = [&](double from, double to) -> ProgressFunction {
+            if (!progress) return nullptr;
+            return [&progress, from, to](double fraction) { return progress(from + fraction * (to - from)); };
+        };
+        all.components.push_back({c.status, c.status == HMF_OK ? "" : hmf_status_string(c.status), std::nullopt});
+        ComponentSolution& row = all.components.back();
+        if (c.status == HMF_OK && loops && (*loops)[k].size() == 0) {
+            row.status = HMF_ERROR_LOOP_COUNT;
+            row.message = "No loop lies on it.";
+        }
+        if (row.status == HMF_OK) {
+            try {
+                build.marked_vertices = marked_vertices(k);
+                const Hierarchy hierarchy(positions(k), triangles(k), build, from_to(done, done + share / 4));
+                const ProgressFunction rest = from_to(done + share / 4, done + share);
+                row.solution = loops ? hierarchy.solve((*loops)[k], options, rest) : hierarchy.solve(options, rest);
+                row.status = row.solution->status;
+                row.message = row.solution->message;
+                const Span<double> own = row.solution->foliation.values();
+                const Span<uint32_t> edges = whole_edges(k);
+                for (std::size_t e = 0; e < own.size(); ++e) all.values[edges[e]] = own[e];
+            } catch (const Error& error) {
+                // What is wrong with this component, or its loops, is said in its row.
+                if (error.status() < 300 && error.status() != HMF_ERROR_UNSUPPORTED) throw;
+                row.status = error.status();
+                row.message = error.what();
+            }
+        }
+        done += share;
+    }
+    return all;
+}
+
+inline ComponentSolutions Components::solve(const BuildOptions& build, const SolveOptions& options,
+                                            const ProgressFunction& progress) const {
+    return solve_each(nullptr, build, options, progress);
+}
+
+inline ComponentSolutions Components::solve(const Loops& loops, const BuildOptions& build, const SolveOptions& options,
+                                            const ProgressFunction& progress) const {
+    const std::vector<Loops> parts = split(loops);
+    return solve_each(&parts, build, options, progress);
+}
 
 } // namespace cpp
 } // namespace hmf

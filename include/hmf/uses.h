@@ -269,7 +269,9 @@ typedef struct hmf_quad_mesh {
  * away; the number of quads is as near as the grids allow, and at least what each
  * cylinder needs.  relax evens out angles and sides (about 20 steps do): the sides
  * lie on leaves no longer, but vertices stay on the surface; where a row or column
- * runs along edges sharper than 40 degrees, its vertices move onto them.
+ * runs along edges sharper than 40 degrees, its vertices move onto them, and where
+ * the surface sticks out of the quads by half a side or more, a vertex reaches for
+ * its tip.
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
  * row by row where leaves run along it, and where they meet it column by column;
@@ -337,7 +339,7 @@ typedef struct hmf_chart_set {
  * many charts; HMF_ERROR_VALUE_NOT_HARMONIC; classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_atlas(const hmf_foliation *foliation, const hmf_atlas_options *options,
-                                  const hmf_control *control, hmf_chart_set **out, hmf_error *error);
+                             const hmf_control *control, hmf_chart_set **out, hmf_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,5 @@
 // hmf.h: build.
-#include "../hierarchy/suggest_marks.hpp"
 #include "build_options.hpp"
-#include "result.hpp"
 
 #include <new>
 
@@ -9,7 +7,7 @@ using namespace hmf;
 
 namespace hmf {
 
-bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
+static bool read(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
     if (!copy_options(from, all)) return false;
     if (all.collapse) options.collapse = all.collapse;
     if (all.ratio != 0) options.ratio = all.ratio;
@@ -20,6 +18,13 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
     options.marked_count = all.marked_count;
     return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
         && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release;
+}
+
+bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
+    if (read(from, all, options)) return true;
+    all.allocate = nullptr;
+    all.release = nullptr;
+    return false;
 }
 
 hmf_status refuse_build_options(Call& call) {
@@ -40,7 +45,6 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
     hmf_build_options all;
     BuildOptions build;
     const bool readable = read_build_options(options, all, build);
-    if (!readable) all.allocate = nullptr, all.release = nullptr;
     Memory own(all.allocate, all.release, all.allocator_user, all.memory_limit);
     {
         Call call(own, error, nullptr, nullptr);
@@ -64,32 +68,6 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
         call.finished();
     }
     return status;
-}
-
-hmf_status hmf_suggest_marks(const double* positions, size_t vertex_count, const uint32_t* triangles,
-                             size_t triangle_count, const hmf_build_options* options, const hmf_control* control,
-                             hmf_mark_set** out, hmf_error* error) {
-    if (out) *out = nullptr;
-    const Control given(control);
-    hmf_build_options all;
-    BuildOptions build;
-    const bool readable = read_build_options(options, all, build);
-    if (!readable) all.allocate = nullptr, all.release = nullptr;
-    hmf_hierarchy h(all.allocate, all.release, all.allocator_user, all.memory_limit);
-    Call call(h.memory, error, given.given);
-    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
-    if (!given.usable) return unusable_options("hmf_control", call);
-    if (!readable) return refuse_build_options(call);
-    Array<uint32_t> found;
-    if (suggest_marks(h, positions, vertex_count, static_cast<size_t>(build.position_stride), triangles, triangle_count,
-                      build, call, found))
-        return call.status();
-    hmf_mark_set set{sizeof(hmf_mark_set), 0, found.size(), nullptr};
-    ResultBlock block;
-    block.array(set, set.vertices, found.size(), found.data());
-    *out = block.make(set, h, call);
-    if (*out) call.finished();
-    return call.status();
 }
 
 void hmf_destroy(hmf_hierarchy* hierarchy) {

@@ -5,7 +5,7 @@
 
 namespace hmf {
 
-// The options with all defaults in place; false: they are unusable.
+// The options with all defaults in place; false: they are unusable, and `all` names no allocator.
 bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options);
 hmf_status refuse_build_options(Call& call);
 

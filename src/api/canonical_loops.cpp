@@ -1,9 +1,9 @@
 #include "canonical_loops.hpp"
 
+#include "../hierarchy/caller_numbers.hpp"
 #include "../leaves/cylinder_classes.hpp"
 #include "../loops/library_loops.hpp"
 #include "../solve/state.hpp"
-#include "caller_numbers.hpp"
 
 #include <algorithm>
 
@@ -42,10 +42,11 @@ hmf_status build_canonical(const hmf_hierarchy& h, hmf_hierarchy& made, Call& ca
 
 // Crossings on level 0 of one hierarchy as those of another one of the same triangles.
 hmf_status hand_over(const hmf_hierarchy& from, const hmf_hierarchy& to, Loops& loops, Call& call) {
-    Array<uint32_t> face, caller;
-    if (caller_faces(from, face, call) || inverse_numbers(face.data(), face.size(), caller, call)) return call.status();
-    for (uint32_t& h : loops.crossings) {
-        const uint32_t t = caller[from.input.face[h]];
+    Array<uint32_t> triangles;
+    if (caller_triangles(from, loops.crossings, triangles, call)) return call.status();
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        uint32_t& h = loops.crossings[i];
+        const uint32_t t = triangles[i];
         uint32_t there = internal_side(to, t);
         for (uint32_t side = internal_side(from, t); side != h; side = from.input.next[side])
             there = to.input.next[there];

@@ -80,7 +80,12 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     const hmf_hierarchy& h = *state.hierarchy;
     const Foliation& f = state.foliation;
     const size_t n = f.mesh.edge_count;
-    for (size_t e = 0; e < n; ++e)
+    const size_t too_large = call.parallel.sum_blocks<uint64_t>(n, [&](size_t begin, size_t end) {
+        uint64_t count = 0;
+        for (size_t e = begin; e < end; ++e) count += f.value[e] > largest_exact;
+        return count;
+    });
+    for (size_t e = 0; e < n && too_large > 0; ++e)
         if (f.value[internal_edge(h, state.level, e)] > largest_exact)
             return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_EDGE, e,
                              "The value of edge %llu needs more than the 53 bits of a double: the loops cross it too "
@@ -104,8 +109,10 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     object->bytes = call.memory.used() - before;
     new (&object->flat) std::atomic<SharedFlat*>(nullptr);
     double* values = fill(object->values);
-    for (size_t e = 0; e < n; ++e)
-        values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * making.unit;
+    call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e)
+            values[e] = static_cast<double>(f.value[internal_edge(h, state.level, e)]) * making.unit;
+    });
     h.references.fetch_add(1, std::memory_order_relaxed);
     *out = object;
     return HMF_OK;

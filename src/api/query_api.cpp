@@ -1,8 +1,11 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../design/conformal_scale.hpp"
+#include "../hierarchy/caller_numbers.hpp"
+#include "../leaves/double_reflection.hpp"
 #include "../solve/fraction.hpp"
-#include "caller_numbers.hpp"
 #include "foliation_object.hpp"
+
+#include <cmath>
 
 using namespace hmf;
 
@@ -44,7 +47,8 @@ private:
     const uint32_t* internal_vertex = nullptr;
 };
 
-// Where singularities lie in space; a cluster at the mean of its vertices.
+// Where singularities lie in space; a cluster at the mean of its vertices, or at the vertex nearest to that where there
+// is a boundary, which it may go along.
 class Places {
 public:
     Places(const State& state, const Indices& indices) :
@@ -70,6 +74,29 @@ public:
             hmf_singularity& s = list[place[c]];
             for (size_t a = 0; a < 3; ++a) s.position[a] += position_[3 * size_t{v} + a] / s.size;
         }
+    }
+
+    // From the mean to a vertex of the cluster; count: entries of the list.
+    Done to_vertices(const Array<uint32_t>& place, hmf_singularity* list, size_t count, Memory& memory) const {
+        struct Nearest {
+            double square;
+            uint32_t vertex;
+        };
+        Array<Nearest> nearest;
+        if (!nearest.allocate_filled(memory, count, Nearest{HUGE_VAL, NONE})) return false;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            const uint32_t c = indices_.cluster[v];
+            if (place[c] == NONE || indices_.size[c] < 2) continue;
+            double square = 0;
+            for (size_t a = 0; a < 3; ++a) {
+                const double x = position_[3 * size_t{v} + a] - list[place[c]].position[a];
+                square += x * x;
+            }
+            if (square < nearest[place[c]].square) nearest[place[c]] = {square, v};
+        }
+        for (size_t k = 0; k < count; ++k)
+            if (nearest[k].vertex != NONE) of_vertex(nearest[k].vertex, list[k].position);
+        return true;
     }
 
 private:
@@ -217,6 +244,10 @@ hmf_status hmf_singularities(const hmf_foliation* foliation, const hmf_control* 
         place[c] = at++;
     }
     places.of_clusters(place, list);
+    if (h.is_double() && !places.to_vertices(place, list, at, call.memory)) {
+        free_block(made);
+        return call.out_of_memory();
+    }
     for (uint32_t t = 0; t < m; ++t) {
         const int32_t index = fill(made->triangle_index)[t] = indices.at_face[indices.face[t]];
         if (index == 0) continue;

@@ -32,7 +32,7 @@ public:
     }
 
 private:
-    static constexpr int most_arrays = 8;
+    static constexpr int most_arrays = 11;
     struct Part {
         ptrdiff_t field;
         size_t bytes;

@@ -1,9 +1,10 @@
 // hmf.h: loops, initialize, solve, relax.
 #include "../design/conformal_scale.hpp"
-#include "caller_numbers.hpp"
+#include "../hierarchy/caller_numbers.hpp"
+#include "../leaves/double_reflection.hpp"
+#include "../loops/surface_loops.hpp"
 #include "canonical_loops.hpp"
 #include "read_loop_set.hpp"
-#include "surface_loops.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -155,7 +156,8 @@ hmf_status finish(State& state, hmf_status status, const SolveOptions& options, 
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
     if (watched && !call.tick(0, true)) return call.was_cancelled();
-    const SingularityCount count = count_singularities(state.foliation);
+    const SingularityCount count = count_singularities(state.foliation, {}, watched);
+    if (watched && call.cancelled()) return call.was_cancelled();
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
                          "%llu triangles of the result are not closed. Please report it.",
@@ -274,17 +276,11 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     if (hierarchy->is_double())
         return loops_of_surface(*hierarchy, level, kind, call, out) ? call.status() : entry.end();
     Loops loops;
-    Array<uint32_t> faces, triangle;
+    Array<uint32_t> faces;
     if (canonical_loops(*hierarchy, level, kind, call, loops)
         || name_by_triangles(*hierarchy, level, call, loops, faces))
         return call.status();
-    if (level == 0) {
-        Array<uint32_t> internal;
-        if (caller_faces(*hierarchy, internal, call)
-            || inverse_numbers(internal.data(), internal.size(), triangle, call))
-            return call.status();
-        for (size_t i = 0; i < faces.size(); ++i) faces[i] = triangle[faces[i]];
-    }
+    if (level == 0 && caller_triangles(*hierarchy, loops.crossings, faces, call)) return call.status();
     hmf_loop_set made{
         sizeof(hmf_loop_set), HMF_LOOP_TRIANGLES, level, loops.count(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;

@@ -25,11 +25,12 @@ public:
     hmf_status run(double to_flat) {
         Memory& memory = call_.memory;
         const size_t sides = size_t{2} * mesh_.edge_count, n = cylinders_.list.size();
+        VertexCharts charts;
         if (!out_.list.allocate(memory, n + 1) || !out_.u.allocate_filled(memory, sides, 0)
             || !out_.v.allocate_filled(memory, sides, 0) || !out_.sign.allocate_filled(memory, mesh_.face_count, 0)
             || !out_.piece.allocate_filled(memory, mesh_.face_count, NONE)
             || !met_.allocate_filled(memory, mesh_.face_count, 0) || !queue_.allocate(memory, mesh_.face_count)
-            || !find_cones(mesh_, flat_, cone_, is_cone_, call_))
+            || !charts.build(mesh_, flat_.bundle, call_) || !find_cones(mesh_, flat_, charts, cone_, is_cone_, call_))
             return call_.stopped();
         out_.cuts.start(memory);
         zeros_.start(memory);

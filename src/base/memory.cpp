@@ -94,9 +94,9 @@ Call::Call(Memory& m, hmf_error* error, const hmf_control& control) :
 Call::Call(Memory& m, hmf_error* error, hmf_progress_fn progress, void* progress_user) :
     memory(m), error_(error), progress_(progress), progress_user_(progress_user), start_(now()) {}
 
-Call::Call(Call* whole) :
+Call::Call(Call* whole, hmf_error* error) :
     Call(
-        whole->memory, nullptr,
+        whole->memory, error,
         [](void* user, double) -> int32_t {
             return static_cast<Call*>(user)->tick(0, true) ? HMF_PROGRESS_CONTINUE : HMF_PROGRESS_CANCEL;
         },

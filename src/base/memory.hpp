@@ -198,7 +198,8 @@ public:
     Call(Memory& memory, hmf_error* error, const hmf_control& control);
     Call(Memory& memory, hmf_error* error, hmf_progress_fn progress, void* progress_user);
     // Part of another call that may fail without it: reports to that call and is cancelled with it.
-    explicit Call(Call* whole);
+    // error: of the part.
+    explicit Call(Call* whole, hmf_error* error = nullptr);
 
     Memory& memory;
     const Parallel parallel; // what the host lends of its threads
@@ -219,6 +220,18 @@ public:
     // can_finish the answer HMF_PROGRESS_FINISH only sets finishing().
     // Cheap enough for every few thousand elementary steps.
     Done tick(double fraction, bool can_finish = false);
+    // f(begin, end) for the blocks of a pass over n elements, on the threads of the
+    // host, with a report before every so many of them; false: cancelled.
+    template <class F>
+    Done pass(size_t n, double fraction, F f, bool can_finish = false) {
+        const size_t block = Parallel::pass_block(n), stride = blocks_between_reports * block;
+        for (size_t first = 0; first < n; first += stride) {
+            if (!tick(fraction, can_finish)) return false;
+            parallel.for_blocks(n - first < stride ? n - first : stride, block,
+                                [&](size_t begin, size_t end) { f(first + begin, first + end); });
+        }
+        return true;
+    }
     void range(double from, double to) {
         from_ = from;
         to_ = to;
@@ -234,6 +247,8 @@ public:
     bool out_of_time() const { return time_limit_ > 0 && seconds() > time_limit_; }
 
 private:
+    static constexpr size_t blocks_between_reports = 64; // at most 10 ms in one thread, up to a million elements
+
     hmf_error* error_;
     hmf_progress_fn progress_;
     void* progress_user_;

@@ -49,7 +49,7 @@ public:
     }
 
 private:
-    // Without branches: which child comes first cannot be foreseen.
+    // Branch-free: mispredicted half the time.
     static bool before(const Entry& a, const Entry& b) {
         return (a.distance < b.distance) | ((a.distance == b.distance) & (a.item < b.item));
     }

@@ -16,6 +16,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "../../include/hmf/hmf.h"
 
@@ -57,6 +58,12 @@ public:
     template <class F>
     void for_blocks(size_t n, F f) const {
         for_blocks(n, pass_block(n), f);
+    }
+
+    template <class T>
+    void copy(T* to, const T* from, size_t n) const {
+        for_blocks(n,
+                   [=](size_t begin, size_t end) { std::memcpy(to + begin, from + begin, (end - begin) * sizeof(T)); });
     }
 
     // The sum of T = f(begin, end) over blocks; T has += and begins at T{}.

@@ -1,47 +1,22 @@
-// Weights for the loops of a surface with boundary, for which the scale of the
-// harmonic foliation is as even as it gets.  Searched on its double.
+// The even design of a surface with boundary: marked vertices as they are
+// suggested, the pants loops of the surface, and weights for these.
 #pragma once
 
-#include "../loops/loops.hpp"
-#include "../solve/solve.hpp"
-#include "conformal_scale.hpp"
+#include "../loops/surface_loops.hpp"
+#include "even_design.hpp"
 
 namespace hmf {
 
-// Loops of the double on the input side of level 0, and what they are of.
-struct LoopsOfDouble {
-    const Loops& loops;
-    const Array<uint32_t>& of;    // per loop: that of the surface
-    const Array<int64_t>& factor; // per loop, of its weight: 1 or 2
-    size_t count;                 // loops of the surface
+struct MeshArrays {
+    const double* positions;
+    size_t vertex_count;
+    const uint32_t* triangles;
+    size_t triangle_count;
 };
 
-class WeightSearch {
-public:
-    WeightSearch(const hmf_hierarchy& hierarchy, Call& call) : h_(hierarchy), call_(call) {}
-    hmf_status start();
-
-    // Of weights, one for each loop of the surface, 0: left out.  HUGE_VAL: there is no solution to be had.
-    [[nodiscard]] hmf_status measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness);
-    // Whole numbers.
-    [[nodiscard]] hmf_status run(const LoopsOfDouble& loops, uint64_t solves, Array<double>& weights,
-                                 double& unevenness);
-
-    uint64_t solves = 0;
-    double from = 0, to = 1; // progress
-
-private:
-    hmf_status find_means(const LoopsOfDouble& loops, bool& known);
-    hmf_status round_weights(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness);
-
-    const hmf_hierarchy& h_;
-    Call& call_;
-    size_t level_ = 0; // of the search
-    State state_;
-    ConformalScale scale_;
-    double unit_ = 1;
-    Array<int64_t> integers_; // per loop of the double
-    Array<double> mean_;      // per loop of the surface: log scale of its cylinders
-};
+// `like` gives the allocator.  out: all but the loops, which are in `loops`, by the
+// caller's numbers.
+[[nodiscard]] hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build,
+                                         const DesignOptions& design, Call& call, EvenDesign& out, FoundLoops& loops);
 
 } // namespace hmf

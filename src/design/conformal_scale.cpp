@@ -29,27 +29,63 @@ double natural_log(double x) {
     return exponent * 0.69314718055994531 + 2 * z * sum;
 }
 
+namespace {
+
+// The box of some points.
+struct Box {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    void operator+=(const Box& part) {
+        for (size_t c = 0; c < 3; ++c) {
+            low[c] = std::min(low[c], part.low[c]);
+            high[c] = std::max(high[c], part.high[c]);
+        }
+    }
+    double largest() const {
+        double size = 0;
+        for (size_t c = 0; c < 3; ++c) size = std::max(size, std::max(high[c], -low[c]));
+        return size;
+    }
+};
+
+Box box_of(const double* position, size_t begin, size_t end) {
+    Box box;
+    for (size_t v = begin; v < end; ++v)
+        for (size_t c = 0; c < 3; ++c) {
+            const double x = position[3 * v + c];
+            box.low[c] = std::min(box.low[c], x);
+            box.high[c] = std::max(box.high[c], x);
+        }
+    return box;
+}
+
+// Of some faces.
+struct Totals {
+    double area = 0, energy = 0, densest = 0;
+    void operator+=(const Totals& part) {
+        area += part.area;
+        energy += part.energy;
+        densest = std::max(densest, part.densest);
+    }
+};
+
+} // namespace
+
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory, Call* call) {
-    constexpr double least = 1e-14;       // of the largest density
-    constexpr uint32_t stride = 1u << 16; // half-edges, and faces, between two reports
+    constexpr double least = 1e-14; // of the largest density
     const auto go_on = [call] { return !call || call->tick(0, true); };
+    const Parallel alone;
+    const Parallel& parallel = call ? call->parallel : alone;
     mean = offset = across = 0;
-    if (!log_scale.allocate_filled(memory, mesh.face_count, 0.0) || !area.allocate_filled(memory, mesh.face_count, 0.0))
+    if (!log_scale.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count) || !go_on())
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    double largest = 0, low[3] = {}, high[3] = {};
-    for (size_t i = 0; i < size_t{3} * mesh.vertex_count; ++i) {
-        const double x = position[i] < 0 ? -position[i] : position[i];
-        if (x > largest) largest = x;
-        if (i < 3 || position[i] < low[i % 3]) low[i % 3] = position[i];
-        if (i < 3 || position[i] > high[i % 3]) high[i % 3] = position[i];
-    }
+    const Box box = parallel.sum_blocks<Box>(mesh.vertex_count,
+                                             [&](size_t begin, size_t end) { return box_of(position, begin, end); });
     int exponent = 0;
-    std::frexp(largest, &exponent);
+    std::frexp(box.largest(), &exponent);
     const double shrink = std::ldexp(1.0, -exponent);
-    double whole = 0, top = 0, whole_energy = 0, diagonal = 0;
-    const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k) {
+    const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k, Totals& totals) {
         const uint32_t side[3] = {h, g, k};
         double p[3][3], cross[3];
         for (size_t i = 0; i < 3; ++i)
@@ -61,7 +97,8 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         const double doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
         const uint32_t t = mesh.face[h];
         area[t] = doubled / 2;
-        whole += doubled / 2;
+        log_scale[t] = 0;
+        totals.area += doubled / 2;
         if (!(doubled > 0)) return;
         double energy = 0;
         for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
@@ -69,35 +106,44 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
             double dot = 0;
             for (size_t x = 0; x < 3; ++x) dot += (b[x] - a[x]) * (c[x] - a[x]);
             const double F = static_cast<double>(value[edge_of(side[i])]) * unit;
-            energy += 0.5 * dot / doubled * F * F;
+            energy += dot * (F * F);
         }
-        whole_energy += energy;
+        energy *= 0.5 / doubled;
+        totals.energy += energy;
         const double density = energy / (doubled / 2);
         log_scale[t] = density;
-        if (density > top && density < HUGE_VAL) top = density;
+        if (density > totals.densest && density < HUGE_VAL) totals.densest = density;
     };
-    const uint32_t half_edges = 2 * mesh.edge_count;
-    for (uint32_t begin = 0; begin < half_edges; begin += std::min(stride, half_edges - begin)) {
-        if (!go_on()) return false;
-        for_each_face(mesh, begin, begin + std::min(stride, half_edges - begin), measure_face);
-    }
-    if (!(whole > 0) || !(top > 0)) { // no extent, or no foliation
+    if (!go_on()) return false;
+    const Totals whole = parallel.sum_blocks<Totals>(size_t{2} * mesh.edge_count, [&](size_t begin, size_t end) {
+        Totals here;
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                      [&](uint32_t h, uint32_t g, uint32_t k) { measure_face(h, g, k, here); });
+        return here;
+    });
+    if (!(whole.area > 0) || !(whole.densest > 0)) { // no extent, or no foliation
         for (double& s : log_scale) s = 0;
         return true;
     }
-    for (size_t c = 0; c < 3; ++c) diagonal += (high[c] - low[c]) * shrink * ((high[c] - low[c]) * shrink);
-    across = whole_energy > 0 ? std::sqrt(whole_energy / whole * diagonal) : 0;
+    double diagonal = 0;
+    for (size_t c = 0; c < 3; ++c)
+        diagonal += (box.high[c] - box.low[c]) * shrink * ((box.high[c] - box.low[c]) * shrink);
+    across = whole.energy > 0 ? std::sqrt(whole.energy / whole.area * diagonal) : 0;
     offset = exponent * -0.69314718055994531;
-    for (size_t t = 0; t < area.size(); ++t) {
-        if (t % stride == 0 && !go_on()) return false;
-        area[t] /= whole;
-        double density = log_scale[t];
-        if (!(density > least * top)) density = least * top;
-        if (density > top) density = top;
-        log_scale[t] = 0.5 * natural_log(density);
-        mean += area[t] * log_scale[t];
-    }
-    return true;
+    if (!go_on()) return false;
+    mean = parallel.sum_blocks<double>(area.size(), [&](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t t = begin; t < end; ++t) {
+            area[t] /= whole.area;
+            double density = log_scale[t];
+            if (!(density > least * whole.densest)) density = least * whole.densest;
+            if (density > whole.densest) density = whole.densest;
+            log_scale[t] = 0.5 * natural_log(density);
+            sum += area[t] * log_scale[t];
+        }
+        return sum;
+    });
+    return go_on();
 }
 
 double ConformalScale::unevenness() const {

@@ -18,7 +18,8 @@ namespace hmf {
 namespace {
 
 constexpr uint64_t VERTICES = 1000;                      // of the coarse level
-constexpr double TOO_UNEVEN = 0.45;                      // a finer level is tried as well
+constexpr double TOO_UNEVEN = 0.45;                      // a finer level is tried as well,
+constexpr double FEWEST_SOLVES = 10;                     // where the budget has as many of its loops
 constexpr double LEAST_WORK = 120, EDGES_PER_WORK = 400; // EvenSearch::work; some 10 solves of level 0
 
 // A mesh with other numbers for its vertices, marked ones first.
@@ -71,9 +72,11 @@ Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surf
 }
 
 // The loops of a trial on its finest level as loops of the mesh that the surface is a copy of.
-hmf_status loops_on_surface(const hmf_hierarchy& trial, const Mesh& mesh, int32_t kind, Call& call, Loops& loops) {
+hmf_status loops_on_surface(const MarkedTrial& made, const Mesh& mesh, Call& call, Loops& loops) {
+    const hmf_hierarchy& trial = made.hierarchy();
     Array<uint32_t> vertex;
-    if (library_loops(trial, 0, kind, call, loops)) return call.status();
+    if (!loops.copy_from(made.loops(), call.memory)) return call.out_of_memory();
+    if (carry_from_coarsest(trial, 0, call, loops)) return call.status();
     if (!vertex.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
     for (uint32_t& x : loops.crossings) {
@@ -118,9 +121,9 @@ hmf_status carry_to_input(const hmf_hierarchy& h, size_t level, const Array<uint
     return pull_tight(view.mesh(), call, loops);
 }
 
-// The design on one level, with its loops there.
+// The design on one level, with its loops there.  affordable: solves with these loops in the whole budget.
 hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOptions& options, double from, double to,
-                           Call& call, EvenDesign& out) {
+                           Call& call, double& affordable, EvenDesign& out) {
     const Mesh& mesh = loop_mesh(h, level);
     const double* position = h.levels[level].position;
     Surface surface;
@@ -148,14 +151,15 @@ hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOpt
     if (search.round_weights(best)) return call.status();
     {
         MarkedTrial trial(h, call, search.fraction);
-        if (trial.start(surface, best.marks, best.kind)) return call.status();
-        if (loops_on_surface(trial.hierarchy(), mesh, best.kind, call, out.loops)) return call.status();
+        if (trial.start(surface, best.marks, best.kind, best.loops)) return call.status();
+        if (loops_on_surface(trial, mesh, call, out.loops)) return call.status();
         if (!keep_loops(best.weights, out, call.memory)) return call.out_of_memory();
     }
     out.marks.swap(best.marks);
     out.unevenness = best.unevenness;
     out.unevenness_before = search.unevenness_before;
     out.solves += search.solves;
+    affordable = search.budget / EvenSearch::work_of(best.weights.size());
     return HMF_OK;
 }
 
@@ -178,9 +182,11 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     if (h.is_double()) return HMF_OK;
     // Thin limbs get lost where the mesh is too coarse for them.
     size_t level = h.level_count - 1;
-    if (design_on_level(h, level, options, 0.15, 0.5, call, out)) return call.status();
-    if (out.unevenness > TOO_UNEVEN && level > 0 && h.levels[level - 1].mesh.vertex_count < 4 * VERTICES
-        && design_on_level(h, --level, options, 0.5, 0.9, call, out))
+    double affordable = 0;
+    if (design_on_level(h, level, options, 0.15, 0.5, call, affordable, out)) return call.status();
+    if (out.unevenness > TOO_UNEVEN && affordable >= FEWEST_SOLVES && level > 0
+        && h.levels[level - 1].mesh.vertex_count < 4 * VERTICES
+        && design_on_level(h, --level, options, 0.5, 0.9, call, affordable, out))
         return call.status();
     call.range(0.9, 1);
     if (carry_to_input(h, level, out.marks, call, out.loops)) return call.status();

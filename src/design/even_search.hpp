@@ -1,6 +1,7 @@
 // The search of the even design: which vertices to mark, and the weights.
 #pragma once
 
+#include "../mesh/edge_distances.hpp"
 #include "marked_trial.hpp"
 
 namespace hmf {
@@ -20,6 +21,7 @@ struct EvenChoice {
     Array<double> weights; // of the pants loops with these marks
     Array<double> scale;   // log |grad u| at the vertices
     int32_t kind = HMF_LOOPS_PANTS;
+    Loops loops; // on the coarsest level of a trial with these marks; empty: not found yet
     double unevenness = HUGE_VAL;
 };
 
@@ -29,7 +31,7 @@ public:
     EvenSearch(const hmf_hierarchy& like, const Mesh& mesh, const double* position, const Surface& surface,
                Call& call) :
         like_(like),
-        mesh_(mesh), position_(position), surface_(surface), call_(call), memory_(call.memory) {}
+        mesh_(mesh), surface_(surface), call_(call), memory_(call.memory), distances_(mesh, position, call.memory) {}
 
     // Starts from marked vertices that stay and from tips of limbs with two poles
     // each, then adds and removes poles as long as that makes the scale more even.
@@ -44,24 +46,20 @@ public:
     // it falls behind a rival.
     hmf_status evaluate(EvenChoice& choice, uint32_t rounds, double rival = HUGE_VAL);
 
-    // Whole numbers for weights, so that stripes match everywhere; loops of
-    // weight 0 are left out.  A cylinder of height 1 is about 1/44 of the size.
+    // whole_weights.hpp
     hmf_status round_weights(EvenChoice& best);
 
     double unevenness_before = 0; // of the default loops with weights 1
     uint64_t solves = 0;          // a derivative counts as one
-    double work = 0;              // a solve without loops is 1, with n loops 1 + n / 8
+    double work = 0;              // in solves without loops
+    static double work_of(size_t loops) { return 1 + static_cast<double>(loops) / 8; } // of a solve
 
 private:
     Done find_tips(const EvenChoice& choice, Array<Tip>& found);
-    Done place_pair(Tip& tip);
     Done list_marks(EvenChoice& choice);
     Done copy(const EvenChoice& from, EvenChoice& to);
-    template <class Enough>
-    Done spread(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough);
     double gain(const EvenChoice& before, const EvenChoice& after) const;
     void count(const MarkedTrial& trial);
-    Done prepare();
     Done mark_four(EvenChoice& choice);
     hmf_status improve(EvenChoice& best);
     hmf_status measure_before(EvenChoice& plain);
@@ -70,14 +68,10 @@ private:
 
     const hmf_hierarchy& like_;
     const Mesh& mesh_;
-    const double* position_;
     const Surface& surface_;
     Call& call_;
     Memory& memory_;
-    Array<double> length_, area_, distance_; // per edge, per vertex twice
-    Array<uint32_t> order_;
-    NearestFirst heap_;
-    double whole_ = 0;
+    EdgeDistances distances_;
 };
 
 } // namespace hmf

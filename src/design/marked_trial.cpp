@@ -46,7 +46,7 @@ hmf_status MarkedTrial::failed(Call& inner) {
     return HMF_OK;
 }
 
-hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind) {
+hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops) {
     BuildOptions options;
     options.coarsest = 250;
     options.marked_vertices = marks.data();
@@ -55,7 +55,12 @@ hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& mar
     if (build_hierarchy(h_, surface.position.data(), surface.vertex_count(), 0, surface.triangles.data(),
                         surface.triangles.size() / 3, options, call_))
         return failed(call_);
-    if (library_loops(h_, h_.level_count - 1, kind, call_, loops_)) return failed(call_);
+    if (loops.count() > 0) {
+        if (!loops_.copy_from(loops, call_.memory)) return failed(call_);
+    } else {
+        if (library_loops(h_, h_.level_count - 1, kind, call_, loops_, LoopCare::quick)) return failed(call_);
+        if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();
+    }
     if (loops_.count() == 0 || loops_.count() >= static_cast<size_t>(LABELS)) return HMF_OK;
     if (!weights.allocate(call_.memory, loops_.count()) || !guess_weights() || !state_.allocate(h_, 0, call_.memory)
         || !solved_.allocate(call_.memory, h_.input.edge_count)
@@ -296,9 +301,9 @@ hmf_status MarkedTrial::derive(bool& known) {
 // Gauss-Newton: the mean of the scale is free.
 hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
     const size_t n = weights.size(), faces = scale_.area.size();
-    Array<double> matrix, mean;
+    Array<double> matrix, mean, centred; // centred: times the area, per face
     if (!matrix.allocate_filled(call_.memory, n * n, 0.0) || !mean.allocate_filled(call_.memory, n, 0.0)
-        || !step.allocate_filled(outer_.memory, n, 0.0))
+        || !centred.allocate(call_.memory, faces) || !step.allocate_filled(outer_.memory, n, 0.0))
         return failed(call_);
     double area = 0, scale_mean = 0;
     for (size_t t = 0; t < faces; ++t) {
@@ -312,17 +317,22 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
     for (double& x : mean) x /= area;
     for (size_t c = 0; c < n; ++c) {
         const double* const x = derivative_.data() + c * faces;
-        for (size_t d = 0; d <= c; ++d) {
-            const double* const y = derivative_.data() + d * faces;
-            double sum = 0;
-            for (size_t t = 0; t < faces; ++t)
-                if (smooth_[t]) sum += scale_.area[t] * (x[t] - mean[c]) * (y[t] - mean[d]);
-            matrix[c * n + d] = sum;
-        }
         double sum = 0;
-        for (size_t t = 0; t < faces; ++t)
-            if (smooth_[t]) sum += scale_.area[t] * (x[t] - mean[c]) * (scale_.log_scale[t] - scale_mean);
+        for (size_t t = 0; t < faces; ++t) {
+            centred[t] = smooth_[t] ? scale_.area[t] * (x[t] - mean[c]) : 0;
+            sum += centred[t] * (scale_.log_scale[t] - scale_mean);
+        }
         step[c] = -sum;
+        // Four sums at once: one waits for itself.
+        for (size_t d = 0; d <= c; d += 4) {
+            const size_t together = c + 1 - d < 4 ? c + 1 - d : 4;
+            const double* y[4];
+            double sums[4] = {0, 0, 0, 0};
+            for (size_t k = 0; k < 4; ++k) y[k] = derivative_.data() + (d + (k < together ? k : 0)) * faces;
+            for (size_t t = 0; t < faces; ++t)
+                for (size_t k = 0; k < 4; ++k) sums[k] += centred[t] * y[k][t];
+            for (size_t k = 0; k < together; ++k) matrix[c * n + d + k] = sums[k];
+        }
     }
     // (J^T J + damping) step = right, by Cholesky's method.
     for (size_t c = 0; c < n; ++c) matrix[c * n + c] += damping;

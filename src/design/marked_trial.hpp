@@ -7,6 +7,7 @@
 #include "../loops/loops.hpp"
 #include "../solve/solve.hpp"
 #include "conformal_scale.hpp"
+#include "whole_weights.hpp"
 
 #include <cmath>
 
@@ -19,9 +20,6 @@ struct Surface {
     uint32_t vertex_count() const { return static_cast<uint32_t>(position.size() / 3); }
 };
 
-// Smallest and largest weight differ by at most this factor.
-constexpr double LARGEST_WEIGHT_RATIO = 4096;
-
 class MarkedTrial {
 public:
     // Memory comes from the allocator of `like`.  fraction: of the progress of the
@@ -30,7 +28,8 @@ public:
 
     // The hierarchy, its loops, and weights that suit the surface.  usable() is
     // false where there is no solution to be had.
-    hmf_status start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind = HMF_LOOPS_PANTS);
+    // loops: on its coarsest level, as found for the same marks and kind before; empty: they are found.
+    hmf_status start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops);
     // The minimum for the weights; usable() as above.
     hmf_status solve();
     // After solve(): the derivatives of the log scale by the logarithms of the weights.

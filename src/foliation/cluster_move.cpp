@@ -107,7 +107,10 @@ bool plan_move(Foliation& f, const Rings::Side* side, Star& star) {
                 const uint32_t w = mesh.target(side[s].half_edge);
                 if (star.F[s] == 0 && w != v && f.stamp[w] == f.epoch) star.step[s] = 0;
             }
-            for (const uint32_t w : f.members) f.pushed.add(w); // parts are disjoint
+            for (const uint32_t w : f.members) { // parts are disjoint
+                if (!f.may_look(w, f.pushed.size())) return false;
+                f.pushed.add(w);
+            }
         }
     }
     star.moving = ++f.epoch;

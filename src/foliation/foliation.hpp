@@ -42,15 +42,31 @@ struct Foliation {
     Mesh mesh;                // connectivity that the values belong to
     int64_t* value = nullptr; // edge_count
     // Scratch of cluster searches and moves, so large that they cannot fail.
-    Array<uint32_t> stamp; // per vertex: the epoch in which it was met last
+    uint32_t* stamp = nullptr; // per vertex: the epoch in which it was met last
     uint32_t epoch = 0;
     Array<uint32_t> members; // vertices of the cluster found last
     Array<uint32_t> pushed;  // vertices that move along with the one of the move planned last
     Done allocate_scratch(uint32_t vertex_count, Memory& memory); // for all meshes up to this size
+    // Of a task of a sweep (sweep.hpp): it goes no further than the inside of its block,
+    // and outside says that it would have had to.
+    const uint32_t* inside = nullptr; // per vertex: the block that it is inside of
+    uint32_t block = 0;
+    bool outside = false;
+    static constexpr uint32_t most_inside = 64;                                 // members, and as many pushed
+    Done share(const Foliation& whole, const uint32_t* blocks, Memory& memory); // the same foliation for a task
+    // May the task look at the star of a vertex, as one more of so many?
+    bool may_look(uint32_t vertex, size_t members_now) {
+        if (!inside || (inside[vertex] == block && members_now < most_inside)) return true;
+        outside = true;
+        return false;
+    }
 
     int64_t at(uint32_t h) const { return value[edge_of(h)]; }
     // Twice the corner coordinate of origin(h) in the triangle left of h.
     int64_t corner2(uint32_t h) const { return at(h) + at(mesh.prev(h)) - at(mesh.next[h]); }
+
+private:
+    Array<uint32_t> stamps_;
 };
 
 // What a search round a cluster found.  The search may stop early, as soon as
@@ -96,6 +112,13 @@ struct SingularityCount {
     uint64_t poles = 0, zeros = 0; // counted with multiplicity: sum of index, sum of -index
     int64_t index_sum = 0;
     uint64_t broken_triangles = 0; // triangle inequality or parity violated
+
+    void operator+=(const SingularityCount& part) {
+        poles += part.poles;
+        zeros += part.zeros;
+        index_sum += part.index_sum;
+        broken_triangles += part.broken_triangles;
+    }
 };
 
 // Where they are; NULL = not wanted.

@@ -109,7 +109,7 @@ namespace {
 // half-edge `start` of v whose successor is a zero edge, until the walk comes
 // back to v.  Returns the half-edge of v where it arrives; NONE if it meets a
 // closed corner first or takes more than `budget` steps (then decided = false).
-uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget, bool& decided) {
+uint32_t walk_to_next_visit(Foliation& f, uint32_t start, uint32_t budget, bool& decided) {
     const Mesh& mesh = f.mesh;
     const uint32_t v = mesh.origin[start];
     uint32_t g = start;
@@ -121,6 +121,7 @@ uint32_t walk_to_next_visit(const Foliation& f, uint32_t start, uint32_t budget,
         } else {
             g = twin(mesh.next[g]); // same neighbour, seen from the other end of the zero edge
             if (mesh.origin[g] == v) return g;
+            if (!f.may_look(mesh.origin[g], 0)) return NONE;
         }
     }
     decided = false;
@@ -326,11 +327,11 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         }
         read_star(f, side, degree, weight, star);
         const double excess = 2 * star.best_pull - star.pull;
-        if (!(excess > 0)) return moved;
+        if (f.outside || !(excess > 0)) return moved;
         const bool self_edge = rings.is(v, Monogons::SELF_EDGE);
         const double best = excess / rings.weight_sum[v];
         if (best < 1 && !self_edge) return moved;
-        if ((self_edge || star.has_zero) && (!star.decided || !plan_move(f, side, star))) {
+        if ((self_edge || star.has_zero) && (!star.decided || !plan_move(f, side, star) || f.outside)) {
             ++result.blocked;
             return moved;
         }
@@ -362,17 +363,6 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         if (!lands) return true;
     }
     return moved;
-}
-
-void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
-           Call& call, double fraction) {
-    const uint32_t n = f.mesh.vertex_count;
-    for (uint32_t i = 0; i < n; ++i) {
-        if (i % 8192 == 0 && !call.tick(fraction, true)) return;
-        if (n - i > Rings::ahead)
-            rings.prefetch_star(f.value, weight, backward ? n - 1 - i - Rings::ahead : i + Rings::ahead);
-        relax_vertex(f, rings, weight, backward ? n - 1 - i : i, star, result);
-    }
 }
 
 double pull_floor(double total, uint32_t vertex_count) { return 0.01 * 2 * total / static_cast<double>(vertex_count); }

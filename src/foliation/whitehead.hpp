@@ -100,13 +100,13 @@ struct SweepResult {
     double energy_change = 0; // in squared units, <= 0
     uint64_t moves = 0;
     uint64_t blocked = 0; // vertices that want to move but must wait
-};
 
-// Moves each vertex once to the best point that is legal and reachable in its
-// star.  backward reverses the order.  Stops between two moves if the call is
-// cancelled; fraction is what it reports.
-void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
-           Call& call, double fraction);
+    void operator+=(const SweepResult& part) {
+        energy_change += part.energy_change;
+        moves += part.moves;
+        blocked += part.blocked;
+    }
+};
 
 // A move of the vertex of a star into star.best, with what has to go along
 // (cluster_move.cpp).  plan_move fills star.step and f.pushed; false: what

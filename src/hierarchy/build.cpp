@@ -62,13 +62,13 @@ Done take_mesh(Arena& arena, uint32_t vertex_count, uint32_t edge_count, uint32_
 }
 
 // Copies the first elements, as many as the coarser of the two meshes has.
-void copy_prefix(const Mesh& from, const Mesh& to) {
+void copy_prefix(const Mesh& from, const Mesh& to, const Parallel& parallel) {
     const Mesh& coarser = from.edge_count < to.edge_count ? from : to;
-    const size_t bytes = size_t{2} * coarser.edge_count * sizeof(uint32_t);
-    std::memcpy(to.origin, from.origin, bytes);
-    std::memcpy(to.next, from.next, bytes);
-    std::memcpy(to.face, from.face, bytes);
-    std::memcpy(to.out, from.out, coarser.vertex_count * sizeof(uint32_t));
+    const size_t sides = size_t{2} * coarser.edge_count;
+    parallel.copy(to.origin, from.origin, sides);
+    parallel.copy(to.next, from.next, sides);
+    parallel.copy(to.face, from.face, sides);
+    parallel.copy(to.out, from.out, coarser.vertex_count);
 }
 
 class Builder {
@@ -76,9 +76,11 @@ public:
     Builder(hmf_hierarchy& h, const double* positions, size_t stride, const BuildOptions& options, Call& call) :
         h_(h), positions_(positions), stride_(stride), options_(options), call_(call), scratch_(h.memory) {}
 
+    hmf_status check(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
     hmf_status run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
 
 private:
+    hmf_status load_surface(size_t vertex_count, const uint32_t* triangles, size_t triangle_count);
     hmf_status load(size_t vertex_count, const uint32_t* triangles, size_t triangle_count, Array<uint32_t>& boundary);
     hmf_status load_double(size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
                            const Array<uint32_t>& boundary);
@@ -102,9 +104,10 @@ private:
     WorkMesh work_;                    // lies in the arrays of h_.input
     Array<Level> levels_;
     Array<uint32_t> flips_;
+    Array<CollapseRun> runs_;
     double* weight_ = nullptr; // of level 0: sums of cotangents first
     Metric metric_;            // of the input; empty if it is Delaunay
-    bool is_delaunay_ = false;
+    bool is_delaunay_ = false, only_checks_ = false;
     Arena scratch_;               // of the numberings
     Array<Numbering> numberings_; // of all levels but the coarsest: level k -> k + 1 first, then to the final numbers
     size_t collapse_count_ = 0;
@@ -150,6 +153,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
     if (check_genus()) return call_.status();
+    if (only_checks_) return HMF_OK;
     if (!(h_.edge_internal = arena.take<uint32_t>(edge_count_))) return call_.out_of_memory();
     status = number_edges(ordered, work_.mesh, h_.triangle_edges, h_.edge_internal, work_.link.data(), call_);
     if (status) return status;
@@ -158,7 +162,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (!call_.tick(0.17)) return HMF_CANCELLED;
     status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
     if (status) return status;
-    is_delaunay_ = is_delaunay(work_.mesh, weight_);
+    is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
     if (is_delaunay_) metric_ = Metric();
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
@@ -195,15 +199,16 @@ hmf_status Builder::load_double(size_t vertex_count, const uint32_t* triangles, 
     options_.marked_vertices = doubling_.marked.data();
     options_.marked_count = doubling_.marked_count;
     Array<uint32_t> none;
-    if (load(doubling_.vertex_count, nullptr, 2 * triangle_count, none)) return call_.status();
+    const hmf_status loaded = load(doubling_.vertex_count, nullptr, 2 * triangle_count, none);
     doubling_.boundary_side.release();
-    return HMF_OK;
+    return loaded;
 }
 
 // Metric of the input, and sums of cotangents for the weights of level 0.
 hmf_status Builder::measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides) {
-    if (!measure(mesh, position, scale, sides, h_.memory, metric_, weight_)) return call_.out_of_memory();
-    if (options_.mollify > 0) mollify(mesh, options_.mollify, metric_, weight_);
+    if (!measure(mesh, position, scale, sides, metric_, weight_, call_)
+        || (options_.mollify > 0 && !mollify(mesh, options_.mollify, metric_, weight_, call_)))
+        return call_.stopped();
     for (const double area : metric_.four_areas)
         if (!(area > 0)) // all points are one
             return call_.fail(HMF_ERROR_MESH_DEGENERATE, HMF_ELEMENT_NONE, 0,
@@ -217,9 +222,11 @@ hmf_status Builder::keep_geometry(Level& level, double fraction) {
     if (!(level.position = h_.arena.take<double>(coordinates))
         || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
         return call_.out_of_memory();
-    for (size_t n = 0; n < coordinates; ++n) level.position[n] = work_.position[n] / scale_;
+    call_.parallel.for_blocks(coordinates, [&](size_t begin, size_t end) {
+        for (size_t n = begin; n < end; ++n) level.position[n] = work_.position[n] / scale_;
+    });
     const hmf_status status = cotangent_sums(work_.mesh, work_.position, level.weight, call_, fraction);
-    if (!status) level.raised_count = coarse_weights(work_.mesh, level.weight);
+    if (!status) level.raised_count = coarse_weights(work_.mesh, level.weight, call_.parallel);
     return status;
 }
 
@@ -227,6 +234,7 @@ hmf_status Builder::coarsen() {
     const Schedule schedule(options_, h_.genus);
     levels_.start(h_.memory);
     flips_.start(h_.memory);
+    runs_.start(h_.memory);
     numberings_.start(h_.memory);
     Level level;
     level.mesh.marked_count = h_.input.marked_count;
@@ -245,9 +253,11 @@ hmf_status Builder::coarsen() {
         const double from = 0.6 - 0.4 * edges_before / total, to = 0.6 - 0.4 * static_cast<double>(target) / total;
         Level& finer = levels_.back();
         finer.collapse_begin = collapse_count_;
+        finer.run_begin = runs_.size();
         hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum,
-                                           h_.collapses, collapse_count_, call_, from, 0.5 * (from + to));
+                                           h_.collapses, collapse_count_, runs_, call_, from, 0.5 * (from + to));
         if (status) return status;
+        finer.run_end = runs_.size();
         finer.collapse_end = collapse_count_;
         if (work_.mesh.edge_count == edges_before) break;
         Numbering numbering;
@@ -255,7 +265,8 @@ hmf_status Builder::coarsen() {
             || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
             || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
             return call_.out_of_memory();
-        number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering);
+        number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering,
+                     call_.parallel);
         compact(work_, numbering);
         finer.flip_begin = flips_.size();
         status = delaunay_flips(work_, flips_, call_, 0.5 * (from + to));
@@ -275,7 +286,7 @@ hmf_status Builder::coarsen() {
         Mesh& coarsest = levels_.back().mesh;
         if (!take_mesh(h_.arena, work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count, coarsest))
             return call_.out_of_memory();
-        copy_prefix(work_.mesh, coarsest);
+        copy_prefix(work_.mesh, coarsest, call_.parallel);
     }
     work_ = WorkMesh();
     return HMF_OK;
@@ -290,14 +301,19 @@ hmf_status Builder::number() {
     h_.levels[0].weight = weight_;
     if (!flips_.empty()) std::memcpy(h_.flips, flips_.data(), flips_.size() * sizeof(uint32_t));
     flips_.release();
+    if (!(h_.collapse_runs = h_.arena.take<CollapseRun>(runs_.size()))) return call_.out_of_memory();
+    if (!runs_.empty()) std::memcpy(h_.collapse_runs, runs_.data(), runs_.size() * sizeof(CollapseRun));
+    runs_.release();
     if (h_.level_count == 1) return HMF_OK;
     Array<double> copy;
     if (!copy.allocate(h_.memory, edge_count_)) return call_.out_of_memory(); // the largest
     // width values for each element
-    const auto permute = [&copy](double* value, size_t count, size_t width, const uint32_t* number) {
-        std::memcpy(copy.data(), value, width * count * sizeof(double));
-        for (size_t x = 0; x < count; ++x)
-            for (size_t c = 0; c < width; ++c) value[width * number[x] + c] = copy[width * x + c];
+    const auto permute = [&](double* value, size_t count, size_t width, const uint32_t* number) {
+        call_.parallel.copy(copy.data(), value, width * count);
+        call_.parallel.for_blocks(count, [&](size_t begin, size_t end) {
+            for (size_t x = begin; x < end; ++x)
+                for (size_t c = 0; c < width; ++c) value[width * number[x] + c] = copy[width * x + c];
+        });
     };
     for (size_t k = h_.level_count - 1; k-- > 0;) {
         const Level& level = h_.levels[k];
@@ -305,11 +321,12 @@ hmf_status Builder::number() {
         if (k + 1 < numberings_.size()) {
             // Flips come after the collapses, in the numbers of the coarser level.
             const Numbering& coarser = numberings_[k + 1];
-            compose(level, numbers, h_.levels[k + 1], coarser);
+            compose(level, numbers, h_.levels[k + 1], coarser, call_.parallel);
             for (size_t n = level.flip_begin; n < level.flip_end; ++n) h_.flips[n] = coarser.edge[h_.flips[n]];
         }
         if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
-        renumber_collapses(h_.collapses + level.collapse_begin, level.collapse_end - level.collapse_begin, numbers);
+        renumber_collapses(h_.collapses + level.collapse_begin, level.collapse_end - level.collapse_begin, numbers,
+                           call_.parallel);
         if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
         permute(level.weight, level.mesh.edge_count, 1, numbers.edge);
         if (k > 0) permute(level.position, level.mesh.vertex_count, 3, numbers.vertex);
@@ -319,9 +336,15 @@ hmf_status Builder::number() {
         permute(metric_.length.data(), edge_count_, 1, finest.edge);
         permute(metric_.four_areas.data(), face_count_, 1, finest.face);
     }
-    for (uint32_t e = 0; e < edge_count_; ++e) h_.edge_internal[e] = finest.edge[h_.edge_internal[e]];
-    for (uint32_t v = 0; v < vertex_count_; ++v) h_.vertex_internal[v] = finest.vertex[h_.vertex_internal[v]];
-    return call_.tick(0.65) ? HMF_OK : HMF_CANCELLED;
+    const auto renumber_edges = [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e) h_.edge_internal[e] = finest.edge[h_.edge_internal[e]];
+    };
+    const auto renumber_vertices = [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) h_.vertex_internal[v] = finest.vertex[h_.vertex_internal[v]];
+    };
+    if (!call_.pass(edge_count_, 0.65, renumber_edges) || !call_.pass(vertex_count_, 0.65, renumber_vertices))
+        return HMF_CANCELLED;
+    return HMF_OK;
 }
 
 hmf_status Builder::replay() {
@@ -334,21 +357,25 @@ hmf_status Builder::replay() {
         if (k < last) {
             if (!take_mesh(h_.arena, level.mesh.vertex_count, level.mesh.edge_count, level.mesh.face_count, level.mesh))
                 return call_.out_of_memory();
-            copy_prefix(mesh, level.mesh);
+            copy_prefix(mesh, level.mesh, call_.parallel);
         }
         const double fraction = 0.65 + 0.2 * (1 - static_cast<double>(level.mesh.edge_count) / edge_count_);
         for (size_t n = finer.flip_end; n-- > finer.flip_begin;) {
             if (n % 65536 == 0 && !call_.tick(fraction)) return HMF_CANCELLED;
             unflip(mesh, h_.flips[n]);
         }
-        for (size_t n = finer.collapse_end; n-- > finer.collapse_begin;) {
-            if (n % 65536 == 0 && !call_.tick(fraction)) return HMF_CANCELLED;
+        const auto undo = [&](size_t n, size_t begin) {
+            prefetch_split(mesh, h_.collapses, n, begin);
             split(mesh, h_.collapses[n]);
-        }
+        };
+        if (!undo_collapses(h_, finer, call_, fraction, false, undo)) return HMF_CANCELLED;
     }
-    for (size_t v = 0; v < vertex_count_; ++v)
-        for (size_t c = 0; c < 3; ++c)
-            input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+    const auto place = [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v)
+            for (size_t c = 0; c < 3; ++c)
+                input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+    };
+    if (!call_.pass(vertex_count_, 0.85, place)) return HMF_CANCELLED;
     h_.levels[0].position = input_position_;
     return HMF_OK;
 }
@@ -358,7 +385,7 @@ hmf_status Builder::make_delaunay() {
     level.mesh = h_.input;
     if (!is_delaunay_) {
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
-        copy_prefix(h_.input, level.mesh);
+        copy_prefix(h_.input, level.mesh, call_.parallel);
         // A log that grows would need three times its room.  Few flips fit into
         // this one; of many it gives the number, and a second run writes them.
         Array<uint32_t> log;
@@ -377,7 +404,7 @@ hmf_status Builder::make_delaunay() {
             for (double at = 0.93; count > room; at += 0.02) {
                 room = count;
                 if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(room))) return call_.out_of_memory();
-                copy_prefix(h_.input, level.mesh);
+                copy_prefix(h_.input, level.mesh, call_.parallel);
                 status = measure_input(h_.input, level.position, scale_, nullptr);
                 if (!status)
                     status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_,
@@ -386,21 +413,31 @@ hmf_status Builder::make_delaunay() {
             }
         }
     }
-    level.raised_count = intrinsic_weights(level.mesh, weight_);
+    level.raised_count = intrinsic_weights(level.mesh, weight_, call_.parallel);
     return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
 }
 
-hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+// Level 0 as the caller gave it; with boundary the double of it.
+hmf_status Builder::load_surface(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
     Array<uint32_t> boundary;
     hmf_status status = load(vertex_count, triangles, triangle_count, boundary);
     const size_t sides = boundary.size();
     if (!status && sides > 0) status = load_double(vertex_count, triangles, triangle_count, boundary);
-    boundary.release();
     h_.surface_vertices = static_cast<uint32_t>(vertex_count);
     h_.surface_triangles = static_cast<uint32_t>(triangle_count);
     h_.surface_edges = static_cast<uint32_t>((3 * triangle_count + sides) / 2);
     h_.boundary_count = doubling_.boundary_count;
     h_.surface_genus = sides == 0 ? h_.genus : (h_.genus + 1 - h_.boundary_count) / 2;
+    return status;
+}
+
+hmf_status Builder::check(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+    only_checks_ = true;
+    return load_surface(vertex_count, triangles, triangle_count);
+}
+
+hmf_status Builder::run(size_t vertex_count, const uint32_t* triangles, size_t triangle_count) {
+    hmf_status status = load_surface(vertex_count, triangles, triangle_count);
     if (!status) status = coarsen();
     if (!status) status = number();
     if (!status) status = replay();
@@ -426,6 +463,13 @@ hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, si
     return status;
 }
 
+hmf_status check_surface(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                         const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call) {
+    Builder builder(hierarchy, positions, 0, options, call);
+    const hmf_status status = builder.check(vertex_count, triangles, triangle_count);
+    return status == HMF_CANCELLED ? call.was_cancelled() : status;
+}
+
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options) {
     const uint64_t V = vertex_count, F = triangle_count, E = F + F / 2;
     const uint64_t genus = 2 + E > V + F ? (2 + E - V - F) / 2 : 0;
@@ -446,8 +490,13 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     const uint64_t slack = 131072 + MAX_LEVELS * (2 * sizeof(Level) + 8 * 32);
     const uint64_t input = 24 * F + 4 * V + 4 * E + 8 * E; // the caller's triangles, the maps, weights of level 0
     const uint64_t metric = 8 * E + 8 * F;
-    const uint64_t work = 28 * E + 33 * V + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
-    const uint64_t log = sizeof(Collapse) * records;
+    const bool has_blocks = V >> (WorkMesh::smallest_block_shift + 1) > 0;
+    const uint64_t queues = 4 * BucketQueue::BUCKETS * (has_blocks ? WorkMesh::most_blocks + 1 : 1);
+    const uint64_t work = 30 * E + 34 * V + queues + (options.collapse == HMF_COLLAPSE_QSLIM ? sizeof(Quadric) * V : 0);
+    // Of a group a run for each block and one alone after it, while their array grows by doubling.
+    const uint64_t groups = has_blocks ? records / WorkMesh::least_group : 0;
+    const uint64_t runs = 3 * sizeof(CollapseRun) * (groups * (WorkMesh::most_blocks + 1) + MAX_LEVELS);
+    const uint64_t log = sizeof(Collapse) * records + runs;
     const uint64_t flips = 4 * COARSE_FLIPS_PER_EDGE * coarse;
     const uint64_t geometry = 8 * coarse + 24 * coarse_vertices; // weights and positions of the coarse levels
     const uint64_t numberings = 8 * (E + coarse);                // V + F is E, but for the genus
@@ -456,13 +505,13 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     // Ordered triangles; marks and one bucket, which may hold most sides, then the
     // metric, which is larger.  12 V: before unused vertices are refused, there
     // may be more of them than edges.
-    const uint64_t loading = input + work + 16 * F + 12 * V + metric;
+    const uint64_t loading = input + work + 16 * F + 12 * V + metric + 8 * E; // 8: of the sums of cotangents
     // The log of flips grows by doubling: three times its length while it does.
-    const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh;
+    const uint64_t coarsening = input + work + metric + log + 3 * flips + geometry + numberings + mesh + 8 * coarse;
     const uint64_t numbering =
         input + metric + log + 3 * flips + geometry + numberings + coarse_meshes + mesh + 24 * V + 8 * E;
     const uint64_t replaying = input + metric + log + flips + geometry + coarse_meshes + mesh + 24 * V;
-    const uint64_t finishing = replaying + mesh + 4 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
+    const uint64_t finishing = replaying + mesh + 4 * E + 8 * E + E + 4 * INTRINSIC_FLIPS_PER_EDGE * E;
     uint64_t bound = ordering;
     const uint64_t stages[4] = {loading, coarsening, numbering, finishing};
     for (const uint64_t stage : stages) bound = std::max(bound, stage);

@@ -16,7 +16,8 @@ namespace {
 
 // Rounding must not make an edge turn for ever between two equal states.
 constexpr double TOLERANCE = -1e-9;
-constexpr uint32_t NOT_WAITING = NONE - 1;
+// Of an edge that is not on the stack of those to be looked at.
+constexpr uint32_t NOT_WANTED = NONE - 1, WANTED = NONE - 2;
 
 // Is the angle at apex between a and b greater than 90 degrees?
 bool obtuse(const double* apex, const double* a, const double* b) {
@@ -45,15 +46,23 @@ bool is_folded(const double* i, const double* j, const double* k, const double* 
     return dot(e, v) * dot(u, e) < dot(e, e) * dot(u, v);
 }
 
-bool flip_if_needed(WorkMesh& work, uint32_t edge) {
+// Would the other diagonal be Delaunay?
+bool is_wanted(const WorkMesh& work, uint32_t edge) {
+    const Mesh& mesh = work.mesh;
+    const uint32_t h = 2 * edge, t = twin(h);
+    const double *i = work.at(mesh.origin[h]), *j = work.at(mesh.origin[t]);
+    const double *k = work.at(mesh.origin[mesh.prev(h)]), *l = work.at(mesh.origin[mesh.prev(t)]);
+    if (!obtuse(k, i, j) && !obtuse(l, i, j)) return false; // most edges
+    return cotangent(k, i, j) + cotangent(l, j, i) < TOLERANCE;
+}
+
+// An edge whose flip is wanted.
+bool flip_if_possible(WorkMesh& work, uint32_t edge) {
     Mesh& mesh = work.mesh;
     const uint32_t h = 2 * edge, t = twin(h), ki = mesh.prev(h), lj = mesh.prev(t);
     const uint32_t i = mesh.origin[h], j = mesh.origin[t], k = mesh.origin[ki], l = mesh.origin[lj];
-    const double *x_i = work.at(i), *x_j = work.at(j), *x_k = work.at(k), *x_l = work.at(l);
-    if (!obtuse(x_k, x_i, x_j) && !obtuse(x_l, x_i, x_j)) return false; // most edges
-    if (!(cotangent(x_k, x_i, x_j) + cotangent(x_l, x_j, x_i) < TOLERANCE)) return false;
     if (k == l || work.degree[i] <= 3 || work.degree[j] <= 3) return false;
-    if (work.has_double_edges && is_folded(x_i, x_j, x_k, x_l)) return false;
+    if (work.has_double_edges && is_folded(work.at(i), work.at(j), work.at(k), work.at(l))) return false;
     if (work.degree[k] < work.degree[l] ? neighbours(work, ki, l) : neighbours(work, lj, k)) return false;
     flip(mesh, edge);
     --work.degree[i];
@@ -67,22 +76,31 @@ bool flip_if_needed(WorkMesh& work, uint32_t edge) {
 
 hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, double fraction) {
     Mesh& mesh = work.mesh;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) work.link[e] = NOT_WAITING;
+    // Nearly no edge wants to be flipped, so all are asked first.  Later a flip nearby asks again.
+    const auto ask = [&](size_t begin, size_t end) {
+        for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e)
+            work.link[e] = is_wanted(work, e) ? WANTED : NOT_WANTED;
+    };
+    if (!call.pass(mesh.edge_count, fraction, ask)) return HMF_CANCELLED;
     uint64_t budget = COARSE_FLIPS_PER_EDGE * mesh.edge_count;
     uint32_t top = NONE, steps = 0;
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
+        if (first % 65536 == 0 && !call.tick(fraction)) return HMF_CANCELLED;
+        if (work.link[first] != WANTED) continue;
         // Edges round a flipped one are looked at again, at once.
         uint32_t e = first;
         for (;;) {
             if (++steps % 8192 == 0 && !call.tick(fraction)) return HMF_CANCELLED;
-            if (budget > 0 && flip_if_needed(work, e)) {
+            const bool wanted = is_wanted(work, e);
+            work.link[e] = wanted ? WANTED : NOT_WANTED; // if it is not possible now it may be later
+            if (wanted && budget > 0 && flip_if_possible(work, e)) {
                 --budget;
                 if (!flips.push(e)) return call.out_of_memory();
                 const uint32_t h = 2 * e, t = twin(h);
                 const uint32_t round[4] = {mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)};
                 for (const uint32_t side : round) {
                     const uint32_t other = edge_of(side);
-                    if (work.link[other] != NOT_WAITING) continue;
+                    if (work.link[other] != WANTED && work.link[other] != NOT_WANTED) continue;
                     work.link[other] = top;
                     top = other;
                 }
@@ -90,7 +108,6 @@ hmf_status delaunay_flips(WorkMesh& work, Array<uint32_t>& flips, Call& call, do
             if (top == NONE) break;
             e = top;
             top = work.link[e];
-            work.link[e] = NOT_WAITING;
         }
     }
     return HMF_OK;

@@ -47,6 +47,13 @@ struct Level {
     // (on level 0 they start from the input mesh, not the intrinsic one).
     size_t collapse_begin = 0, collapse_end = 0;
     size_t flip_begin = 0, flip_end = 0;
+    size_t run_begin = 0, run_end = 0; // of the collapses
+};
+
+// Collapses of one block, one after the other.  Runs of the same group commute.
+struct CollapseRun {
+    uint32_t end; // in the log
+    uint32_t group;
 };
 
 } // namespace hmf
@@ -81,7 +88,8 @@ struct hmf_hierarchy {
     hmf::Level* levels = nullptr; // finest first
     size_t level_count = 0;
     hmf::Collapse* collapses = nullptr; // of all levels, finest first
-    uint32_t* flips = nullptr;          // of all levels, finest first
+    hmf::CollapseRun* collapse_runs = nullptr;
+    uint32_t* flips = nullptr; // of all levels, finest first
 
     // Between the caller's numbers and the internal ones, on level 0.
     uint32_t* triangle_vertices = nullptr; // 3 * face_count, caller's vertex numbers (a copy of the input)
@@ -111,10 +119,43 @@ namespace hmf {
 // Vertices that the coarsest level has at least: ten for each zero.
 inline uint64_t least_coarsest(uint64_t genus, uint64_t marked_count) { return 40 * genus + 10 * marked_count; }
 
+// undo(n, begin) for the collapses of a level, the last one first; those of runs that
+// commute on the threads of the host.  begin: of the run.
+template <class Undo>
+Done undo_collapses(const hmf_hierarchy& h, const Level& level, Call& call, double fraction, bool can_finish,
+                    Undo undo) {
+    const auto begin_of = [&](size_t run) {
+        return run > level.run_begin ? size_t{h.collapse_runs[run - 1].end} : level.collapse_begin;
+    };
+    for (size_t first = level.run_end; first > level.run_begin;) {
+        const size_t last = first--;
+        while (first > level.run_begin && h.collapse_runs[first - 1].group == h.collapse_runs[first].group) --first;
+        if (!call.tick(fraction, can_finish)) return false;
+        if (last - first == 1) {
+            const size_t begin = begin_of(first);
+            for (size_t n = h.collapse_runs[first].end; n-- > begin;) {
+                if (n % 8192 == 0 && !call.tick(fraction, can_finish)) return false;
+                undo(n, begin);
+            }
+            continue;
+        }
+        call.parallel.for_each(static_cast<uint32_t>(last - first), [&](uint32_t k, uint32_t) {
+            const size_t begin = begin_of(first + k);
+            for (size_t n = h.collapse_runs[first + k].end; n-- > begin;) undo(n, begin);
+        });
+    }
+    return true;
+}
+
 // arrays in -> validated mesh -> hierarchy.  Fills a freshly made hierarchy.
 [[nodiscard]] hmf_status build_hierarchy(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
                                          size_t position_stride, const uint32_t* triangles, size_t triangle_count,
                                          const BuildOptions& options, Call& call);
+
+// The checks of build_hierarchy alone: fills surface_genus and boundary_count.
+[[nodiscard]] hmf_status check_surface(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
+                                       const uint32_t* triangles, size_t triangle_count, const BuildOptions& options,
+                                       Call& call);
 
 // Upper bound of the peak memory of build_hierarchy.
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options);

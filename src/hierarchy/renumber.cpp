@@ -15,33 +15,59 @@ namespace {
 uint32_t choose(uint32_t mask, uint32_t ones, uint32_t zeros) { return (ones & mask) | (zeros & ~mask); }
 
 template <class Removed>
-void number_elements(uint32_t end, uint32_t kept, uint32_t* number, Removed removed) {
-    uint32_t survivors = 0;
-    for (uint32_t x = 0; x < end; ++x) {
-        const uint32_t gone = removed(x);
-        number[x] = choose(0 - gone, kept + x - survivors, survivors);
-        survivors += 1 - gone;
+void number_elements(uint32_t count, uint32_t kept, uint32_t* number, Removed removed, const Parallel& parallel) {
+    // Survivors of each block, then of all blocks before it.
+    const size_t size = Parallel::pass_block(count);
+    uint32_t before[Parallel::most_parts], sum = 0;
+    parallel.for_blocks(count, size, [&](size_t begin, size_t end) {
+        uint32_t here = 0;
+        for (size_t x = begin; x < end; ++x) here += 1 - removed(static_cast<uint32_t>(x));
+        before[begin / size] = here;
+    });
+    for (size_t k = 0; k * size < count; ++k) {
+        const uint32_t here = before[k]; // NOLINT(clang-analyzer-core*): each block set its number
+        before[k] = sum;
+        sum += here;
     }
+    parallel.for_blocks(count, size, [&](size_t begin, size_t end) {
+        uint32_t survivors = before[begin / size];
+        for (uint32_t x = static_cast<uint32_t>(begin); x < end; ++x) {
+            const uint32_t gone = removed(x);
+            number[x] = choose(0 - gone, kept + x - survivors, survivors);
+            survivors += 1 - gone;
+        }
+    });
 }
 
-void compose_elements(uint32_t count, uint32_t kept, uint32_t* number, const uint32_t* coarser) {
-    for (uint32_t x = 0; x < count; ++x) {
-        const uint32_t here = number[x], stays = 0 - static_cast<uint32_t>(here < kept);
-        number[x] = choose(stays, coarser[here & stays], here);
-    }
+void compose_elements(uint32_t count, uint32_t kept, uint32_t* number, const uint32_t* coarser,
+                      const Parallel& parallel) {
+    parallel.for_blocks(count, [&](size_t begin, size_t end) {
+        for (size_t x = begin; x < end; ++x) {
+            const uint32_t here = number[x], stays = 0 - static_cast<uint32_t>(here < kept);
+            number[x] = choose(stays, coarser[here & stays], here);
+        }
+    });
 }
 
 uint32_t renumbered_side(const uint32_t* edge, uint32_t h) { return 2 * edge[edge_of(h)] + (h & 1u); }
 
 } // namespace
 
-void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out) {
+void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out,
+                  const Parallel& parallel) {
     const Mesh& mesh = work.mesh;
-    number_elements(work.vertex_end, mesh.vertex_count, out.vertex, [&](uint32_t v) { return mesh.out[v] == NONE; });
-    number_elements(work.edge_end, mesh.edge_count, out.edge, [&](uint32_t e) { return work.removed(e); });
-    for (uint32_t f = 0; f < work.face_end; ++f) out.face[f] = 0;
-    for (size_t n = 0; n < record_count; ++n) out.face[records[n].face_left] = out.face[records[n].face_right] = NONE;
-    number_elements(work.face_end, mesh.face_count, out.face, [&](uint32_t f) { return out.face[f] == NONE; });
+    number_elements(
+        work.vertex_end, mesh.vertex_count, out.vertex, [&](uint32_t v) { return mesh.out[v] == NONE; }, parallel);
+    number_elements(
+        work.edge_end, mesh.edge_count, out.edge, [&](uint32_t e) { return work.removed(e); }, parallel);
+    parallel.for_blocks(work.face_end, [&](size_t begin, size_t end) {
+        for (size_t f = begin; f < end; ++f) out.face[f] = 0;
+    });
+    parallel.for_blocks(record_count, [&](size_t begin, size_t end) { // each face is in one record
+        for (size_t n = begin; n < end; ++n) out.face[records[n].face_left] = out.face[records[n].face_right] = NONE;
+    });
+    number_elements(
+        work.face_end, mesh.face_count, out.face, [&](uint32_t f) { return out.face[f] == NONE; }, parallel);
 }
 
 void compact(WorkMesh& work, const Numbering& numbers) {
@@ -71,21 +97,25 @@ void compact(WorkMesh& work, const Numbering& numbers) {
     work.face_end = mesh.face_count;
 }
 
-void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser) {
-    compose_elements(level.mesh.vertex_count, coarser_level.mesh.vertex_count, numbers.vertex, coarser.vertex);
-    compose_elements(level.mesh.edge_count, coarser_level.mesh.edge_count, numbers.edge, coarser.edge);
-    compose_elements(level.mesh.face_count, coarser_level.mesh.face_count, numbers.face, coarser.face);
+void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser,
+             const Parallel& parallel) {
+    compose_elements(level.mesh.vertex_count, coarser_level.mesh.vertex_count, numbers.vertex, coarser.vertex,
+                     parallel);
+    compose_elements(level.mesh.edge_count, coarser_level.mesh.edge_count, numbers.edge, coarser.edge, parallel);
+    compose_elements(level.mesh.face_count, coarser_level.mesh.face_count, numbers.face, coarser.face, parallel);
 }
 
-void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers) {
-    for (size_t n = 0; n < count; ++n) {
-        Collapse& c = collapses[n];
-        uint32_t* const half_edges[5] = {&c.h, &c.jk, &c.lj, &c.ki, &c.il};
-        for (uint32_t* h : half_edges) *h = renumbered_side(numbers.edge, *h);
-        c.vertex = numbers.vertex[c.vertex];
-        c.face_left = numbers.face[c.face_left];
-        c.face_right = numbers.face[c.face_right];
-    }
+void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers, const Parallel& parallel) {
+    parallel.for_blocks(count, [&](size_t begin, size_t end) {
+        for (size_t n = begin; n < end; ++n) {
+            Collapse& c = collapses[n];
+            uint32_t* const half_edges[5] = {&c.h, &c.jk, &c.lj, &c.ki, &c.il};
+            for (uint32_t* h : half_edges) *h = renumbered_side(numbers.edge, *h);
+            c.vertex = numbers.vertex[c.vertex];
+            c.face_left = numbers.face[c.face_left];
+            c.face_right = numbers.face[c.face_right];
+        }
+    });
 }
 
 } // namespace hmf

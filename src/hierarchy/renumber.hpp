@@ -12,16 +12,18 @@ struct Numbering {
 
 // Numbers that put what is left first and what was removed behind it, both in
 // the old order.  records: the collapses since the numbers were last changed.
-void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out);
+void number_level(const WorkMesh& work, const Collapse* records, size_t record_count, const Numbering& out,
+                  const Parallel& parallel);
 
 // Drops what was removed and moves the rest to its new numbers.
 void compact(WorkMesh& work, const Numbering& numbers);
 
 // Follows what stays on the coarser level to its number there; from
 // number_level to the final numbers, if `coarser` has those.
-void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser);
+void compose(const Level& level, const Numbering& numbers, const Level& coarser_level, const Numbering& coarser,
+             const Parallel& parallel);
 
 // Rewrites records into new numbers.
-void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers);
+void renumber_collapses(Collapse* collapses, size_t count, const Numbering& numbers, const Parallel& parallel);
 
 } // namespace hmf

@@ -13,6 +13,19 @@
 //
 // A marked vertex is the end that stays, and keeps its place; an edge between
 // two of them is never collapsed.
+//
+// A large mesh is cut into blocks of vertices.  A collapse touches the two stars
+// of its edge: where they lie in one block it is the business of that block
+// alone.  For each length, blocks collapse theirs at the same time, and then the
+// edges that reach over a border go one by one:
+//
+//     +-----------+-----------+        o-o inside of its block
+//     |  o-o      |      o-o  |        x-x touches a vertex with a
+//     |        x--+--x        |            neighbour in another block
+//     +-----------+-----------+
+//
+// Collapses of different blocks commute, so the log has those of one block after
+// those of another.
 #include "simplify.hpp"
 
 #include "../base/prefetch.hpp"
@@ -148,10 +161,10 @@ inline Placement place(const WorkMesh& work, int32_t strategy, uint32_t h) {
 // need.  A list does not change any more when the first edge is taken.
 class Scout {
 public:
-    void step(const WorkMesh& work, uint32_t list) {
+    void step(const WorkMesh& work, const BucketQueue& queue, uint32_t list) {
         if (list != list_) {
             list_ = list;
-            far_ = near_ = work.queue.first(list);
+            far_ = near_ = queue.first(list);
             for (uint32_t n = 0; n < 2 * DISTANCE && far_ != NONE; ++n) {
                 far_ = work.link[far_];
                 if (n >= DISTANCE) near_ = work.link[near_];
@@ -226,9 +239,6 @@ void apply(WorkMesh& work, uint32_t h, const Placement& placement, bool with_qua
     const uint32_t removed[3] = {record.h, record.jk, record.lj};
     for (const uint32_t gone : removed) mesh.face[gone] = mesh.face[twin(gone)] = NONE;
     mesh.out[j] = NONE;
-    mesh.vertex_count -= 1;
-    mesh.edge_count -= 3;
-    mesh.face_count -= 2;
 }
 
 } // namespace
@@ -258,9 +268,20 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     vertex_end = all.vertex_count;
     edge_end = all.edge_count;
     face_end = all.face_count;
+    find_blocks();
+    // Coarser levels may have more blocks than this one, or none.
+    for (uint32_t k = 0; k <= (block_count > 0 ? most_blocks : 0); ++k)
+        if (!queue[k].allocate(memory)) return false;
     return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, std::max(vertex_end, edge_end))
-        && marks.allocate_filled(memory, vertex_end, 0) && queue.allocate(memory)
-        && (!with_quadrics || quadrics.allocate(memory, vertex_end));
+        && marks.allocate_filled(memory, vertex_end, 0) && at_border.allocate(memory, vertex_end)
+        && bucket.allocate(memory, edge_end) && (!with_quadrics || quadrics.allocate(memory, vertex_end));
+}
+
+// A small mesh has none: all its edges are in the last queue.
+void WorkMesh::find_blocks() {
+    block_shift = smallest_block_shift;
+    while (vertex_end >> block_shift >= most_blocks) ++block_shift;
+    block_count = vertex_end >> (smallest_block_shift + 1) == 0 ? 0 : ((vertex_end - 1) >> block_shift) + 1;
 }
 
 void initial_quadrics(WorkMesh& work) {
@@ -293,54 +314,230 @@ void initial_quadrics(WorkMesh& work) {
     }
 }
 
-hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
-                          Collapse* log, size_t& log_count, Call& call, double from, double to) {
-    Mesh& mesh = work.mesh;
-    const uint32_t edges_before = mesh.edge_count;
-    const bool with_quadrics = strategy == HMF_COLLAPSE_QSLIM;
-    uint32_t steps = 0;
-    // Each round but the last two collapses something.
-    bool strict = true;
-    while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum) {
-        const uint32_t edges_at_round = mesh.edge_count;
-        Scout scout;
+namespace {
+
+// One level.
+class Collapser {
+public:
+    Collapser(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
+              size_t& log_count, Array<CollapseRun>& runs, Call& call, double from, double to) :
+        work_(work),
+        mesh_(work.mesh), strategy_(strategy), edge_target_(edge_target), vertex_minimum_(vertex_minimum), log_(log),
+        log_count_(log_count), runs_(runs), call_(call), from_(from), to_(to), edges_before_(work.mesh.edge_count) {}
+
+    hmf_status run() {
+        work_.find_blocks();
+        // Each round but the last two collapses something.
+        while (left() > 0) {
+            const uint32_t edges_at_round = mesh_.edge_count;
+            if (!fill_queues() || !drain_queues()) return call_.stopped();
+            for (uint32_t k = 0; k <= work_.block_count; ++k) work_.queue[k].clear();
+            if (mesh_.edge_count == edges_at_round) {
+                if (!strict_) break;
+                strict_ = false;
+            } else if (edges_at_round - mesh_.edge_count < edges_at_round / 64) {
+                strict_ = false; // not worth another careful round
+            }
+        }
+        return HMF_OK;
+    }
+
+private:
+    // How many collapses there should still be.
+    uint32_t left() const {
+        if (mesh_.edge_count <= edge_target_ || mesh_.vertex_count <= vertex_minimum_) return 0;
+        return std::min((mesh_.edge_count - edge_target_ + 2) / 3, mesh_.vertex_count - vertex_minimum_);
+    }
+
+    BucketQueue& border_queue() { return work_.queue[work_.block_count]; }
+    bool touches_border(uint32_t e) const {
+        return work_.at_border[mesh_.origin[2 * e]] | work_.at_border[mesh_.origin[2 * e + 1]];
+    }
+    bool is_in_two_blocks(uint32_t v, uint32_t w) const { return (v ^ w) >> work_.block_shift != 0; }
+
+    Done fill_queues() {
+        const uint32_t end = work_.edge_end;
+        const auto find_buckets = [&](size_t begin, size_t stop) {
+            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e)
+                if (!work_.removed(e))
+                    work_.bucket[e] = static_cast<uint16_t>(BucketQueue::bucket(place(work_, strategy_, 2 * e).cost));
+        };
+        if (!call_.pass(end, from_, find_buckets)) return false;
+        for (uint32_t v = 0; v < work_.vertex_end; ++v) work_.at_border[v] = work_.block_count == 0;
+        for (uint32_t e = 0; e < end && work_.block_count > 0; ++e) {
+            if (work_.removed(e)) continue;
+            const uint32_t v = mesh_.origin[2 * e], w = mesh_.origin[2 * e + 1];
+            if (is_in_two_blocks(v, w)) work_.at_border[v] = work_.at_border[w] = 1;
+        }
         // Backwards: lists give the latest first, so each is taken in order.
-        for (uint32_t e = work.edge_end; e-- > 0;) {
-            if (!work.removed(e)) work.queue.put(e, BucketQueue::bucket(place(work, strategy, 2 * e).cost), work.link);
-            if (with_quadrics ? e % 8192 == 0 : e % 65536 == 0)
-                if (!call.tick(from)) return HMF_CANCELLED;
+        for (uint32_t e = end; e-- > 0;) {
+            if (e % 65536 == 0 && !call_.tick(from_)) return false;
+            if (work_.removed(e)) continue;
+            const uint32_t k = touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
+            work_.queue[k].put(e, work_.bucket[e], work_.link);
         }
-        while (mesh.edge_count > edge_target && mesh.vertex_count > vertex_minimum && !work.queue.empty()) {
-            const uint32_t now = work.queue.lowest();
-            scout.step(work, now);
-            const uint32_t e = work.queue.take(work.link);
-            if (++steps % 8192 == 0) {
-                const double part = static_cast<double>(edges_before - mesh.edge_count)
-                                  / static_cast<double>(edges_before - edge_target);
-                if (!call.tick(from + (to - from) * part)) return HMF_CANCELLED;
+        return true;
+    }
+
+    // List by list, the shortest edges first.
+    Done drain_queues() {
+        for (uint32_t now = 0; left() > 0 && find_lowest(now);) {
+            const double done = static_cast<double>(edges_before_ - mesh_.edge_count);
+            if (!call_.tick(from_ + (to_ - from_) * done / static_cast<double>(edges_before_ - edge_target_)))
+                return false;
+            // The last few where they come first.
+            if (work_.block_count > 0 && left() >= 4 * work_.block_count) {
+                if (!collapse_in_blocks(now)) return false;
+            } else {
+                for (uint32_t k = 0; k < work_.block_count; ++k) collapse_in_block(k, now);
             }
-            if (work.removed(e)) continue;
-            const uint32_t h = directed(work, e);
-            if (mesh.is_marked(mesh.target(h))) continue; // both ends
-            const Placement placement = place(work, strategy, h);
-            const uint32_t bucket = BucketQueue::bucket(placement.cost);
-            if (bucket > now) {
-                work.queue.put(e, bucket, work.link);
-                continue;
-            }
-            if (strict ? !keeps_shape(work, h, placement.position) : !can_collapse(mesh, h, work.marks.data()))
-                continue;
-            apply(work, h, placement, with_quadrics, log[log_count++]);
+            if (!collapse_at_borders(now) || !end_run()) return false;
         }
-        work.queue.clear();
-        if (mesh.edge_count == edges_at_round) {
-            if (!strict) break;
-            strict = false;
-        } else if (edges_at_round - mesh.edge_count < edges_at_round / 64) {
-            strict = false; // not worth another careful round
+        return true;
+    }
+
+    bool find_lowest(uint32_t& now) {
+        now = NONE;
+        for (uint32_t k = 0; k <= work_.block_count; ++k)
+            if (!work_.queue[k].empty()) now = std::min(now, work_.queue[k].lowest());
+        return now != NONE;
+    }
+
+    // What became of an edge: dropped because it is gone, longer by now or not fit.
+    enum class Fate : uint8_t { dropped, collapsed, handed_over };
+
+    Fate take(BucketQueue& queue, uint32_t now, bool in_block, Collapse& record) {
+        const uint32_t e = queue.take(work_.link);
+        if (work_.removed(e)) return Fate::dropped;
+        if (in_block && touches_border(e)) {
+            queue.set_aside(e, work_.link);
+            return Fate::handed_over;
+        }
+        const uint32_t h = directed(work_, e);
+        if (mesh_.is_marked(mesh_.target(h))) return Fate::dropped; // both ends
+        const Placement placement = place(work_, strategy_, h);
+        const uint32_t bucket = BucketQueue::bucket(placement.cost);
+        if (bucket > now) {
+            queue.put(e, bucket, work_.link);
+            return Fate::dropped;
+        }
+        if (strict_ ? !keeps_shape(work_, h, placement.position) : !can_collapse(mesh_, h, work_.marks.data()))
+            return Fate::dropped;
+        apply(work_, h, placement, strategy_ == HMF_COLLAPSE_QSLIM, record);
+        return Fate::collapsed;
+    }
+
+    // At most `most` collapses of a block.  Returns how many.
+    uint32_t collapse_some(uint32_t block, uint32_t now, uint32_t most, Collapse* record) {
+        BucketQueue& queue = work_.queue[block];
+        Scout scout;
+        uint32_t count = 0;
+        while (count < most && !queue.empty() && queue.lowest() <= now) {
+            scout.step(work_, queue, queue.lowest());
+            count += take(queue, now, true, record[count]) == Fate::collapsed;
+        }
+        return count;
+    }
+
+    // What is in the log and in no run becomes one, as a part of the last one if that stands alone.
+    Done end_run() {
+        const uint32_t end = static_cast<uint32_t>(log_count_);
+        if (end == in_runs_) return true;
+        in_runs_ = end;
+        if (last_stands_alone_) {
+            runs_.back().end = end;
+            return true;
+        }
+        last_stands_alone_ = true;
+        return runs_.push({end, static_cast<uint32_t>(runs_.size())});
+    }
+    // A run for each block, unless there are too few collapses for that.
+    Done end_runs(const uint32_t* end) {
+        if (log_count_ - in_runs_ < WorkMesh::least_group) return end_run();
+        const uint32_t group = static_cast<uint32_t>(runs_.size());
+        for (uint32_t k = 0; k < work_.block_count; ++k) {
+            if (end[k] == in_runs_) continue;
+            in_runs_ = end[k];
+            if (!runs_.push({end[k], group})) return false;
+        }
+        last_stands_alone_ = false;
+        return true;
+    }
+
+    void count_collapses(uint32_t count) {
+        log_count_ += count;
+        mesh_.vertex_count -= count;
+        mesh_.edge_count -= 3 * count;
+        mesh_.face_count -= 2 * count;
+    }
+
+    void collapse_in_block(uint32_t block, uint32_t now) {
+        count_collapses(collapse_some(block, now, left(), log_ + log_count_));
+    }
+
+    // Each block an equal share of what is left, in a part of the log of its own.
+    Done collapse_in_blocks(uint32_t now) {
+        const uint32_t share = left() / work_.block_count;
+        uint32_t count[WorkMesh::most_blocks], end[WorkMesh::most_blocks];
+        Collapse* const log = log_ + log_count_;
+        call_.parallel.for_each(work_.block_count, [&](uint32_t block, uint32_t) {
+            count[block] = collapse_some(block, now, share, log + size_t{block} * share);
+        });
+        for (uint32_t block = 0; block < work_.block_count; ++block) {
+            std::memmove(log_ + log_count_, log + size_t{block} * share, count[block] * sizeof(Collapse));
+            count_collapses(count[block]);
+            end[block] = static_cast<uint32_t>(log_count_);
+        }
+        return end_runs(end);
+    }
+
+    Done collapse_at_borders(uint32_t now) {
+        for (uint32_t k = 0; k < work_.block_count; ++k)
+            for (uint32_t e = work_.queue[k].take_aside(work_.link); e != NONE;
+                 e = work_.queue[k].take_aside(work_.link))
+                border_queue().put(e, now, work_.link);
+        BucketQueue& queue = border_queue();
+        Scout scout;
+        while (left() > 0 && !queue.empty() && queue.lowest() <= now) {
+            scout.step(work_, queue, queue.lowest());
+            if (++steps_ % 8192 == 0 && !call_.tick(from_)) return false;
+            Collapse& record = log_[log_count_];
+            if (take(queue, now, false, record) != Fate::collapsed) continue;
+            count_collapses(1);
+            mark_border(mesh_.origin[record.il]);
+        }
+        return true;
+    }
+
+    // The vertex has new neighbours, which may lie in other blocks.
+    void mark_border(uint32_t v) {
+        for (const uint32_t h : mesh_.around(v)) {
+            const uint32_t w = mesh_.target(h);
+            if (is_in_two_blocks(v, w)) work_.at_border[v] = work_.at_border[w] = 1;
         }
     }
-    return HMF_OK;
+
+    WorkMesh& work_;
+    Mesh& mesh_;
+    int32_t strategy_;
+    uint32_t edge_target_, vertex_minimum_;
+    Collapse* log_;
+    size_t& log_count_;
+    Array<CollapseRun>& runs_;
+    Call& call_;
+    double from_, to_;
+    uint32_t edges_before_, steps_ = 0;
+    uint32_t in_runs_ = static_cast<uint32_t>(log_count_); // collapses that are
+    bool last_stands_alone_ = false;                       // the last run of this level
+    bool strict_ = true;
+};
+
+} // namespace
+
+hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
+                          Collapse* log, size_t& log_count, Array<CollapseRun>& runs, Call& call, double from,
+                          double to) {
+    return Collapser(work, strategy, edge_target, vertex_minimum, log, log_count, runs, call, from, to).run();
 }
 
 } // namespace hmf

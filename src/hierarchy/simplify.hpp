@@ -15,6 +15,7 @@ namespace hmf {
 // one before, and costs twice as much.
 class BucketQueue {
 public:
+    static constexpr uint32_t BUCKETS = 1u << 12;
     Done allocate(Memory& memory);
     static uint32_t bucket(double cost); // cost >= 0, finite
     void clear();
@@ -33,9 +34,20 @@ public:
         return edge;
     }
 
+    // Edges that another queue is to have, the latest first.
+    void set_aside(uint32_t edge, Array<uint32_t>& link) {
+        link[edge] = aside_;
+        aside_ = edge;
+    }
+    uint32_t take_aside(const Array<uint32_t>& link) {
+        const uint32_t edge = aside_;
+        if (edge != NONE) aside_ = link[edge];
+        return edge;
+    }
+
 private:
-    static constexpr uint32_t BUCKETS = 1u << 12;
     Array<uint32_t> head_;
+    uint32_t aside_ = NONE;
     uint32_t low_ = BUCKETS, high_ = 0;
 };
 
@@ -58,10 +70,20 @@ struct WorkMesh {
     Array<uint8_t> marks;         // per vertex, zeros
     Array<Quadric> quadrics;      // per vertex, with HMF_COLLAPSE_QSLIM only
     double centre[3] = {0, 0, 0}; // that the quadrics are about
-    BucketQueue queue;
+    // Vertices v with the same v >> block_shift make a block, near in space; those at
+    // a border have a neighbour in another one.  Edges that touch no border are in
+    // the queue of their block, the others in the last queue.
+    static constexpr uint32_t most_blocks = 32;
+    static constexpr uint32_t least_group = 256; // collapses in blocks that become runs of their own
+    uint32_t block_count = 0, block_shift = 31;
+    Array<uint8_t> at_border;
+    Array<uint16_t> bucket; // per edge: where it begins
+    BucketQueue queue[most_blocks + 1];
     bool has_double_edges = false; // two vertices may have several edges
 
     // For a mesh with room for all its elements.
+    static constexpr uint32_t smallest_block_shift = 12;
+    void find_blocks(); // of the mesh as it is
     Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
     const double* at(uint32_t v) const { return position + size_t{3} * v; }
     double* at(uint32_t v) { return position + size_t{3} * v; }
@@ -73,8 +95,9 @@ void initial_quadrics(WorkMesh& work);
 
 // Collapses until at most edge_target edges are left or nothing more can be
 // collapsed.  Writes the records to log and counts them; log has room for all
-// vertices but vertex_minimum.
+// vertices but vertex_minimum.  runs: of the log, for undo_collapses.
 [[nodiscard]] hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
-                                        Collapse* log, size_t& log_count, Call& call, double from, double to);
+                                        Collapse* log, size_t& log_count, Array<CollapseRun>& runs, Call& call,
+                                        double from, double to);
 
 } // namespace hmf

@@ -16,8 +16,8 @@
 #include "suggest_marks.hpp"
 
 #include "../base/disjoint_sets.hpp"
-#include "../base/nearest_first.hpp"
 #include "../base/heap_sort.hpp"
+#include "../mesh/edge_distances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,13 +26,11 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t VERTICES = 4000;    // of the level that is looked at
-constexpr uint32_t BASES = 32;         // points that distances are taken to
-constexpr double PERSISTENCE = 0.08;   // least, in mean distances
-constexpr size_t MOST_TIPS = 12;       // those of largest persistence
-constexpr double DISK_AREA = 4e-3;     // of the whole surface
-constexpr double DISK_SHAPE = 1.2;     // area of the disk / square of its radius, least
-constexpr uint32_t DISK_VERTICES = 10; // at least
+constexpr uint64_t VERTICES = 4000;  // of the level that is looked at
+constexpr uint32_t BASES = 32;       // points that distances are taken to
+constexpr double PERSISTENCE = 0.08; // least, in mean distances
+constexpr size_t MOST_TIPS = 12;     // those of largest persistence
+constexpr EdgeDistances::DiskLimit DISK{10, 4e-3, 1.2};
 
 struct Tip {
     uint32_t vertex;
@@ -42,7 +40,7 @@ struct Tip {
 class Suggestion {
 public:
     Suggestion(const Mesh& mesh, const double* position, Call& call) :
-        mesh_(mesh), position_(position), call_(call), memory_(call.memory) {}
+        mesh_(mesh), call_(call), memory_(call.memory), distances_(mesh, position, call.memory) {}
 
     Done find(Array<uint32_t>& marks) {
         marks.start(memory_);
@@ -56,96 +54,39 @@ public:
 
     Done find_limbs() {
         const uint32_t n = mesh_.vertex_count;
-        heap_.start(memory_);
-        order_.start(memory_);
         tips_.start(memory_);
-        if (!length_.allocate(memory_, mesh_.edge_count) || !area_.allocate_filled(memory_, n, 0.0)
-            || !distance_.allocate(memory_, n) || !nearest_.allocate_filled(memory_, n, HUGE_VAL)
-            || !height_.allocate_filled(memory_, n, 0.0) || !used_.allocate_filled(memory_, n, uint8_t{0})
-            || !order_.reserve(n))
+        if (!distances_.start() || !nearest_.allocate_filled(memory_, n, HUGE_VAL)
+            || !height_.allocate_filled(memory_, n, 0.0) || !used_.allocate_filled(memory_, n, uint8_t{0}))
             return false;
-        measure();
         return measure_heights() && find_tips() && add_far_tip();
     }
 
     const Array<Tip>& tips() const { return tips_; }
 
     // The ends of a diameter of the disk round the tip, where there is one.
-    Done add_pair(uint32_t tip, Array<uint32_t>& marks) { return add_ends(tip, marks); }
+    Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
+        uint32_t ends[2];
+        return distances_.diameter(tip, DISK, used_.data(), ends) && add(ends[0], marks) && add(ends[1], marks);
+    }
 
 private:
-    void measure() {
-        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
-            double square = 0;
-            for (size_t c = 0; c < 3; ++c) {
-                const double d =
-                    position_[size_t{3} * mesh_.origin[2 * e] + c] - position_[size_t{3} * mesh_.origin[2 * e + 1] + c];
-                square += d * d;
-            }
-            length_[e] = std::sqrt(square);
-        }
-        whole_ = 0;
-        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
-            const double *p = at(mesh_.origin[h]), *q = at(mesh_.target(h)), *r = at(mesh_.origin[mesh_.prev(h)]);
-            const double a[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, b[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
-            const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-            const double third = std::sqrt(x * x + y * y + z * z) / 6;
-            area_[mesh_.origin[h]] += third;
-            whole_ += third;
-        }
-    }
-
-    const double* at(uint32_t v) const { return position_ + size_t{3} * v; }
-
-    // Dijkstra from a vertex within `allowed` (NULL: everywhere): distance_, HUGE_VAL
-    // where it does not come; order_: as they were reached.  Ends with the vertex
-    // for which enough(v) holds, and returns the last one.
-    template <class Enough>
-    Done search(uint32_t from, const uint8_t* allowed, uint32_t& last, Enough enough) {
-        for (double& d : distance_) d = HUGE_VAL;
-        order_.clear();
-        heap_.clear();
-        distance_[from] = 0;
-        if (!heap_.push({0, from})) return false;
-        while (!heap_.empty()) {
-            const NearestFirst::Entry entry = heap_.pop();
-            const uint32_t v = entry.item;
-            if (entry.distance > distance_[v]) continue;
-            order_.add(v); // each vertex once
-            last = v;
-            if (enough(v)) break;
-            for (const uint32_t h : mesh_.around(v)) {
-                const uint32_t w = mesh_.target(h);
-                const double d = entry.distance + length_[edge_of(h)];
-                if (d < distance_[w] && (!allowed || allowed[w])) {
-                    distance_[w] = d;
-                    if (!heap_.push({d, w})) return false;
-                }
-            }
-        }
-        return true;
-    }
-
-    Done search(uint32_t from, const uint8_t* allowed, uint32_t& last) {
-        return search(from, allowed, last, [](uint32_t) { return false; });
-    }
-
     // Mean distance to bases that are far from each other.
     Done measure_heights() {
         uint32_t base = 0;
-        if (!search(0, nullptr, base)) return false;
+        if (!distances_.search(0, nullptr, base)) return false;
         for (uint32_t b = 0; b < BASES; ++b) {
             uint32_t last = 0;
-            if (!call_.tick(0.5 + 0.01 * b) || !search(base, nullptr, last)) return false;
+            if (!call_.tick(0.5 + 0.01 * b) || !distances_.search(base, nullptr, last)) return false;
             for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-                height_[v] += distance_[v] / BASES;
-                nearest_[v] = std::min(nearest_[v], distance_[v]);
+                height_[v] += distances_.distance(v) / BASES;
+                nearest_[v] = std::min(nearest_[v], distances_.distance(v));
                 if (nearest_[v] > nearest_[base]) base = v;
             }
         }
         double sum = 0;
-        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) sum += area_[v] * height_[v];
-        least_ = whole_ > 0 ? PERSISTENCE * sum / whole_ : 0;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) sum += distances_.area(v) * height_[v];
+        const double whole = distances_.whole_area();
+        least_ = whole > 0 ? PERSISTENCE * sum / whole : 0;
         return true;
     }
 
@@ -190,7 +131,7 @@ private:
     Done add_far_tip() {
         uint32_t last = 0;
         if (tips_.size() > 1) return true;
-        return search(tips_[0].vertex, nullptr, last) && tips_.push({last, 0});
+        return distances_.search(tips_[0].vertex, nullptr, last) && tips_.push({last, 0});
     }
 
     Done add(uint32_t v, Array<uint32_t>& marks) {
@@ -205,37 +146,14 @@ private:
         return v;
     }
 
-    // The ends of a diameter of the disk round the tip, found by going to the
-    // farthest vertex and back.
-    Done add_ends(uint32_t tip, Array<uint32_t>& marks) {
-        double area = 0;
-        uint32_t ends[2] = {tip, tip}, reached = 0;
-        if (!search(tip, nullptr, ends[0], [&](uint32_t v) {
-                area += area_[v];
-                const double r = distance_[v];
-                return ++reached >= DISK_VERTICES && (area > DISK_AREA * whole_ || area < DISK_SHAPE * r * r);
-            }))
-            return false;
-        Array<uint8_t> disk;
-        if (!disk.allocate_filled(memory_, mesh_.vertex_count, uint8_t{0})) return false;
-        for (const uint32_t v : order_) disk[v] = !used_[v];
-        if (!disk[ends[0]]) return true;
-        if (!search(ends[0], disk.data(), ends[1]) || !search(ends[1], disk.data(), ends[0])) return false;
-        if (ends[0] == ends[1]) return true;
-        return add(ends[0], marks) && add(ends[1], marks);
-    }
-
     const Mesh& mesh_;
-    const double* position_;
     Call& call_;
     Memory& memory_;
-    Array<double> length_;                             // per edge
-    Array<double> area_, distance_, nearest_, height_; // per vertex
+    EdgeDistances distances_;
+    Array<double> nearest_, height_; // per vertex
     Array<uint8_t> used_;
-    Array<uint32_t> order_;
     Array<Tip> tips_;
-    NearestFirst heap_;
-    double whole_ = 0, least_ = 0;
+    double least_ = 0;
 };
 
 // Where the square of the boundary is less than this part of the area, a disk is a sphere with a small hole.

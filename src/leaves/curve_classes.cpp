@@ -35,6 +35,7 @@ hmf_status CurveClasses::refine(Call& call) {
     mesh_.face_count = finer.mesh.face_count;
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        prefetch_split(mesh_, hierarchy_->collapses, i, finer.collapse_begin);
         split(mesh_, hierarchy_->collapses[i]);
         words_.was_split(hierarchy_->collapses[i]);
     }

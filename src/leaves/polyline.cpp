@@ -4,6 +4,8 @@
 // branch points, which the tree does not see; prongs run from its centroid.
 #include "polyline.hpp"
 
+#include "../mesh/weights.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,21 +34,25 @@ double distance(const double* a, const double* b) {
     return std::sqrt(x * x + y * y + z * z);
 }
 
-double surface_area(const Mesh& mesh, const double* position) {
-    double sum = 0;
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        const double* o = position + size_t{3} * mesh.origin[h];
-        const double* p = position + size_t{3} * mesh.target(h);
-        const double* q = position + size_t{3} * mesh.origin[mesh.prev(h)];
-        double a[3], b[3];
-        for (int k = 0; k < 3; ++k) {
-            a[k] = p[k] - o[k];
-            b[k] = q[k] - o[k];
-        }
-        const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-        sum += std::sqrt(x * x + y * y + z * z) / 6; // each triangle from all three sides
-    }
-    return sum;
+double surface_area(const Mesh& mesh, const double* position, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(size_t{2} * mesh.edge_count, [&](size_t begin, size_t end) {
+        double sum = 0;
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                      [&](uint32_t h, uint32_t g, uint32_t k) {
+                          const double* o = position + size_t{3} * mesh.origin[h];
+                          const double* p = position + size_t{3} * mesh.origin[g];
+                          const double* q = position + size_t{3} * mesh.origin[k];
+                          double a[3], b[3];
+                          for (int c = 0; c < 3; ++c) {
+                              a[c] = p[c] - o[c];
+                              b[c] = q[c] - o[c];
+                          }
+                          const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
+                                       z = a[0] * b[1] - a[1] * b[0];
+                          sum += std::sqrt(x * x + y * y + z * z) / 2;
+                      });
+        return sum;
+    });
 }
 
 namespace {

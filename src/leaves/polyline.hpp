@@ -14,7 +14,7 @@ void middle_of_tripod(const Foliation& f, const double* position, uint32_t h, do
 
 double distance(const double* a, const double* b);
 
-double surface_area(const Mesh& mesh, const double* position);
+double surface_area(const Mesh& mesh, const double* position, const Parallel& parallel);
 
 // The places of an arc, without the middle of a tripod: half a unit left of
 // its side.  A place of full width is the vertex that the half-edge ends at;

@@ -838,7 +838,7 @@ hmf_status flat_metric(const Foliation& f, const double* position, const Cylinde
         for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i) v += conjugate.step(middle.crossings[i]);
         out.flat_area += v * static_cast<double>(cylinders.list[c].height);
     }
-    out.area = surface_area(f.mesh, position);
+    out.area = surface_area(f.mesh, position, call.parallel);
     return HMF_OK;
 }
 

@@ -12,6 +12,7 @@
 
 #include <cmath>
 
+#include "quad_shape.hpp"
 #include "surface_walk.hpp"
 
 namespace hmf {
@@ -22,47 +23,10 @@ constexpr uint32_t SLICE = 16384; // vertices between ticks
 constexpr double WELL = 0.1;      // sine of a corner that needs no care
 constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
 
-struct Point {
-    double x = 0, y = 0, z = 0;
-};
-Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Point cross(const Point& a, const Point& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-Point at(const QuadMesh& quads, uint32_t v) {
-    const double* p = &quads.positions[size_t{3} * v];
-    return {p[0], p[1], p[2]};
-}
-
-// The least sine of its corners, as seen along its normal.
-double worst_corner(const Point* p) {
-    const Point n = cross(p[2] - p[0], p[3] - p[1]);
-    const double length = std::sqrt(dot(n, n));
-    if (!(length > 0)) return -1;
-    double worst = 1;
-    for (int k = 0; k < 4; ++k) {
-        const Point e = p[(k + 1) % 4] - p[k], b = p[(k + 3) % 4] - p[k];
-        const double size = std::sqrt(dot(e, e) * dot(b, b)) * length;
-        const double sine = size > 0 ? dot(cross(e, b), n) / size : -1;
-        if (sine < worst) worst = sine;
-    }
-    return worst;
-}
-
-double worst_corner(const QuadMesh& quads, size_t q) {
-    Point p[4];
-    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
-    return worst_corner(p);
-}
-
 class Relaxation {
 public:
-    Relaxation(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+    Relaxation(const Mesh& mesh, const double* position, bool outwards, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), outwards_(outwards), quads_(quads), call_(call) {}
 
     hmf_status run(int steps) {
         if (!target_.allocate(call_.memory, quads_.vertex_count())
@@ -115,6 +79,10 @@ private:
         return true;
     }
 
+    double worst(size_t q) const {
+        return outwards_ ? worst_corner_from_outside(mesh_, position_, quads_, q) : worst_corner(quads_, q);
+    }
+
     void move(uint32_t v, const Point& to) {
         const double p[3] = {to.x, to.y, to.z};
         quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
@@ -122,6 +90,7 @@ private:
 
     // Where quads have a corner of nearly 180 degrees or more, some rings round them
     // are relaxed further, and then vertices moved where that helps the worst corner.
+    // Each round that was not enough is followed by one with more rings and steps.
     hmf_status untangle() {
         Memory& memory = call_.memory;
         const uint32_t n = quads_.vertex_count();
@@ -130,32 +99,33 @@ private:
             bool any = false;
             for (size_t q = 0; q < count && !any; ++q) {
                 if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
-                any = worst_corner(quads_, q) < WELL;
+                any = worst(q) < WELL;
             }
             if (!any) break;
             Array<uint8_t> next;
             if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
             for (size_t q = 0; q < count; ++q)
-                if (worst_corner(quads_, q) < WELL)
+                if (worst(q) < WELL)
                     for (size_t k = 0; k < 4; ++k) {
                         region_[quads_.quads[4 * q + k]] = 1;
                         uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
                         if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
                     }
             list_.clear();
-            for (int ring = 0; ring <= RINGS; ++ring) {
+            const int rings = RINGS * (round + 1);
+            for (int ring = 0; ring <= rings; ++ring) {
                 if (!call_.tick(0)) return call_.was_cancelled();
                 for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
                 for (size_t q = 0; q < count; ++q) {
                     const uint32_t* const c = &quads_.quads[4 * q];
                     if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
-                    if (ring < RINGS)
+                    if (ring < rings)
                         for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
                     else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
                 }
                 region_.swap(next);
             }
-            for (int k = 0; k < STEPS_ROUND_BAD; ++k)
+            for (int k = 0; k < STEPS_ROUND_BAD * (round + 1); ++k)
                 if (!step(list_.size())) return call_.was_cancelled();
             if (improve_worst()) return call_.status();
         }
@@ -181,7 +151,7 @@ private:
             bool moved = false;
             if (!call_.tick(0)) return call_.was_cancelled();
             for (const uint32_t q : list_) {
-                if (worst_corner(quads_, q) >= WELL) continue;
+                if (worst(q) >= WELL) continue;
                 for (size_t c = 0; c < 4; ++c) {
                     const uint32_t v = quads_.quads[4 * size_t{q} + c];
                     if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v]);
@@ -195,10 +165,10 @@ private:
     // Moves a vertex where that makes the worst corner of its quads best: to the mean
     // of its neighbours, or some way to one of them or from it.
     bool improve(uint32_t v, const uint32_t* corners, uint32_t count) {
-        const auto worst = [&] {
+        const auto worst_here = [&] {
             double w = 1;
             for (uint32_t i = 0; i < count; ++i) {
-                const double x = worst_corner(quads_, corners[i] / 4);
+                const double x = worst(corners[i] / 4);
                 if (x < w) w = x;
             }
             return w;
@@ -208,11 +178,11 @@ private:
         double* const p = &quads_.positions[size_t{3} * v];
         Point best = from, middle;
         uint32_t best_side = side;
-        double best_worst = worst() + 1e-9;
+        double best_worst = worst_here() + 1e-9;
         const double before = best_worst;
         const auto attempt = [&](const Point& to) {
             move(v, to);
-            const double w = worst();
+            const double w = worst_here();
             if (w > best_worst) {
                 best_worst = w;
                 best = at(quads_, v);
@@ -238,6 +208,7 @@ private:
 
     const Mesh& mesh_;
     const double* position_;
+    const bool outwards_;
     QuadMesh& quads_;
     Call& call_;
     Array<Point> target_;
@@ -248,8 +219,9 @@ private:
 
 } // namespace
 
-hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, QuadMesh& quads, Call& call) {
-    return Relaxation(mesh, position, quads, call).run(steps);
+hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, bool outwards, QuadMesh& quads,
+                       Call& call) {
+    return Relaxation(mesh, position, outwards, quads, call).run(steps);
 }
 
 hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {

@@ -9,8 +9,10 @@ constexpr uint64_t MOST_RELAX_STEPS = 1000;
 
 // Vertices move towards where each of their quads would have them as a square,
 // and back to the nearest point of the surface.  Held ones stay.  Then quads that
-// are inverted are turned out where their vertices can be moved so.
-[[nodiscard]] hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, QuadMesh& quads, Call& call);
+// are inverted, or look inwards if that is asked for, are turned out where their
+// vertices can be moved so.
+[[nodiscard]] hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, bool outwards,
+                                     QuadMesh& quads, Call& call);
 
 // Each quad becomes four.
 [[nodiscard]] hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call);

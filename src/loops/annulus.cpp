@@ -9,6 +9,9 @@ namespace {
 
 // Turns that a search may visit, and the one in which it starts.
 constexpr uint32_t TURNS = 4, FIRST_TURN = 1;
+// Of the distances from the landmark, in shortest ways round from it.
+constexpr double RADIUS = 1.25;
+constexpr uint32_t CLOSED = static_cast<uint32_t>(-1); // a stamp
 
 } // namespace
 
@@ -187,76 +190,95 @@ Done Annulus::grow(size_t capacity) {
     return true;
 }
 
-// Shortest way from turn 0 of a copy to turn 1 of it.  Distances from the
-// first of these copies, a landmark, bound the way that is left from below
-// (Goldberg, Harrelson: Computing the shortest path, 2005), so that the
-// searches from the others look at little more than the best loops.
+// Lower bounds for the way that is left (Goldberg, Harrelson: Computing the
+// shortest path, 2005).  The distance from a landmark, turn 0 of its copy, changes
+// by no more than the way does, also where it is cut off at a radius; and a way is
+// as long one turn on, so that each turn of the landmark gives a bound.
+double Annulus::way_left(uint32_t state, uint32_t goal) const {
+    double bound = 0;
+    const uint32_t back = std::min(state % TURNS, goal % TURNS);
+    const uint32_t on = TURNS - 1 - std::max(state % TURNS, goal % TURNS);
+    const double *a = landmark_.data() + (state - back), *b = landmark_.data() + (goal - back);
+    for (uint32_t k = 0; k <= back + on; ++k) bound = std::max(bound, a[k] > b[k] ? a[k] - b[k] : b[k] - a[k]);
+    return bound;
+}
+
+// The shortest way from turn 0 of a copy to turn 1 of it, if it is shorter than `best`.
+Done Annulus::search_from(uint32_t root, bool is_landmark, double& best, Array<uint32_t>& out) {
+    const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
+    const uint32_t reached = ++stamp_, settled = ++stamp_;
+    const auto left = [&](uint32_t state) { return is_landmark ? 0 : way_left(state, goal); };
+    double radius = is_landmark ? RADIUS * best : best;
+    bool arrived = false;
+    heap_.clear();
+    state_[start] = {0, NONE, reached};
+    if (!heap_.push({left(start), start})) return false;
+    while (!heap_.empty()) {
+        const NearestFirst::Entry top = heap_.pop();
+        const uint32_t state = top.item;
+        if (state_[state].stamp == settled) continue;
+        if (top.distance >= radius) break;
+        state_[state].stamp = settled;
+        if (is_landmark) landmark_[state] = state_[state].distance;
+        if (state == goal) {
+            arrived = true;
+            if (!is_landmark) break;
+            radius = std::min(radius, RADIUS * top.distance);
+        }
+        if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
+        const Copy& copy = copies_[state / TURNS];
+        for (uint32_t s = 0; s < 4; ++s) {
+            const uint32_t next = s == 3 ? copy.same : s < copy.sides && copy.to[s] != NONE ? copy.to[s] / 4 : NONE;
+            if (next == NONE) continue;
+            const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
+            if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
+            const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
+            const double d = s == 3 ? state_[state].distance : state_[state].distance + copy.length[s];
+            const uint32_t stamp = state_[to].stamp;
+            if (stamp >= settled || (stamp == reached && !(d < state_[to].distance))) continue;
+            const double whole = d + left(to);
+            if (whole >= radius) continue;
+            state_[to] = {d, 4 * (state / TURNS) + s, reached};
+            if (!heap_.push({whole, to})) return false;
+        }
+    }
+    if (is_landmark)
+        for (double& x : landmark_) x = std::min(x, radius);
+    if (!arrived || state_[goal].distance >= best) return true;
+    best = state_[goal].distance;
+    return read_way(start, goal, out);
+}
+
+Done Annulus::read_way(uint32_t start, uint32_t goal, Array<uint32_t>& out) const {
+    out.clear();
+    for (uint32_t state = goal; state != start;) {
+        const uint32_t link = state_[state].from;
+        const Copy& copy = copies_[link / 4];
+        if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
+        state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
+    }
+    std::reverse(out.begin(), out.end());
+    return true;
+}
+
+// From each copy where turns are counted.  A shorter loop than the best so far
+// passes none from which the search has been: they are closed.
 Done Annulus::search(double limit, Array<uint32_t>& out) {
     const size_t states = copies_.size() * TURNS;
-    if (state_.size() < states && !state_.allocate(call_.memory, states)) return false;
-    for (size_t i = 0; i < states; ++i) state_[i] = {0, HUGE_VAL, NONE, 0};
+    if (!state_.allocate_filled(call_.memory, states, State{HUGE_VAL, NONE, 0})
+        || !landmark_.allocate_filled(call_.memory, states, HUGE_VAL))
+        return false;
     double best = limit;
-    uint32_t epoch = 0, work = 0;
+    bool is_landmark = true;
+    stamp_ = 0;
     for (uint32_t root = 0; root < copies_.size(); ++root) {
+        const Copy& copy = copies_[root];
         bool counts = false;
-        for (uint32_t s = 0; s < copies_[root].sides; ++s)
-            counts |= copies_[root].to[s] != NONE && copies_[root].turns[s] > 0;
+        for (uint32_t s = 0; s < copy.sides; ++s) counts |= copy.to[s] != NONE && copy.turns[s] > 0;
         if (!counts) continue;
-        // State copy * TURNS + FIRST_TURN + turn; stamp 2 epoch: reached, 2 epoch + 1: settled.
-        const bool first = ++epoch == 1;
-        heap_.clear();
-        const uint32_t start = root * TURNS + FIRST_TURN, goal = start + 1;
-        const double goal_distance = state_[goal].landmark;
-        const auto left = [&](uint32_t state) { // at least, to the goal
-            const double bound = first || goal_distance == HUGE_VAL || state_[state].landmark == HUGE_VAL
-                                   ? 0
-                                   : goal_distance - state_[state].landmark;
-            return bound > 0 ? bound : 0;
-        };
-        state_[start].distance = 0;
-        state_[start].from = NONE;
-        state_[start].stamp = 2 * epoch;
-        if (!heap_.push({left(start), start})) return false;
-        bool arrived = false;
-        while (!heap_.empty()) {
-            const NearestFirst::Entry top = heap_.pop();
-            const uint32_t state = top.item;
-            if (state_[state].stamp == 2 * epoch + 1) continue;
-            // The landmark has to know the goals of the others as well.
-            if (top.distance >= (first ? 1.25 * limit : best)) break;
-            state_[state].stamp = 2 * epoch + 1;
-            if (first) state_[state].landmark = state_[state].distance;
-            arrived = arrived || state == goal;
-            if (arrived && !first) break;
-            if (++work % 16384 == 0 && !call_.tick(0, true)) return false;
-            const Copy& copy = copies_[state / TURNS];
-            for (uint32_t s = 0; s < 4; ++s) {
-                const uint32_t next = s == 3 ? copy.same : s < copy.sides && copy.to[s] != NONE ? copy.to[s] / 4 : NONE;
-                if (next == NONE) continue;
-                const int turn = static_cast<int>(state % TURNS) + copy.turns[s];
-                if (turn < 0 || turn >= static_cast<int>(TURNS)) continue;
-                const uint32_t to = next * TURNS + static_cast<uint32_t>(turn);
-                const double d = s == 3 ? state_[state].distance : state_[state].distance + copy.length[s];
-                if (state_[to].stamp == 2 * epoch + 1 || (state_[to].stamp == 2 * epoch && !(d < state_[to].distance)))
-                    continue;
-                const double whole = d + left(to);
-                if (!first && whole >= best) continue;
-                state_[to].stamp = 2 * epoch;
-                state_[to].distance = d;
-                state_[to].from = 4 * (state / TURNS) + s;
-                if (!heap_.push({whole, to})) return false;
-            }
-        }
-        if (!arrived || state_[goal].distance >= best) continue;
-        best = state_[goal].distance;
-        out.clear();
-        for (uint32_t state = goal; state != start;) {
-            const uint32_t link = state_[state].from;
-            const Copy& copy = copies_[link / 4];
-            if (link % 4 != 3 && !out.push(copy.side[link % 4].half_edge)) return false;
-            state = link / 4 * TURNS + static_cast<uint32_t>(static_cast<int>(state % TURNS) - copy.turns[link % 4]);
-        }
-        std::reverse(out.begin(), out.end());
+        if (!search_from(root, is_landmark, best, out)) return false;
+        is_landmark = false;
+        for (uint32_t turn = 0; turn < TURNS; ++turn) state_[root * TURNS + turn].stamp = CLOSED;
     }
     return true;
 }

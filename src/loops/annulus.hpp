@@ -66,7 +66,7 @@ private:
         int32_t turns;
     };             // of a fan, turns since its first
     struct State { // of the search, a copy with a turn
-        double distance, landmark;
+        double distance;
         uint32_t from, stamp; // from: 4 * copy + side
     };
 
@@ -82,6 +82,9 @@ private:
     Done grow(size_t capacity);
     void close_up(uint32_t a);
     Done find_same(uint32_t a);
+    double way_left(uint32_t state, uint32_t goal) const;
+    Done search_from(uint32_t root, bool is_landmark, double& best, Array<uint32_t>& out);
+    Done read_way(uint32_t start, uint32_t goal, Array<uint32_t>& out) const;
     Done search(double limit, Array<uint32_t>& out);
 
     const Mesh& mesh_;
@@ -92,7 +95,9 @@ private:
     Array<Border> border_;
     NearestFirst heap_;
     Array<Wedge> fan_;
-    Array<State> state_; // kept from loop to loop, as are those above
+    Array<State> state_;     // per copy and turn
+    Array<double> landmark_; // likewise, the distance from the landmark
+    uint32_t stamp_ = 0, work_ = 0;
 };
 
 } // namespace hmf

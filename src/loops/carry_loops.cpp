@@ -125,6 +125,7 @@ Done LoopCarrier::refine(Call& call) {
     }
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
+        prefetch_split(mesh_, hierarchy_->collapses, i, finer.collapse_begin);
         const Collapse& c = hierarchy_->collapses[i];
         split(mesh_, c);
         head_[edge_of(c.h)] = head_[edge_of(c.jk)] = head_[edge_of(c.lj)] = NONE;

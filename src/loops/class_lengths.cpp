@@ -22,10 +22,10 @@ constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from e
 
 } // namespace
 
-ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call) :
+ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call, LoopCare care) :
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, hierarchy.level_count - 1)),
-    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call), coarsest_(hierarchy.level_count - 1),
-    geodesic_(mesh_, position_, 0, call) {
+    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call), care_(care),
+    coarsest_(hierarchy.level_count - 1), geodesic_(mesh_, position_, 0, call) {
     level_ = coarsest_;
     while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
 }
@@ -153,6 +153,10 @@ Done ClassLengths::grow_table() {
 }
 
 Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
+    if (care_ == LoopCare::quick) {
+        id = 0;
+        return true;
+    }
     if (!started_ && !start()) return false;
     Class made{};
     if (!key_of(crossings, n, made.key)) return false;
@@ -181,6 +185,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
 }
 
 size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
+    if (n == 1) return 0;
     size_t best = 0;
     for (size_t i = 1; i < n; ++i)
         if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;

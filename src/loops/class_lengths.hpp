@@ -26,7 +26,7 @@ namespace hmf {
 class ClassLengths {
 public:
     // Loops on the coarsest level of a hierarchy, or on a mesh alone, where they are measured at once.
-    ClassLengths(const hmf_hierarchy& hierarchy, Call& call);
+    ClassLengths(const hmf_hierarchy& hierarchy, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
     // The number of a loop's class, with others for strips of the class that lie elsewhere.
@@ -36,6 +36,7 @@ public:
     // shorter once they are measured are noted.  n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
+    LoopCare care() const { return care_; }
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
@@ -62,6 +63,7 @@ private:
     const Mesh& mesh_;
     const double* position_;
     Call& call_;
+    LoopCare care_ = LoopCare::shortest;
     size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
     bool started_ = false;
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit

@@ -13,9 +13,12 @@
 //     through them that are known beforehand, closed by the segment in the tree
 //     of the regions.
 //  3. Of all that these searches find, the loop with the shortest class is taken
-//     (class_lengths.hpp).  Classes that come close are measured on a fine level
-//     once the system is complete, and from the first choice that was wrong on it
-//     is made again.
+//     (class_lengths.hpp).
+//  4. The others serve for the next loops as well: a batch.  It ends where the class
+//     that comes next is that of a strip through a face of a loop of the batch; for
+//     those the surface is cut first, and searched again.
+//  5. Classes that come close are measured on a fine level once the system is complete,
+//     and from the first choice that was wrong on it is made again.
 #include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
@@ -33,6 +36,9 @@ constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
+constexpr uint32_t SHARE = 8;          // a batch is at most this part of the loops that are left, and one below that
+constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
+constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
@@ -56,7 +62,9 @@ public:
         try_.start(memory_);
         candidates_.start(memory_);
         strips_.start(memory_);
+        kept_.start(memory_);
         strip_.start(memory_);
+        words_.start(memory_);
         ids_.start(memory_);
         choice_.start(memory_);
         if (!out.start(memory_) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
@@ -76,10 +84,12 @@ public:
         if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
-            for (; k < genus; ++k, ++steps) {
+            while (k < genus) {
                 if (!call_.tick(static_cast<double>(k) / genus, true)) return call_.was_cancelled();
-                const hmf_status status = add_loop(k, budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
+                const uint32_t before = k;
+                const hmf_status status = add_batch(k, genus, budget);
                 if (status) return status;
+                steps += k - before;
             }
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
@@ -99,11 +109,21 @@ public:
     }
 
 private:
-    hmf_status add_loop(uint32_t k, double allowed) {
+    enum class Place : uint8_t { open, waits, gone };
+    struct Candidate { // strips_[first], ..; half-edges.  In strip_: kept_[first], ..
+        double length;
+        size_t first, size;
+        uint64_t signature;
+        uint32_t id; // of its class, or NONE
+        Place place; // in this batch
+    };
+
+    // Loop k and those after it for which one search is enough; k: the next one.
+    hmf_status add_batch(uint32_t& k, uint32_t genus, double budget) {
         if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
             return call_.stopped();
-        const hmf_status status = find_loop(allowed);
+        const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
         // Labels of a surface that meets itself may leave no loop without crossings.
         if (!found_ && condition_)
@@ -113,46 +133,122 @@ private:
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");
-        if (!choose()) return call_.stopped();
-        const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
-        if (!add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
-        if (curves_.total >= MULTICURVE_LIMIT)
-            return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
-                              "The loops cross more than 2^29 edges. Use a coarser level.");
-        keep_bounds();
-        if (!kept_bound_.empty())
-            std::memcpy(&kept_bound_[(choice_.size() - 1) * mesh_.face_count], face_bound_.data(),
-                        face_bound_.size() * sizeof(double));
+        search_.read_bounds(face_bound_);
+        if (!open_batch()) return call_.out_of_memory();
+        const uint32_t end = k + std::min(std::max((genus - k) / SHARE, 1u), MOST_OF_BATCH);
+        for (bool any = true; k < end; ++k) {
+            if (!choose(any)) return call_.stopped();
+            if (!any) break;
+            const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
+            if (!take(taken)) return call_.out_of_memory();
+            if (curves_.total >= MULTICURVE_LIMIT)
+                return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LOOP, k,
+                                  "The loops cross more than 2^29 edges. Use a coarser level.");
+            if (!kept_bound_.empty())
+                std::memcpy(&kept_bound_[(choice_.size() - 1) * mesh_.face_count], face_bound_.data(),
+                            face_bound_.size() * sizeof(double));
+        }
         return HMF_OK;
     }
 
-    // Of the candidates the one with the shortest class.
-    Done choose() {
+    Done open_batch() {
         heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
             return a.length < b.length || (a.length == b.length && a.first < b.first);
         });
-        const size_t first = ids_.size();
-        for (size_t i = 0; i < candidates_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
-            const Candidate& c = candidates_[i];
-            if (!by_count_ && c.length > SLACK * best_) break;
-            uint32_t id = 0;
-            if (!lengths_.add(strips_.data() + c.first, c.size, id)) return false;
-            bool known = false;
-            for (size_t k = first; k < ids_.size(); ++k) known |= ids_[k] == id;
-            if (known) continue;
-            if (!ids_.push(id) || !strip_.push(c)) return false;
+        words_.clear();
+        return taken_.allocate_filled(memory_, mesh_.face_count, uint8_t{0})
+            && left_.allocate_filled(memory_, mesh_.edge_count, uint64_t{0});
+    }
+
+    // What is left of a signature on the surface cut along the loops of the batch.
+    uint64_t reduced(uint64_t signature) const {
+        for (const uint64_t word : words_) signature = std::min(signature, signature ^ word);
+        return signature;
+    }
+
+    // After loops of the batch: does the candidate separate, or cross one of them an odd number of times, however
+    // it is moved?  Else, does it wait for the next search, as it passes a face of one?
+    void look_at(Candidate& c) const {
+        uint64_t crosses = 0;
+        bool meets = false;
+        for (size_t k = c.first; k < c.first + c.size; ++k) {
+            crosses ^= left_[edge_of(strips_[k])];
+            meets |= taken_[mesh_.face[strips_[k]]] != 0;
         }
-        const size_t taken = lengths_.shortest(&ids_[first], ids_.size() - first);
-        return choice_.push({first, ids_.size(), taken});
+        c.place = crosses || reduced(c.signature) == 0 ? Place::gone : meets ? Place::waits : Place::open;
+    }
+
+    // Of the candidates the one with the shortest class.  any: there is one, and none that waits is shorter.
+    Done choose(bool& any) {
+        const size_t first = ids_.size();
+        const size_t most = lengths_.care() == LoopCare::quick ? 1 : MOST_CANDIDATES;
+        double shortest = UNREACHED, waiting = UNREACHED;
+        for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
+            Candidate& c = candidates_[i];
+            if (!by_count_ && c.length > SLACK * shortest) break;
+            if (!words_.empty() && shortest == UNREACHED && c.length > BATCH * best_) break;
+            if (!words_.empty() && c.place == Place::open) look_at(c);
+            if (c.place == Place::gone) continue;
+            if (c.id == NONE && !lengths_.add(strips_.data() + c.first, c.size, c.id)) return false;
+            if (c.place == Place::waits) {
+                waiting = std::min(waiting, length(c));
+                continue;
+            }
+            shortest = std::min(shortest, c.length);
+            bool known = false;
+            for (size_t k = first; k < ids_.size(); ++k) known |= ids_[k] == c.id;
+            if (!known && !keep(c)) return false;
+        }
+        any = ids_.size() > first;
+        if (!any) return true;
+        const Choice choice = {first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)};
+        any = length(strip_[first + choice.taken]) <= waiting;
+        if (!any) {
+            forget_ids(first);
+            return true;
+        }
+        return choice_.push(choice);
+    }
+
+    // Of its class, or of its strip where classes are not measured.
+    double length(const Candidate& c) const {
+        return lengths_.care() == LoopCare::quick ? c.length : lengths_.length(c.id);
+    }
+
+    void forget_ids(size_t end) {
+        while (ids_.size() > end) {
+            ids_.pop();
+            strip_.pop();
+        }
+        const size_t used = strip_.empty() ? 0 : strip_.back().first + strip_.back().size;
+        while (kept_.size() > used) kept_.pop();
+    }
+
+    // Its strip outlasts the batch.
+    Done keep(Candidate c) {
+        const size_t first = kept_.size();
+        for (size_t k = c.first; k < c.first + c.size; ++k)
+            if (!kept_.push(strips_[k])) return false;
+        c.first = first;
+        return ids_.push(c.id) && strip_.push(c);
+    }
+
+    // The next loop of the batch.  A curve crosses it as often as the edges on its left, up to an even number.
+    Done take(const Candidate& taken) {
+        const uint32_t* const loop = kept_.data() + taken.first;
+        const uint64_t bit = uint64_t{1} << words_.size();
+        for (size_t k = 0; k < taken.size; ++k) {
+            taken_[mesh_.face[loop[k]]] = 1;
+            const uint32_t in = twin(loop[k]), go = loop[k + 1 < taken.size ? k + 1 : 0];
+            if (go == mesh_.next[in]) left_[edge_of(mesh_.prev(in))] ^= bit;
+        }
+        return words_.push(reduced(taken.signature)) && add(loop, taken.size);
     }
 
     // Keeps the first k loops, and takes the next one as it is chosen now.
     Done go_back(uint32_t k, uint32_t fixed) {
         while (choice_.size() > size_t{k} - fixed + 1) choice_.pop();
-        while (ids_.size() > choice_.back().end) {
-            ids_.pop();
-            strip_.pop();
-        }
+        forget_ids(choice_.back().end);
         out_->keep_first(k);
         if (kept_bound_.empty())
             for (double& bound : face_bound_) bound = 0;
@@ -162,7 +258,7 @@ private:
         curves_.clear();
         const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
         return curves_.add(out_->crossings.data(), out_->crossings.size())
-            && add(strips_.data() + taken.first, taken.size);
+            && add(kept_.data() + taken.first, taken.size);
     }
 
     Done add(const uint32_t* loop, size_t n) { return out_->add(loop, n) && curves_.add(loop, n); }
@@ -186,20 +282,8 @@ private:
             || !visited_.allocate_filled(memory_, cut_.region_count, 0u))
             return false;
         visit_ = 0;
-        for (uint32_t f = 0; f < mesh_.face_count; ++f) {
-            const uint32_t end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
-            for (uint32_t r = cut_.region_first[f]; r < end; ++r) search_.raise_bound(r, face_bound_[f]);
-        }
+        search_.raise_bounds(face_bound_);
         return true;
-    }
-
-    void keep_bounds() {
-        for (uint32_t f = 0; f < mesh_.face_count; ++f) {
-            const uint32_t end = f + 1 < mesh_.face_count ? cut_.region_first[f + 1] : cut_.region_count;
-            face_bound_[f] = search_.bound(cut_.region_first[f]);
-            for (uint32_t r = cut_.region_first[f]; r < end; ++r)
-                if (search_.bound(r) < face_bound_[f]) face_bound_[f] = search_.bound(r);
-        }
     }
 
     // A region beside each segment with a signature, or those where a loop can
@@ -226,12 +310,15 @@ private:
     Done choose_signed_roots() {
         roots_.start(memory_);
         ++visit_;
+        double least = UNREACHED; // what is longer by far comes late, in any order
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut_.region[2 * size_t{s}], q = cut_.region[2 * size_t{s} + 1];
             if (visited_[r] == visit_ || visited_[q] == visit_) continue;
             visited_[r] = visit_;
-            if (!roots_.push({signatures_.cycle(cut_, s, length_), r})) return false;
+            const double known = signatures_.cycle(cut_, s, length_, SLACK * least);
+            least = std::min(least, known);
+            if (!roots_.push({known, r})) return false;
         }
         heap_sort(roots_.data(), roots_.size(), [](const Root& a, const Root& b) {
             return a.known < b.known || (a.known == b.known && a.region < b.region);
@@ -259,6 +346,7 @@ private:
         found_ = false;
         best_ = UNREACHED;
         candidates_.clear();
+        strips_.clear();
         bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
@@ -300,14 +388,16 @@ private:
         return true;
     }
 
+    double slack() const { return lengths_.care() == LoopCare::quick ? 1 : SLACK; }
+
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
-        if (!search_.search(root, SLACK * best_)) return false;
+        if (!search_.search(root, slack() * best_)) return false;
         for (size_t i = 0; i < search_.count(); ++i) {
             if (!search_.strip(i, try_)) return false;
             double total = 0;
             for (const uint32_t link : try_) total += length_[cut_.segment_edge[link >> 1]];
-            if (!(total < SLACK * best_)) continue;
+            if (!(total < slack() * best_)) continue;
             bool simple = true;
             if (condition_ && !find_if_simple(simple)) return false;
             if (!simple) continue;
@@ -318,23 +408,13 @@ private:
                 for (const uint32_t link : try_)
                     if (!loop_.push(link)) return false;
             }
-            if (!offer(total)) return false;
+            if (!offer(total, search_.signature(i))) return false;
         }
         return true;
     }
 
-    // The same strip is found from many roots.
-    Done offer(double total) {
-        for (const Candidate& c : candidates_) {
-            if (c.length != total || c.size != try_.size()) continue;
-            size_t k = 0;
-            while (k < c.size && strips_[c.first + k] != cut_.half_edge(try_[0])) ++k;
-            size_t same = 0;
-            while (k < c.size && same < c.size && strips_[c.first + (k + same) % c.size] == cut_.half_edge(try_[same]))
-                ++same;
-            if (k < c.size && same == c.size) return true;
-        }
-        const Candidate c = {total, strips_.size(), try_.size()};
+    Done offer(double total, uint64_t signature) {
+        const Candidate c = {total, strips_.size(), try_.size(), signature, NONE, Place::open};
         for (const uint32_t link : try_)
             if (!strips_.push(cut_.half_edge(link))) return false;
         return candidates_.push(c);
@@ -382,21 +462,21 @@ private:
     Array<Root> roots_, gate_;
     Array<uint32_t> visited_; // per region
     uint32_t visit_ = 0;
-    struct Candidate { // strips_[first], ..; half-edges
-        double length;
-        size_t first, size;
-    };
     struct Choice { // of ids_[first] .. ids_[end - 1]
         size_t first, end, taken;
     };
-    Array<Candidate> candidates_; // for the next loop
-    Array<uint32_t> strips_, ids_;
+    Array<Candidate> candidates_; // for the next loops
+    Array<uint32_t> strips_, kept_, ids_;
     Array<Candidate> strip_; // per id
     Array<Choice> choice_;
     Array<double> kept_bound_;   // face_bound_ after each choice, if that is not too much
     Array<uint32_t> loop_, try_; // half-segments
     double best_ = UNREACHED;    // length of loop_
     bool found_ = false;
+    // Of a batch: signatures of its loops, each reduced by those before; faces that they pass; per edge a bit for
+    // each of them that runs along it, with the edge on its left.
+    Array<uint64_t> words_, left_;
+    Array<uint8_t> taken_;
 };
 
 } // namespace

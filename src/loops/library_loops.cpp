@@ -14,11 +14,11 @@ namespace hmf {
 namespace {
 
 // On the coarsest level.
-hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& out) {
+hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, LoopCare care, Call& call, Loops& out) {
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = loop_mesh(h, coarsest);
     const double* position = h.levels[coarsest].position;
-    ClassLengths lengths(h, call);
+    ClassLengths lengths(h, call, care);
     if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, lengths, call, out);
     if (h.genus == 0 && (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL))
         return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
@@ -37,16 +37,19 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, Call& call, Loops& o
 
 } // namespace
 
-hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
-    hmf_status status = find_loops(h, kind, call, out);
+hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out, LoopCare care) {
+    const hmf_status status = find_loops(h, kind, care, call, out);
+    return status ? status : carry_from_coarsest(h, level, call, out);
+}
+
+hmf_status carry_from_coarsest(const hmf_hierarchy& h, size_t level, Call& call, Loops& out) {
     const size_t coarsest = h.level_count - 1;
-    if (!status && level == coarsest) status = pull_tight(loop_mesh(h, level), call, out);
-    if (status || level == coarsest) return status;
+    if (level == coarsest) return pull_tight(loop_mesh(h, level), call, out);
     LoopCarrier carrier;
     if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
         if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call.memory)) return call.stopped();
-        status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
+        const hmf_status status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);
         if (status) return status;
         if (carrier.level() > level && !carrier.replace(out)) return call.out_of_memory();
     }

@@ -15,7 +15,10 @@ inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
 // carried from level to level, shortened on each: loop c is in the same class
 // on every level.
 [[nodiscard]] hmf_status library_loops(const hmf_hierarchy& hierarchy, size_t level, int32_t kind, Call& call,
-                                       Loops& out);
+                                       Loops& out, LoopCare care = LoopCare::shortest);
+
+// Disjoint loops on the coarsest level, the same way.
+[[nodiscard]] hmf_status carry_from_coarsest(const hmf_hierarchy& hierarchy, size_t level, Call& call, Loops& loops);
 
 // The face before each crossing, such that read_loops gives the loops back.
 // Where faces share several edges, the loops change within their classes.

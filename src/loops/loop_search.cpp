@@ -130,6 +130,19 @@ Done LoopSearch::keep(const Closing& closing) {
     return true;
 }
 
+void LoopSearch::raise_bounds(const Array<double>& face_bound) {
+    for (size_t f = 0; f < face_bound.size(); ++f)
+        for (uint32_t r = cut_.region_first[f]; r < end_of_face(f); ++r) raise_bound(r, face_bound[f]);
+}
+
+void LoopSearch::read_bounds(Array<double>& face_bound) const {
+    for (size_t f = 0; f < face_bound.size(); ++f) {
+        face_bound[f] = bound_[cut_.region_first[f]];
+        for (uint32_t r = cut_.region_first[f]; r < end_of_face(f); ++r)
+            face_bound[f] = std::min(face_bound[f], bound_[r]);
+    }
+}
+
 // The cycle of a link in the search tree:  root ---- o===state
 //                                                     \\  | closing
 //                                                       `=to

@@ -30,6 +30,12 @@ struct Loops {
     }
     Done add(const Array<uint32_t>& loop) { return add(loop.data(), loop.size()); }
     Done add(const Loops& from, size_t c) { return add(from.loop(c), from.length(c)); }
+    Done copy_from(const Loops& from, Memory& memory) {
+        if (!start(memory)) return false;
+        for (size_t c = 0; c < from.count(); ++c)
+            if (!add(from, c)) return false;
+        return true;
+    }
     void keep_first(size_t n) {
         while (offsets.size() > n + 1) offsets.pop();
         while (crossings.size() > offsets.back()) crossings.pop();
@@ -48,6 +54,10 @@ struct LoopCondition {
 };
 
 class ClassLengths; // class_lengths.hpp
+
+// How loops are chosen: by the lengths of their classes, or the first ones, by
+// the lengths of the strips in which they are found.
+enum class LoopCare : uint8_t { shortest, quick };
 
 // genus many disjoint simple loops, jointly non-separating, each with the shortest
 // class that is found one after another.  position: 3 per vertex of the mesh.

@@ -51,7 +51,8 @@ public:
         memory_(call.memory), search_(cut_, length_, nullptr, call) {}
 
     hmf_status run() {
-        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count))
+        if (!curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
+            || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0))
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -66,12 +67,16 @@ public:
         cycles_.start(memory_);
         hole_.start(memory_);
         cycle_.start(memory_);
+        // Regions settled in all searches: linear in the faces on large meshes.
+        const double budget = 5e6 + 12.0 * mesh_.face_count;
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
             for (; loops_.count() < wanted; ++steps) {
                 if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
                     return call_.was_cancelled();
                 if (cut()) return call_.status();
+                const size_t made = loops_.count() - given;
+                allowed_ = budget * (0.3 + 0.7 * static_cast<double>(made + 1) / static_cast<double>(wanted - given));
                 if (!spread() || !find_candidates()) return call_.stopped();
                 if (candidates_.empty())
                     return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, loops_.count(),
@@ -95,6 +100,7 @@ public:
                     strip_.pop();
                 }
                 loops_.keep_first(given + k);
+                for (double& bound : face_bound_) bound = 0;
                 const hmf_status status = take_last();
                 if (status) return status;
                 break;
@@ -317,14 +323,16 @@ private:
         for (uint32_t p = mesh_.vertex_count; p < cut_.point_count; ++p)
             if (!hole_.push(p)) return false;
         if (!signatures_.build_holes(cut_, hole_, call_) || !search_.prepare(signatures_, 1)) return false;
-        double best = HUGE_VAL;
+        search_.raise_bounds(face_bound_);
+        double best = candidates_[0].length; // a loop round two holes is not longer than its estimate
         uint32_t done = NONE;
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut_.region[2 * size_t{s}];
             if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= ROOTS * best
-                || (best < HUGE_VAL && search_.nearest_root(r) < APART * best))
+                || search_.nearest_root(r) < APART * best)
                 continue;
+            if (static_cast<double>(search_.work()) >= allowed_) break;
             done = r;
             if (!search_.search(r, SLACK * best)) return false;
             for (size_t i = 0; i < search_.count(); ++i) {
@@ -339,6 +347,7 @@ private:
                 if (!cycles_.push({total, begin, cycle_.size()})) return false;
             }
         }
+        search_.read_bounds(face_bound_);
         heap_sort(cycles_.data(), cycles_.size(), [](const Cycle& a, const Cycle& b) {
             return a.length < b.length || (a.length == b.length && a.first < b.first);
         });
@@ -358,13 +367,14 @@ private:
     Done choose() {
         const size_t first = ids_.size();
         bool added = false;
-        if (!find_cycles()) return false;
+        if (lengths_.care() == LoopCare::shortest && !find_cycles()) return false;
         for (size_t i = 0; i < cycles_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
             if (cycles_[i].length > SLACK * cycles_[0].length) break;
             if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
         }
         for (size_t i = 0; i < candidates_.size() && i < MOST_CANDIDATES; ++i) {
             if (candidates_[i].length > FURTHER * candidates_[0].length) break;
+            if (lengths_.care() == LoopCare::quick && ids_.size() > first) break;
             const size_t begin = strips_.size();
             if (!join(candidates_[i])) return false;
             if (strips_.size() == begin) continue;
@@ -452,6 +462,8 @@ private:
     };
     Array<Cycle> cycles_;
     Array<uint32_t> hole_, cycle_;
+    double allowed_ = 0;       // regions to be settled in all searches up to the next loop
+    Array<double> face_bound_; // of the cycles through a face, which only get longer as loops are added
     Signatures signatures_;
     LoopSearch search_;
     Array<uint32_t> border_, best_; // per segment, of pieces of borders between cells

@@ -127,9 +127,11 @@ Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole,
     return true;
 }
 
-double Signatures::cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length) const {
+double Signatures::cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length,
+                         double enough) const {
     double sum = edge_length[cut.segment_edge[segment]];
-    for (uint32_t r = cut.region[2 * size_t{segment}], q = cut.region[2 * size_t{segment} + 1]; r != q;) {
+    for (uint32_t r = cut.region[2 * size_t{segment}], q = cut.region[2 * size_t{segment} + 1];
+         r != q && sum <= enough;) {
         uint32_t& behind = rank[r] > rank[q] ? r : q;
         sum += edge_length[cut.segment_edge[reached[behind] >> 1]];
         behind = cut.region[reached[behind]];

@@ -41,8 +41,9 @@ struct Signatures {
         return low < trivial.size() && trivial[low] == signature;
     }
 
-    // Length of the cycle that a segment closes in the tree of the regions.
-    double cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length) const;
+    // Length of the cycle that a segment closes in the tree of the regions; of a part of it
+    // if that is above `enough`.
+    double cycle(const CutSurface& cut, uint32_t segment, const Array<double>& edge_length, double enough) const;
 };
 
 } // namespace hmf

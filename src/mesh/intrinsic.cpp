@@ -30,7 +30,7 @@ namespace {
 constexpr double TOLERANCE = -1e-9; // of the sum of two cotangents
 constexpr double FAILURE = -1e-7;   // of the weight
 constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
-constexpr uint32_t NOT_WAITING = NONE - 1;
+constexpr uint32_t NOT_WAITING = NONE - 1, NEEDED = NONE - 2;
 
 // b^2 + c^2 - a^2 without the cancellation of needles.  Which of b and c is
 // greater cannot be predicted: they are taken from a table.
@@ -103,25 +103,22 @@ double four_areas(double a, double b, double c) {
     return std::sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)));
 }
 
-void clear(const Mesh& mesh, double* sum) {
-    for (uint32_t e = 0; sum && e < mesh.edge_count; ++e) sum[e] = 0;
-}
-
 // The three angles of a face to the sums of the edges opposite to them.
-void add_cotangents(const uint32_t* half_edges, const double* length, double four_areas, double* sum) {
+void set_cotangents(const uint32_t* half_edges, const double* length, double four_areas, EdgeSums& sums) {
     const double a = length[0], b = length[1], c = length[2], inverse = 1 / four_areas;
-    sum[edge_of(half_edges[0])] += inverse * opposite_product(a, b, c);
-    sum[edge_of(half_edges[1])] += inverse * opposite_product(b, c, a);
-    sum[edge_of(half_edges[2])] += inverse * opposite_product(c, a, b);
+    sums.set(half_edges[0], inverse * opposite_product(a, b, c));
+    sums.set(half_edges[1], inverse * opposite_product(b, c, a));
+    sums.set(half_edges[2], inverse * opposite_product(c, a, b));
 }
 
 } // namespace
 
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
-             Metric& metric, double* sum) {
-    if (!metric.length.allocate(memory, mesh.edge_count) || !metric.four_areas.allocate(memory, mesh.face_count))
+Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
+             Call& call) {
+    EdgeSums sums(sum);
+    if (!metric.length.allocate(call.memory, mesh.edge_count)
+        || !metric.four_areas.allocate(call.memory, mesh.face_count) || (sum && !sums.allocate(mesh, call.memory)))
         return false;
-    clear(mesh, sum);
     const auto visit = [&](uint32_t ij, uint32_t jk, uint32_t ki) {
         const uint32_t half_edges[3] = {ij, jk, ki};
         const double* corner[3];
@@ -138,24 +135,28 @@ Done measure(const Mesh& mesh, const double* position, double scale, const uint3
         const double *u = side[0], *v = side[1];
         const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
         const double four_areas = 2 * std::sqrt(x * x + y * y + z * z);
-        for (int s = 0; s < 3; ++s) metric.length[edge_of(half_edges[s])] = length[s];
+        for (int s = 0; s < 3; ++s)
+            if (!(half_edges[s] & 1)) metric.length[edge_of(half_edges[s])] = length[s];
         metric.four_areas[mesh.face[ij]] = four_areas;
-        if (sum) add_cotangents(half_edges, length, four_areas, sum);
+        if (sum) set_cotangents(half_edges, length, four_areas, sums);
     };
-    if (!sides) {
-        for_each_face(mesh, 0, 2 * mesh.edge_count, visit);
-        return true;
-    }
-    for (uint32_t face = 0; face < mesh.face_count; ++face) { // by its lowest half-edge, as there
-        const uint32_t* h = sides + size_t{4} * face;
-        const uint32_t lowest = ((h[1] < h[0]) & (h[1] < h[2])) + 2u * ((h[2] < h[0]) & (h[2] < h[1])),
-                       second = lowest == 2 ? 0 : lowest + 1;
-        visit(h[lowest], h[second], h[3 - lowest - second]);
-    }
-    return true;
+    const auto visit_half_edges = [&](size_t begin, size_t end) {
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end), visit);
+    };
+    const auto visit_sides = [&](size_t begin, size_t end) {
+        for (size_t face = begin; face < end; ++face) { // by its lowest half-edge, as there
+            const uint32_t* h = sides + 4 * face;
+            const uint32_t lowest = ((h[1] < h[0]) & (h[1] < h[2])) + 2u * ((h[2] < h[0]) & (h[2] < h[1])),
+                           second = lowest == 2 ? 0 : lowest + 1;
+            visit(h[lowest], h[second], h[3 - lowest - second]);
+        }
+    };
+    const Done visited = sides ? call.pass(mesh.face_count, 0, visit_sides)
+                               : call.pass(size_t{2} * mesh.edge_count, 0, visit_half_edges);
+    return visited && (!sum || sums.add(call, 0));
 }
 
-void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum) {
+Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call& call) {
     Array<double>& length = metric.length;
     double total = 0, missing = 0;
     for (const double x : length) total += x;
@@ -164,32 +165,44 @@ void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum) {
         const double rest = length[edge_of(mesh.next[h])] + length[edge_of(mesh.prev(h))] - length[edge_of(h)];
         if (margin - rest > missing) missing = margin - rest;
     }
-    if (missing == 0) return;
+    if (missing == 0) return true;
     for (double& x : length) x += missing;
-    clear(mesh, sum);
+    EdgeSums sums(sum);
+    if (sum && !sums.allocate(mesh, call.memory)) return false;
     for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
         const uint32_t half_edges[3] = {ij, jk, ki};
         const double side[3] = {length[edge_of(ij)], length[edge_of(jk)], length[edge_of(ki)]};
         double& area = metric.four_areas[mesh.face[ij]];
         area = four_areas(side[0], side[1], side[2]);
-        if (sum) add_cotangents(half_edges, side, area, sum);
+        if (sum) set_cotangents(half_edges, side, area, sums);
     });
+    return !sum || sums.add(call, 0);
 }
 
-bool is_delaunay(const Mesh& mesh, const double* sum) {
-    for (uint32_t e = 0; e < mesh.edge_count; ++e)
-        if (needs_flip(mesh, sum, e)) return false;
-    return true;
+bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel) {
+    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
+        uint64_t flips = 0;
+        for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) flips += needs_flip(mesh, sum, e);
+        return flips;
+    }) == 0;
 }
 
 hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
                               size_t& flip_count, Call& call, double from, double to) {
-    Array<uint32_t> waiting; // stack inside an array: next edge below, NONE at the bottom
-    if (!waiting.allocate_filled(call.memory, mesh.edge_count, NOT_WAITING)) return call.out_of_memory();
+    // A stack inside an array: next edge below, NONE at the bottom.  Nearly no edge
+    // needs a flip, so all are asked first; later a flip nearby asks again.
+    Array<uint32_t> waiting;
+    if (!waiting.allocate(call.memory, mesh.edge_count)) return call.out_of_memory();
+    const auto ask = [&](size_t begin, size_t end) {
+        for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e)
+            waiting[e] = needs_flip(mesh, sum, e) ? NEEDED : NOT_WAITING;
+    };
+    if (!call.pass(mesh.edge_count, from, ask)) return HMF_CANCELLED;
     uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
     flip_count = 0;
     uint32_t top = NONE, steps = 0;
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
+        if (waiting[first] != NEEDED) continue;
         uint32_t e = first;
         for (;;) {
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
@@ -203,7 +216,7 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t*
                 for (const uint32_t side : round) {
                     const uint32_t other = edge_of(side);
                     sum[other] = Quad(mesh, metric, other).cotangent_sum();
-                    if (waiting[other] != NOT_WAITING) continue;
+                    if (waiting[other] != NOT_WAITING && waiting[other] != NEEDED) continue;
                     waiting[other] = top;
                     top = other;
                 }
@@ -211,22 +224,24 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t*
             if (top == NONE) break;
             e = top;
             top = waiting[e];
-            waiting[e] = NOT_WAITING;
+            waiting[e] = NEEDED; // if it is after all, and no gain now, it may be one later
         }
     }
     return HMF_OK;
 }
 
-uint64_t intrinsic_weights(const Mesh& mesh, double* sum) {
-    uint64_t raised = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double w = 0.5 * sum[e];
-        raised += w < FAILURE;
-        sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR
-               : w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP
-                                               : w;
-    }
-    return raised;
+uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel) {
+    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
+        uint64_t raised = 0;
+        for (size_t e = begin; e < end; ++e) {
+            const double w = 0.5 * sum[e];
+            raised += w < FAILURE;
+            sum[e] = !(w > INTRINSIC_WEIGHT_FLOOR) ? INTRINSIC_WEIGHT_FLOOR
+                   : w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP
+                                                   : w;
+        }
+        return raised;
+    });
 }
 
 } // namespace hmf

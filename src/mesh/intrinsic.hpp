@@ -24,16 +24,16 @@ struct Metric {
 // their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
 // the two angles opposite to each edge, added.  sides: the half-edges of each
 // face in 4 words, the last one unused; NULL if they are not at hand.
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Memory& memory,
-             Metric& metric, double* sum);
+Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
+             Call& call);
 
 // All edges get longer by the least amount that keeps every triangle
 // inequality by a margin of factor * mean length [Sharp and Crane 2020].  sum as
 // for measure.
-void mollify(const Mesh& mesh, double factor, Metric& metric, double* sum);
+Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call& call);
 
 // Can every edge stay?
-bool is_delaunay(const Mesh& mesh, const double* sum);
+bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel = Parallel());
 
 // Flips until every edge is Delaunay, and counts; metric and sum follow.  Two
 // vertices may get several edges, a vertex edges to itself.  Writes the first
@@ -43,6 +43,6 @@ bool is_delaunay(const Mesh& mesh, const double* sum);
 
 // From sums of cotangents to weights, in place: raised to the floor and cut at
 // the cap.  Returns the number of weights that were negative beyond rounding.
-uint64_t intrinsic_weights(const Mesh& mesh, double* sum);
+uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel = Parallel());
 
 } // namespace hmf

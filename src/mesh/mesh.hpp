@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "../base/memory.hpp"
+#include "../base/prefetch.hpp"
 
 namespace hmf {
 
@@ -112,6 +113,20 @@ Collapse collapse(Mesh& mesh, uint32_t h);
 // Exact reversal of the last collapse: connectivity as before it.  Works also
 // on a copy that never held the removed elements.  Does not touch the counts.
 void split(Mesh& mesh, const Collapse& c);
+
+// Asks for what a split needs that comes soon, where log[i] is reversed now, down to `begin`.
+HMF_INLINE void prefetch_split(const Mesh& mesh, const Collapse* log, size_t i, size_t begin) {
+    constexpr size_t ahead = 8;
+    if (i < begin + ahead) return;
+    const Collapse& soon = log[i - ahead];
+    const uint32_t sides[] = {soon.ki, soon.il, soon.h, soon.jk, soon.lj};
+    for (const uint32_t h : sides) {
+        prefetch(&mesh.next[h]);
+        prefetch(&mesh.origin[h]);
+        prefetch(&mesh.face[h]);
+    }
+    prefetch(&mesh.out[soon.vertex]);
+}
 
 //          k                     k
 //        /   \                 / ^ \     .

@@ -16,6 +16,7 @@
 #include "../base/prefetch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hmf {
 
@@ -24,27 +25,42 @@ namespace {
 constexpr size_t TICK = 1u << 16;
 constexpr uint32_t AXIS_BITS = 10, DIGITS = 3, DIGIT_SIZE = 1u << AXIS_BITS; // as many digits as axes
 
-struct Bounds {
-    double low[3], high[3];
-};
-
 bool finite(double x) { return x - x == 0; }
 
-hmf_status find_bounds(const double* positions, size_t vertex_count, size_t stride, Bounds& bounds, Call& call) {
-    for (int c = 0; c < 3; ++c) bounds.low[c] = bounds.high[c] = positions[c];
-    for (size_t v = 0; v < vertex_count; ++v) {
-        const double* x = position_at(positions, stride, v);
+struct Bounds {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    bool all_finite = true;
+
+    void add(const double* x) {
         for (int c = 0; c < 3; ++c) {
-            if (!finite(x[c]))
-                return call.fail(
-                    HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
-                    "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
-                    static_cast<unsigned long long>(v));
-            bounds.low[c] = std::min(bounds.low[c], x[c]);
-            bounds.high[c] = std::max(bounds.high[c], x[c]);
+            all_finite &= finite(x[c]);
+            low[c] = std::min(low[c], x[c]);
+            high[c] = std::max(high[c], x[c]);
         }
     }
-    return HMF_OK;
+    void operator+=(const Bounds& part) {
+        all_finite &= part.all_finite;
+        for (int c = 0; c < 3; ++c) {
+            low[c] = std::min(low[c], part.low[c]);
+            high[c] = std::max(high[c], part.high[c]);
+        }
+    }
+};
+
+hmf_status find_bounds(const double* positions, size_t vertex_count, size_t stride, Bounds& bounds, Call& call) {
+    bounds = call.parallel.sum_blocks<Bounds>(vertex_count, [&](size_t begin, size_t end) {
+        Bounds here;
+        for (size_t v = begin; v < end; ++v) here.add(position_at(positions, stride, v));
+        return here;
+    });
+    if (bounds.all_finite) return HMF_OK;
+    size_t v = 0;
+    int c = 0;
+    while (finite(position_at(positions, stride, v)[c]))
+        if (++c == 3) ++v, c = 0;
+    return call.fail(HMF_ERROR_MESH_NOT_FINITE, HMF_ELEMENT_VERTEX, v,
+                     "Coordinate %d of vertex %llu is infinite or not a number. Repair or remove the vertex.", c,
+                     static_cast<unsigned long long>(v));
 }
 
 double working_scale(const Bounds& bounds) {
@@ -67,6 +83,39 @@ uint32_t spread(uint32_t x) {
     return (x | x << 2) & 0x09249249u;
 }
 
+// By the upper half of the words, digit by digit.  A part of the list counts its
+// words by digit; then all parts know where theirs begin, and move them.
+Done sort_by_cell(Array<uint64_t>& list, Call& call) {
+    constexpr size_t most_parts = 16;
+    const size_t n = list.size(), size = std::max(Parallel::smallest, (n + most_parts - 1) / most_parts);
+    Array<uint64_t> other;
+    Array<uint32_t> begin; // of each part and digit
+    if (!other.allocate(call.memory, n) || !begin.allocate(call.memory, most_parts * DIGIT_SIZE)) return false;
+    for (uint32_t d = 0; d < DIGITS; ++d) {
+        if (!call.tick(0.012 + 0.002 * d)) return false;
+        const auto digit = [d](uint64_t word) { return (word >> (32 + d * AXIS_BITS)) % DIGIT_SIZE; };
+        call.parallel.for_blocks(n, size, [&](size_t first, size_t end) {
+            uint32_t* const count = &begin[first / size * DIGIT_SIZE];
+            std::memset(count, 0, DIGIT_SIZE * sizeof(uint32_t));
+            for (size_t i = first; i < end; ++i) ++count[digit(list[i])];
+        });
+        uint32_t total = 0;
+        for (uint32_t value = 0; value < DIGIT_SIZE; ++value)
+            for (size_t part = 0; part * size < n; ++part) {
+                uint32_t& at = begin[part * DIGIT_SIZE + value];
+                const uint32_t here = at;
+                at = total;
+                total += here;
+            }
+        call.parallel.for_blocks(n, size, [&](size_t first, size_t end) {
+            uint32_t* const at = &begin[first / size * DIGIT_SIZE];
+            for (size_t i = first; i < end; ++i) other[at[digit(list[i])]++] = list[i];
+        });
+        list.swap(other);
+    }
+    return true;
+}
+
 } // namespace
 
 hmf_status order_vertices(const double* positions, size_t vertex_count, size_t stride, uint32_t* vertex_internal,
@@ -83,39 +132,41 @@ hmf_status order_vertices(const double* positions, size_t vertex_count, size_t s
     const double cells = extent > 1e-200 ? (DIGIT_SIZE - 1) / extent : 0;
 
     // Cell and vertex in one word; a stable sort by the digits of the cell.
-    Array<uint64_t> list, other;
-    Array<uint32_t> begin;
-    if (!list.allocate(call.memory, vertex_count) || !other.allocate(call.memory, vertex_count)
-        || !begin.allocate_filled(call.memory, size_t{DIGITS} * DIGIT_SIZE, 0))
-        return call.out_of_memory();
-    for (size_t v = 0; v < vertex_count; ++v) {
-        const double* x = position_at(positions, stride, v);
-        uint32_t cell = 0;
-        for (int c = 0; c < 3; ++c)
-            cell |= spread(static_cast<uint32_t>((scale * x[c] - scale * bounds.low[c]) * cells)) << c;
-        list[v] = uint64_t{cell} << 32 | v;
-        for (uint32_t d = 0; d < DIGITS; ++d) ++begin[d * DIGIT_SIZE + (cell >> (d * AXIS_BITS)) % DIGIT_SIZE];
-    }
-    for (uint32_t d = 0; d < DIGITS; ++d) {
-        if (!call.tick(0.012 + 0.002 * d)) return HMF_CANCELLED;
-        uint32_t total = 0;
-        for (uint32_t n = d * DIGIT_SIZE; n < (d + 1) * DIGIT_SIZE; ++n) {
-            const uint32_t size = begin[n];
-            begin[n] = total;
-            total += size;
+    Array<uint64_t> list;
+    if (!list.allocate(call.memory, vertex_count)) return call.out_of_memory();
+    const auto find_cells = [&](size_t begin, size_t end) {
+        for (size_t v = begin; v < end; ++v) {
+            const double* x = position_at(positions, stride, v);
+            uint32_t cell = 0;
+            for (int c = 0; c < 3; ++c)
+                cell |= spread(static_cast<uint32_t>((scale * x[c] - scale * bounds.low[c]) * cells)) << c;
+            list[v] = uint64_t{cell} << 32 | v;
         }
-        for (const uint64_t entry : list)
-            other[begin[d * DIGIT_SIZE + (entry >> (32 + d * AXIS_BITS)) % DIGIT_SIZE]++] = entry;
-        list.swap(other);
-    }
-    for (size_t n = 0; n < vertex_count; ++n) {
-        if (n % TICK == 0 && !call.tick(0.02)) return HMF_CANCELLED;
-        const uint32_t v = static_cast<uint32_t>(list[n]);
-        vertex_internal[v] = static_cast<uint32_t>(n);
-        const double* x = position_at(positions, stride, v);
-        for (size_t c = 0; c < 3; ++c) position[3 * n + c] = scale * x[c];
-    }
-    return HMF_OK;
+    };
+    if (!call.pass(vertex_count, 0.01, find_cells) || !sort_by_cell(list, call)) return call.stopped();
+    const auto number = [&](size_t begin, size_t end) {
+        for (size_t n = begin; n < end; ++n) {
+            const uint32_t v = static_cast<uint32_t>(list[n]);
+            vertex_internal[v] = static_cast<uint32_t>(n);
+            const double* x = position_at(positions, stride, v);
+            for (size_t c = 0; c < 3; ++c) position[3 * n + c] = scale * x[c];
+        }
+    };
+    return call.pass(vertex_count, 0.02, number) ? HMF_OK : HMF_CANCELLED;
+}
+
+// Which of the two defects it has.
+static hmf_status refuse_triangle(const uint32_t* triangles, size_t t, size_t vertex_count, Call& call) {
+    const uint32_t* corner = triangles + 3 * t;
+    const unsigned long long number = t;
+    for (int s = 0; s < 3; ++s)
+        if (corner[s] >= vertex_count)
+            return call.fail(HMF_ERROR_MESH_INDEX, HMF_ELEMENT_TRIANGLE, t,
+                             "Triangle %llu names vertex %u, but there are %llu vertices. Indices start at 0.", number,
+                             corner[s], static_cast<unsigned long long>(vertex_count));
+    return call.fail(HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, t,
+                     "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.", number,
+                     corner[0], corner[1], corner[2]);
 }
 
 hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal,
@@ -128,23 +179,24 @@ hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, con
         const uint32_t low = std::min(v[1], v[0]);
         return std::min(v[2], low);
     };
+    const auto is_usable = [&](const uint32_t* corner) {
+        return corner[0] < vertex_count && corner[1] < vertex_count && corner[2] < vertex_count
+            && corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0];
+    };
+    const auto translate = [&](size_t first, size_t end) {
+        for (size_t t = first; t < end; ++t) {
+            const uint32_t* corner = triangles + 3 * t;
+            const bool usable = is_usable(corner);
+            for (size_t s = 0; s < 3; ++s) sides[3 * t + s] = usable ? vertex_internal[corner[s]] : NONE;
+        }
+    };
+    if (!call.pass(triangle_count, 0.02, translate)) return HMF_CANCELLED;
     for (size_t t = 0; t < triangle_count; ++t) {
         if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))
             return HMF_CANCELLED;
-        const uint32_t* corner = triangles + 3 * t;
-        const unsigned long long number = t;
-        for (int s = 0; s < 3; ++s)
-            if (corner[s] >= vertex_count)
-                return call.fail(HMF_ERROR_MESH_INDEX, HMF_ELEMENT_TRIANGLE, t,
-                                 "Triangle %llu names vertex %u, but there are %llu vertices. Indices start at 0.",
-                                 number, corner[s], static_cast<unsigned long long>(vertex_count));
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-            return call.fail(HMF_ERROR_MESH_REPEATED_VERTEX, HMF_ELEMENT_TRIANGLE, t,
-                             "Triangle %llu (%u, %u, %u) names a vertex twice. Remove it, or collapse the edge.",
-                             number, corner[0], corner[1], corner[2]);
-        uint32_t* internal = sides + 3 * t;
-        for (int s = 0; s < 3; ++s) internal[s] = vertex_internal[corner[s]];
-        ++begin[lowest(internal)];
+        const uint32_t first = lowest(sides + 3 * t);
+        if (first == NONE) return refuse_triangle(triangles, t, vertex_count, call);
+        ++begin[first];
     }
     uint32_t total = 0;
     for (uint32_t& entry : begin) {

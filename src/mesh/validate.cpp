@@ -22,6 +22,12 @@ namespace {
 
 constexpr size_t TICK = 1u << 16;
 
+// The lowest of some numbers, NONE of none.
+struct Least {
+    uint32_t number = NONE;
+    void operator+=(const Least& other) { number = std::min(number, other.number); }
+};
+
 // Squared area (times 4) against the longest side: a needle of 0.001 degrees
 // has 1e-10, the rounding of collinear corners stays below the bound.
 bool has_area(const double* a, const double* b, const double* c) {
@@ -198,17 +204,23 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
     uint32_t* const words = ordered.words.data();
     const uint32_t vertex_count = mesh.vertex_count, places = static_cast<uint32_t>(ordered.words.size());
     const Report report(ordered, caller, call);
-    uint32_t flat = NONE; // the first triangle without area, by the caller's numbers
+    if (!call.tick(0.04)) return HMF_CANCELLED;
+    // The first triangle without area, by the caller's numbers.
+    const Least flat =
+        call.parallel.sum_blocks<Least>(caller.flat_allowed ? 0 : places / 4, [&](size_t begin, size_t end) {
+            Least least;
+            for (size_t face = begin; face < end; ++face) {
+                const uint32_t* v = &words[4 * face];
+                if (!has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2]))
+                    least += {v[3]};
+            }
+            return least;
+        });
+    if (flat.number != NONE) return report.flat(flat.number);
     for (uint32_t place = 0; place < places; place += 4) {
         if (place % TICK == 0 && !call.tick(0.04 + 0.02 * place / places)) return HMF_CANCELLED;
-        const uint32_t* v = &words[place];
-        for (int s = 0; s < 3; ++s) ++degree[v[s]];
-        if (!caller.flat_allowed
-            && !has_area(position + size_t{3} * v[0], position + size_t{3} * v[1], position + size_t{3} * v[2])
-            && v[3] < flat)
-            flat = v[3];
+        for (uint32_t s = 0; s < 3; ++s) ++degree[words[place + s]];
     }
-    if (flat != NONE) return report.flat(flat);
     uint32_t largest = 0;
     for (const uint32_t d : degree) largest = d > largest ? d : largest;
     boundary.start(call.memory);
@@ -284,15 +296,18 @@ hmf_status link(OrderedTriangles& ordered, const Keys& keys, const Report& repor
     pairs.make_edges(words, mesh, edges);
     // A mark still tells a lower neighbour: trees that cover almost everything.
     for (uint32_t v = 0; v < vertex_count; ++v) part[v] = marks[v].low == NONE ? v : part[marks[v].low];
-    for (uint32_t face = 0; face < places / 4; ++face) {
-        if (face % TICK == 0 && !call.tick(0.09 + 0.08 * face / places)) return HMF_CANCELLED;
-        const uint32_t* h = &words[size_t{4} * face];
-        for (int s = 0; s < 3; ++s) {
-            mesh.next[h[s]] = h[s == 2 ? 0 : s + 1];
-            mesh.face[h[s]] = face;
-            mesh.out[mesh.origin[h[s]]] = h[s];
+    const auto join = [&](size_t begin, size_t end) {
+        for (size_t face = begin; face < end; ++face) {
+            const uint32_t* h = &words[4 * face];
+            for (int s = 0; s < 3; ++s) {
+                mesh.next[h[s]] = h[s == 2 ? 0 : s + 1];
+                mesh.face[h[s]] = static_cast<uint32_t>(face);
+            }
         }
-    }
+    };
+    if (!call.pass(places / 4, 0.1, join)) return HMF_CANCELLED;
+    for (uint32_t place = 0; place < places; place += 4) // in order: the last triangle of a vertex counts
+        for (uint32_t s = 0; s < 3; ++s) mesh.out[mesh.origin[words[place + s]]] = words[place + s];
     return HMF_OK;
 }
 
@@ -313,17 +328,25 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
         return call.fail(HMF_ERROR_MESH_UNUSED_VERTEX, HMF_ELEMENT_VERTEX, number,
                          "Vertex %u belongs to no triangle. Remove it and renumber the others.", number);
     }
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        if (v % TICK == 0 && !call.tick(0.11 + 0.02 * v / mesh.vertex_count)) return HMF_CANCELLED;
-        // One fan comes back after all triangles, and not before.  Counted, so that
-        // the walk round the next vertex need not wait for the end of this one.
+    // One fan comes back after all triangles, and not before.  Counted, so that
+    // the walk round the next vertex need not wait for the end of this one.
+    const auto is_one_fan = [&](uint32_t v) {
         uint32_t h = mesh.out[v], returns = 0;
         for (uint32_t steps = 0; steps < degree[v]; ++steps) {
             h = mesh.rotate_cw(h);
             returns += h == mesh.out[v];
         }
-        if ((returns == 1) & (h == mesh.out[v])) continue;
-        const uint32_t number = callers_vertex(v);
+        return (returns == 1) & (h == mesh.out[v]);
+    };
+    if (!call.tick(0.11)) return HMF_CANCELLED;
+    const Least bad = call.parallel.sum_blocks<Least>(mesh.vertex_count, [&](size_t begin, size_t end) {
+        Least least;
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v)
+            if (!is_one_fan(v)) least += {v};
+        return least;
+    });
+    if (bad.number != NONE) {
+        const uint32_t number = callers_vertex(bad.number);
         return call.fail(HMF_ERROR_MESH_NON_MANIFOLD_VERTEX, HMF_ELEMENT_VERTEX, number,
                          "The triangles at vertex %u form several fans. Duplicate the vertex, one for each fan.",
                          number);
@@ -340,7 +363,8 @@ hmf_status check_connection(const Mesh& mesh, const Array<uint32_t>& degree, con
     uint32_t lost = 0;
     while (part_of(lost) == part_of(0)) ++lost;
     return call.fail(HMF_ERROR_MESH_COMPONENTS, HMF_ELEMENT_TRIANGLE, lost,
-                     "Triangle %u is not connected to triangle 0. Build each component on its own.", lost);
+                     "Triangle %u is not connected to triangle 0. Build each component of hmf_components on its own.",
+                     lost);
 }
 
 hmf_status number_edges(const OrderedTriangles& ordered, const Mesh& mesh, uint32_t* triangle_edges,

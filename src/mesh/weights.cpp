@@ -74,32 +74,32 @@ double cotangent(const double* apex, const double* a, const double* b) {
 }
 
 hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call, double fraction) {
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) sum[e] = 0;
-    constexpr uint32_t step = 1u << 17; // half-edges
-    for (uint32_t begin = 0, left = 2 * mesh.edge_count; left > 0;) {
-        if (!call.tick(fraction)) return HMF_CANCELLED;
-        const uint32_t size = std::min(step, left);
-        for_each_face(mesh, begin, begin + size, [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-            const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
-                                  position + size_t{3} * mesh.origin[ki]);
-            sum[edge_of(ij)] += corners.cot_k;
-            sum[edge_of(jk)] += corners.cot_i;
-            sum[edge_of(ki)] += corners.cot_j;
-        });
-        begin += size;
-        left -= size;
-    }
-    return HMF_OK;
+    EdgeSums sums(sum);
+    if (!sums.allocate(mesh, call.memory)) return call.out_of_memory();
+    const auto visit = [&](uint32_t ij, uint32_t jk, uint32_t ki) {
+        const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
+                              position + size_t{3} * mesh.origin[ki]);
+        sums.set(ij, corners.cot_k);
+        sums.set(jk, corners.cot_i);
+        sums.set(ki, corners.cot_j);
+    };
+    const auto visit_block = [&](size_t begin, size_t end) {
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end), visit);
+    };
+    return call.pass(size_t{2} * mesh.edge_count, fraction, visit_block) && sums.add(call, fraction) ? HMF_OK
+                                                                                                     : HMF_CANCELLED;
 }
 
-uint64_t coarse_weights(const Mesh& mesh, double* sum) {
-    uint64_t raised = 0;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const double w = 0.5 * sum[e];
-        raised += w < 0;
-        sum[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
-    }
-    return raised;
+uint64_t coarse_weights(const Mesh& mesh, double* sum, const Parallel& parallel) {
+    return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
+        uint64_t raised = 0;
+        for (size_t e = begin; e < end; ++e) {
+            const double w = 0.5 * sum[e];
+            raised += w < 0;
+            sum[e] = !(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR : w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;
+        }
+        return raised;
+    });
 }
 
 } // namespace hmf

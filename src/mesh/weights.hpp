@@ -10,7 +10,8 @@ namespace hmf {
 // each.  Finite, also for triangles without area and for extreme units.
 double cotangent(const double* apex, const double* a, const double* b);
 
-// Bounds of the weights that the solver sees.
+// Bounds of the weights that the solver sees; energy and residual are those of the bounded
+// ones.  The cap on level 0 is met by needles with angles below 5e-7.
 constexpr double COARSE_WEIGHT_FLOOR = 1e-3, COARSE_WEIGHT_CAP = 1e3;
 constexpr double INTRINSIC_WEIGHT_FLOOR = 1e-9, INTRINSIC_WEIGHT_CAP = 1e6;
 
@@ -37,6 +38,26 @@ void for_each_face(const Mesh& mesh, uint32_t begin, uint32_t end, Visit visit) 
     }
 }
 
+// Sums of two parts for each edge, one from the triangle on each side: blocks of
+// triangles write them without meeting.
+class EdgeSums {
+public:
+    EdgeSums(double* sum) : left_(sum) {}
+    Done allocate(const Mesh& mesh, Memory& memory) { return right_.allocate(memory, mesh.edge_count); }
+    // The part of the triangle of half-edge h.
+    void set(uint32_t h, double part) { (h & 1 ? right_.data() : left_)[edge_of(h)] = part; }
+    // Once all parts are there.
+    Done add(Call& call, double fraction) {
+        return call.pass(right_.size(), fraction, [this](size_t begin, size_t end) {
+            for (size_t e = begin; e < end; ++e) left_[e] += right_[e];
+        });
+    }
+
+private:
+    double* left_;
+    Array<double> right_;
+};
+
 // Fills sum with the cotangents of the two angles opposite to each edge, added.
 // The fourth power of a coordinate must be harmless.
 [[nodiscard]] hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum, Call& call,
@@ -44,6 +65,6 @@ void for_each_face(const Mesh& mesh, uint32_t begin, uint32_t end, Visit visit) 
 
 // From sums of cotangents to weights of a coarse level, in place: raised to the
 // floor and cut at the cap.  Returns the number of negative ones before that.
-uint64_t coarse_weights(const Mesh& mesh, double* sum);
+uint64_t coarse_weights(const Mesh& mesh, double* sum, const Parallel& parallel);
 
 } // namespace hmf

@@ -29,13 +29,19 @@ public:
         mesh_(mesh), bundle_(bundle), charts_(charts), flux_(flux) {}
 
     // Multiples of 4, so that halves of what is missing are even.
-    bool round(const double* weight, const TwistedForm& du) {
-        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
-            const double x = 0.25 * weight[e] * static_cast<double>(du.value[e]);
-            if (!(x > -1e18 && x < 1e18)) return false;
-            flux_.value[e] = 4 * static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
-        }
-        return true;
+    bool round(const double* weight, const TwistedForm& du, const Parallel& parallel) {
+        return parallel.sum_blocks<uint32_t>(mesh_.edge_count, [&](size_t begin, size_t end) {
+            uint32_t too_large = 0;
+            for (size_t e = begin; e < end; ++e) {
+                double x = 0.25 * weight[e] * static_cast<double>(du.value[e]);
+                if (!(x > -1e18 && x < 1e18)) {
+                    too_large = 1;
+                    x = 0;
+                }
+                flux_.value[e] = 4 * static_cast<int64_t>(x < 0 ? x - 0.5 : x + 0.5);
+            }
+            return too_large;
+        }) == 0;
     }
 
     Done balance(Call& call) {
@@ -57,7 +63,7 @@ public:
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
             if (i % STRIDE == 0 && !call.tick(0)) return false;
-            for (const uint32_t h : mesh_.around(order_[i])) {
+            for (const uint32_t h : charts_.stars.of(order_[i])) {
                 const uint32_t w = mesh_.target(h);
                 if (parent_[w] == unseen) {
                     parent_[w] = twin(h);
@@ -75,7 +81,7 @@ public:
 private:
     int64_t missing(uint32_t v) const {
         int64_t sum = 0;
-        for (const uint32_t h : mesh_.around(v)) sum += charts_.chart[h] * flux_.at(bundle_, h);
+        for (const uint32_t h : charts_.stars.of(v)) sum += charts_.chart[h] * flux_.at(bundle_, h);
         return sum;
     }
 
@@ -126,28 +132,32 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
         || !dv.value.allocate(call.memory, mesh.edge_count))
         return call.out_of_memory();
     Fluxes fluxes(mesh, bundle, charts, flux);
-    if (!fluxes.round(weight, du))
+    if (!fluxes.round(weight, du, call.parallel))
         return call.fail(
             HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
             "The flux of the foliation is too large for 62 bits. Improve the worst triangles of the mesh.");
     if (!call.tick(0)) return HMF_CANCELLED;
     if (!fluxes.balance(call)) return call.stopped();
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
+    const auto walk_round = [&](uint32_t v) {
         int64_t V = 0;
         double sum = 0;
-        uint32_t degree = 0;
-        for (const uint32_t h : mesh.around(v)) {
+        const Stars::Star star = charts.stars.of(v);
+        for (uint32_t t = 0; t < star.size(); ++t) {
+            const uint32_t h = star[t];
             q[h] = V;
             sum += static_cast<double>(V);
-            ++degree;
-            V -= charts.chart[h] * flux.at(bundle, mesh.prev(h));
+            V -= charts.chart[h] * flux.at(bundle, twin(star.after(t)));
         }
-        const int64_t mean = charts.odd[v] ? V / 2 : static_cast<int64_t>(sum / degree);
-        for (const uint32_t h : mesh.around(v)) q[h] = charts.chart[h] * (mean - q[h]);
-    }
-    if (!call.tick(0)) return HMF_CANCELLED;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];
+        const int64_t mean = charts.odd[v] ? V / 2 : static_cast<int64_t>(sum / star.size());
+        for (const uint32_t h : star) q[h] = charts.chart[h] * (mean - q[h]);
+    };
+    const auto walk = [&](size_t begin, size_t end) {
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) walk_round(v);
+    };
+    const auto differ = [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];
+    };
+    if (!call.pass(mesh.vertex_count, 0, walk) || !call.pass(mesh.edge_count, 0, differ)) return HMF_CANCELLED;
 #ifndef NDEBUG
     for (uint32_t h = 1; h < 2 * mesh.edge_count; h += 2) assert(dv.at(bundle, h) == q[mesh.next[h]] - q[h]);
 #endif

@@ -12,13 +12,13 @@
 namespace hmf {
 
 hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
-    constexpr double tolerance = 1e-9;
+    constexpr double tolerance = 1e-8; // as the residual of the foliation
     Foliation& f = state.foliation;
     const double* weight = state.hierarchy->levels[state.level].weight;
     if (form_of_foliation(f, weight, flat.bundle, flat.du, call)) return call.status();
     if (!call.tick(0.05)) return call.was_cancelled();
     VertexCharts charts;
-    if (!charts.build(f.mesh, flat.bundle, call.memory)) return call.out_of_memory();
+    if (!charts.build(f.mesh, flat.bundle, call)) return call.stopped();
     TwistedLaplacian laplacian;
     if (laplacian.build(f.mesh, flat.bundle, charts, weight, call))
         return call.cancelled() ? call.was_cancelled() : call.status();
@@ -42,9 +42,9 @@ Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
         }
         state.triangulation = Triangulation::input;
     }
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
-        f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
-    return true;
+    return call.pass(f.mesh.edge_count, 0, [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e) f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
+    });
 }
 
 namespace {
@@ -99,38 +99,37 @@ Done share_cones(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>
 
 } // namespace
 
-Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call) {
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) cone[v] = 0;
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        const uint32_t n = mesh.next[h], p = mesh.next[n];
-        if (h > n || h > p) continue;
-        // Places of the three corners by (u, v), in the chart of the face.
-        const uint32_t corner[3] = {mesh.origin[h], mesh.origin[n], mesh.origin[p]};
-        const int64_t u[3] = {0, flat.du.at(flat.bundle, h), -flat.du.at(flat.bundle, p)};
-        const int64_t v[3] = {0, flat.dv.at(flat.bundle, h), -flat.dv.at(flat.bundle, p)};
-        const auto before = [&](int a, int b) {
-            return u[a] != u[b] ? u[a] < u[b] : v[a] != v[b] ? v[a] < v[b] : corner[a] < corner[b];
-        };
-        for (int c = 0; c < 3; ++c)
-            if (before((c + 1) % 3, c) != before((c + 2) % 3, c)) ++cone[corner[c]];
-    }
-    return share_cones(mesh, flat, odd, cone, call);
+Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, int32_t* cone, Call& call) {
+    // Is the origin of h before its target, in the chart of the face of h?
+    const auto rises = [&](uint32_t h) {
+        const int64_t u = flat.du.at(flat.bundle, h), v = flat.dv.at(flat.bundle, h);
+        return u != 0 ? u > 0 : v != 0 ? v > 0 : mesh.origin[h] < mesh.target(h);
+    };
+    const auto count = [&](size_t begin, size_t end) {
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+            int32_t middle = 0; // corners that are the middle ones of their faces
+            const Stars::Star star = charts.stars.of(v);
+            for (uint32_t t = 0; t < star.size(); ++t) middle += rises(star[t]) == rises(twin(star.after(t)));
+            cone[v] = middle;
+        }
+    };
+    return call.pass(mesh.vertex_count, 0.81, count) && share_cones(mesh, flat, charts.odd, cone, call);
 }
 
-Done find_cones(const Mesh& mesh, const FlatSurface& flat, Array<int32_t>& cone, Array<uint8_t>& is_cone, Call& call) {
-    VertexCharts charts;
-    if (!charts.build(mesh, flat.bundle, call.memory) || !cone.allocate(call.memory, mesh.vertex_count)
-        || !is_cone.allocate(call.memory, mesh.vertex_count) || !call.tick(0.81))
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, Array<int32_t>& cone,
+                Array<uint8_t>& is_cone, Call& call) {
+    if (!cone.allocate(call.memory, mesh.vertex_count) || !is_cone.allocate(call.memory, mesh.vertex_count)
+        || !cone_angles(mesh, flat, charts, cone.data(), call))
         return false;
-    if (!cone_angles(mesh, flat, charts.odd, cone.data(), call) || !call.tick(0.81)) return false;
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(mesh, flat, v));
-    return call.tick(0.82);
+    return call.pass(mesh.vertex_count, 0.82, [&](size_t begin, size_t end) {
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v)
+            is_cone[v] = charts.odd[v] || (cone[v] > 2 && is_visible(charts.stars.of(v), flat));
+    });
 }
 
-bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v) {
+bool is_visible(Stars::Star star, const FlatSurface& flat) {
     constexpr int64_t least = 1000; // units
-    for (const uint32_t h : mesh.around(v)) {
+    for (const uint32_t h : star) {
         const int64_t u = flat.du.value[edge_of(h)], w = flat.dv.value[edge_of(h)];
         if (u < least && u > -least && w < least && w > -least) return false;
     }

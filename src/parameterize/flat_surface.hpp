@@ -23,15 +23,16 @@ Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
 
 // Cone angle of each vertex as a multiple of pi.  They add up to the number of
 // faces: each face has one corner in the middle, by u, then v, then number.
-// odd: of the charts of the vertices; the angle is an odd multiple exactly there.
+// charts: of the mesh; the angle is an odd multiple exactly where they are odd.
 // False: out of memory or cancelled.
-Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const Array<uint8_t>& odd, int32_t* cone, Call& call);
+Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, int32_t* cone, Call& call);
 
 // Cone angles, and which vertices are cones: where the chart comes back with the opposite sign, and zeros that are
 // visible.
-Done find_cones(const Mesh& mesh, const FlatSurface& flat, Array<int32_t>& cone, Array<uint8_t>& is_cone, Call& call);
+Done find_cones(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& charts, Array<int32_t>& cone,
+                Array<uint8_t>& is_cone, Call& call);
 
-// No edge at the vertex has lost its (u, v) to rounding, as in limbs where the foliation is 0.
-bool is_visible(const Mesh& mesh, const FlatSurface& flat, uint32_t v);
+// No edge of the star has lost its (u, v) to rounding, as in limbs where the foliation is 0.
+bool is_visible(Stars::Star star, const FlatSurface& flat);
 
 } // namespace hmf

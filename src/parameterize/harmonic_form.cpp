@@ -1,16 +1,26 @@
 // One twisted Poisson solve: min over w of  sum of weight * (form + dw)^2.
 #include "harmonic_form.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace hmf {
 
-namespace {
-
-constexpr uint32_t STRIDE = 65536; // vertices between two calls of the progress function
-
-} // namespace
+// One row has all sides of the star: those to held vertices, and from the vertex to
+// itself, have entry 0.
+void TwistedLaplacian::fill_row(uint32_t v) {
+    uint32_t at = charts_->stars.offset[v];
+    double sum = 0;
+    for (const uint32_t h : charts_->stars.of(v)) {
+        const uint32_t u = mesh_->target(h);
+        const double alpha = weight_[edge_of(h)];
+        // Both charts against that of the face left of h.
+        const double entry = -alpha * (charts_->chart[h] * charts_->chart[mesh_->next[h]]);
+        sum += u == v ? alpha + entry : alpha;
+        column_[at] = u;
+        entry_[at++] = u == v || charts_->odd[u] || charts_->odd[v] ? 0 : entry;
+    }
+    diagonal_[v] = charts_->odd[v] ? 0 : sum;
+}
 
 hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
                                    const double* weight, Call& call) {
@@ -19,71 +29,65 @@ hmf_status TwistedLaplacian::build(const Mesh& mesh, const SignBundle& bundle, c
     charts_ = &charts;
     weight_ = weight;
     const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
-    if (!offset_.allocate(call.memory, n + size_t{1}) || !column_.allocate(call.memory, size_t{2} * m)
-        || !entry_.allocate(call.memory, size_t{2} * m) || !diagonal_.allocate(call.memory, n)
-        || !right_.allocate(call.memory, n) || !w_.allocate(call.memory, n))
+    if (!column_.allocate(call.memory, size_t{2} * m) || !entry_.allocate(call.memory, size_t{2} * m)
+        || !diagonal_.allocate(call.memory, n) || !right_.allocate(call.memory, n) || !w_.allocate(call.memory, n))
         return call.out_of_memory();
-    uint32_t at = 0;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
-        offset_[v] = at;
-        double sum = 0;
-        diagonal_[v] = 0;
-        if (charts.odd[v]) continue;
-        for (const uint32_t h : mesh.around(v)) {
-            const uint32_t u = mesh.target(h);
-            const double alpha = weight[edge_of(h)];
-            // Both charts against that of the face left of h.
-            const double entry = -alpha * charts.chart[h] * charts.chart[mesh.next[h]];
-            sum += alpha;
-            if (u == v) {
-                sum += entry;
-            } else if (!charts.odd[u]) {
-                column_[at] = u;
-                entry_[at++] = entry;
-            }
-        }
-        diagonal_[v] = sum;
-    }
-    offset_[n] = at;
-    const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
-    if (multigrid_.setup(matrix, call.memory, &call)) return HMF_OK;
+    if (!call.pass(n, 0, [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) fill_row(static_cast<uint32_t>(v));
+        }))
+        return HMF_CANCELLED;
+    if (multigrid_.setup(matrix(), call.memory, &call)) return HMF_OK;
     return call.cancelled() ? HMF_CANCELLED : call.out_of_memory();
 }
 
-hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double relative_tolerance, Call& call) {
-    const Mesh& mesh = *mesh_;
-    const uint32_t n = mesh.vertex_count;
-    double divergence = 0, pull = 0; // squared norms
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
+TwistedLaplacian::Balance TwistedLaplacian::read_divergence(const TwistedForm& form, size_t begin, size_t end) {
+    Balance balance;
+    for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
         right_[v] = w_[v] = 0;
         if (charts_->odd[v]) continue;
-        double sum = 0;
-        for (const uint32_t h : mesh.around(v)) {
+        double divergence = 0, pull = 0;
+        for (const uint32_t h : charts_->stars.of(v)) {
             const double flux = weight_[edge_of(h)] * static_cast<double>(charts_->chart[h] * form.at(*bundle_, h));
-            right_[v] += flux;
-            sum += flux < 0 ? -flux : flux;
+            divergence += flux;
+            pull += flux < 0 ? -flux : flux;
         }
-        divergence += right_[v] * right_[v] / diagonal_[v];
-        pull += sum * sum / diagonal_[v];
+        right_[v] = divergence;
+        balance.divergence += divergence * divergence / diagonal_[v];
+        balance.pull += pull * pull / diagonal_[v];
     }
-    // Against the divergence that the rounding of the form leaves nothing helps.
-    const double noise = divergence > 0 ? 1e-13 * std::sqrt(pull / divergence) : 1;
-    if (noise >= 1) return HMF_OK;
-    relative_tolerance = std::max(relative_tolerance, noise);
-    const SignedMatrix matrix{n, offset_.data(), column_.data(), entry_.data(), diagonal_.data()};
+    return balance;
+}
+
+SignedMatrix TwistedLaplacian::matrix() const {
+    return {mesh_->vertex_count, charts_->stars.offset.data(), column_.data(), entry_.data(), diagonal_.data()};
+}
+
+int64_t TwistedLaplacian::rounded(uint32_t v) const {
+    const double w = w_[v];
+    if (charts_->odd[v] || !(w > -4e18 && w < 4e18)) return 0;
+    return static_cast<int64_t>(w < 0 ? w - 0.5 : w + 0.5);
+}
+
+hmf_status TwistedLaplacian::make_harmonic(TwistedForm& form, double tolerance, Call& call) {
+    const Mesh& mesh = *mesh_;
+    const uint32_t n = mesh.vertex_count;
+    if (!call.tick(0)) return HMF_CANCELLED;
+    const Balance balance = call.parallel.sum_blocks<Balance>(
+        n, [&](size_t begin, size_t end) { return read_divergence(form, begin, end); });
+    if (!(balance.divergence > 0)) return HMF_OK;
+    const double relative = tolerance * std::sqrt(balance.pull / balance.divergence);
+    if (relative >= 1) return HMF_OK;
     constexpr uint32_t iteration_limit = 300;
-    iterations_ +=
-        multigrid_.solve(matrix, right_.data(), w_.data(), relative_tolerance, iteration_limit, call).iterations;
+    iterations_ += multigrid_.solve(matrix(), right_.data(), w_.data(), relative, iteration_limit, call).iterations;
     if (call.cancelled()) return HMF_CANCELLED;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % STRIDE == 0 && !call.tick(0)) return HMF_CANCELLED;
-        if (charts_->odd[v] || !(w_[v] > -4e18 && w_[v] < 4e18)) continue;
-        const int64_t w = static_cast<int64_t>(w_[v] < 0 ? w_[v] - 0.5 : w_[v] + 0.5);
-        for (const uint32_t h : mesh.around(v)) form.add(*bundle_, h, -charts_->chart[h] * w);
-    }
-    return HMF_OK;
+    const auto add = [&](size_t begin, size_t end) {
+        for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
+            const uint32_t h = 2 * e, t = h + 1;
+            form.add(*bundle_, h, -charts_->chart[h] * rounded(mesh.origin[h]));
+            form.add(*bundle_, t, -charts_->chart[t] * rounded(mesh.origin[t]));
+        }
+    };
+    return call.pass(mesh.edge_count, 0, add) ? HMF_OK : HMF_CANCELLED;
 }
 
 } // namespace hmf

@@ -13,17 +13,30 @@ class TwistedLaplacian {
 public:
     [[nodiscard]] hmf_status build(const Mesh& mesh, const SignBundle& bundle, const VertexCharts& charts,
                                    const double* weight, Call& call);
-    // form += d(w) with the w that makes it coclosed, to relative_tolerance of
-    // the divergence that it had.
-    [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double relative_tolerance, Call& call);
+    // form += d(w) with the w that makes it coclosed: its divergence falls to
+    // `tolerance` of what there would be if no two fluxes at a vertex cancelled.
+    [[nodiscard]] hmf_status make_harmonic(TwistedForm& form, double tolerance, Call& call);
     uint32_t iterations() const { return iterations_; }
 
 private:
+    // Squared norms: of the divergence of a form, and of its fluxes without their signs.
+    struct Balance {
+        double divergence = 0, pull = 0;
+        void operator+=(const Balance& part) {
+            divergence += part.divergence;
+            pull += part.pull;
+        }
+    };
+    Balance read_divergence(const TwistedForm& form, size_t begin, size_t end);
+    void fill_row(uint32_t v);
+    int64_t rounded(uint32_t v) const;
+    SignedMatrix matrix() const;
+
     const Mesh* mesh_ = nullptr;
     const SignBundle* bundle_ = nullptr;
     const VertexCharts* charts_ = nullptr;
     const double* weight_ = nullptr;
-    Array<uint32_t> offset_, column_;
+    Array<uint32_t> column_; // of the rows, which begin where the stars do
     Array<double> entry_, diagonal_, right_, w_;
     SignedMultigrid multigrid_;
     uint32_t iterations_ = 0;

@@ -1,10 +1,9 @@
 // The global conformal parameterisation ([W] section 5) in the caller's terms:
 //
 //   foliation --flat_surface--> (du, dv) --cut_through_cones--> seams
-//             --layout--> (u, v) per corner --> transitions, dilatations
+//             --layout--> (u, v) per corner --> transitions, maps of the triangles
 #pragma once
 
-#include "../../include/hmf/uses.h"
 #include "dilatation.hpp"
 #include "flat_surface.hpp"
 #include "seams.hpp"
@@ -27,20 +26,19 @@ struct Parameterization {
     Layout layout;
     Seams seams;
     Array<int32_t> cone;  // per vertex, multiples of pi
-    Array<AffineMap> map; // per triangle of the caller
     Array<double> length; // per edge, in space
 
-    // mesh: of the caller's side, with positions.  side: half-edge of side 0 of
-    // each triangle.  seam_edges: internal numbers where seams cost nothing.
-    [[nodiscard]] hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, double unit,
-                                   const Array<uint32_t>& side, const Array<uint32_t>& seam_edges, Call& call);
+    // mesh: of the caller's side, with positions.  start: where the layout begins
+    // if there are no cones.  seam_edges: internal numbers where seams cost nothing.
+    [[nodiscard]] hmf_status build(const Mesh& mesh, const double* position, const FlatSurface& flat, uint32_t start,
+                                   const Array<uint32_t>& seam_edges, Call& call);
     // From face(h) to face(twin h).
     Transition transition(const Mesh& mesh, const SignBundle& bundle, uint32_t h) const;
     bool is_seam(uint32_t edge, const Transition& t) const {
         return seams.on[edge] || t.sign < 0 || t.u != 0 || t.v != 0;
     }
-    // Statistics of the dilatation, flipped and degenerate triangles, area: of the first `count` triangles.
-    [[nodiscard]] hmf_status measure(size_t count, hmf_parameterization& out, Call& call) const;
+    // The map of the triangle whose side 0 is half-edge `side`.
+    AffineMap map_of(const Mesh& mesh, const double* position, uint32_t side, double unit) const;
 };
 
 } // namespace hmf

@@ -4,13 +4,17 @@
 // 2. A spanning tree of the faces that crosses no edge of the forest and
 //    prefers edges that are far from the cones.
 // 3. 2 * genus + cones - 1 edges are in neither.  Each of them, with its two
-//    paths back to the cones, is a seam.  The rest of the forest heals again:
-//    at its vertices the forms are closed, so both sides agree.
+//    paths back to the cones, is a seam.
+//
+// So few edges are left that step 2 has little to choose: a face with one free
+// side takes that, and so on.  What remains are chains of faces round the
+// handles and the cones; only there edges are sorted.
 #include "seams.hpp"
 
 #include "../base/disjoint_sets.hpp"
 #include "../base/nearest_first.hpp"
 #include "../base/sort_keys.hpp"
+#include "../mesh/weights.hpp"
 
 #include <cmath>
 
@@ -25,22 +29,23 @@ class Forest {
 public:
     Array<double> distance;
     Array<uint32_t> parent;
+    bool has_cones = false; // else the root is vertex 0
 
-    Done build(const Mesh& mesh, const double* length, const uint8_t* is_cone, Call& call) {
+    Done build(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone, Call& call) {
         Memory& memory = call.memory;
         heap_.start(memory);
         const uint32_t n = mesh.vertex_count;
         if (!distance.allocate_filled(memory, n, HUGE_VAL) || !parent.allocate_filled(memory, n, NONE)
             || !heap_.reserve(n))
             return false;
-        bool any = false;
+        has_cones = false;
         for (uint32_t v = 0; v < n; ++v)
             if (is_cone[v]) {
-                any = true;
+                has_cones = true;
                 distance[v] = 0;
                 if (!heap_.push({0, v})) return false;
             }
-        if (!any) {
+        if (!has_cones) {
             distance[0] = 0;
             if (!heap_.push({0, 0})) return false;
         }
@@ -49,7 +54,7 @@ public:
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
             const NearestFirst::Entry entry = heap_.pop();
             if (entry.distance > distance[entry.item]) continue;
-            for (const uint32_t h : mesh.around(entry.item)) {
+            for (const uint32_t h : stars.of(entry.item)) {
                 const uint32_t w = mesh.target(h);
                 const double d = entry.distance + length[edge_of(h)];
                 if (d < distance[w]) {
@@ -66,72 +71,143 @@ private:
     NearestFirst heap_;
 };
 
+// What an edge is to the cut graph.
+enum Role : uint8_t { FREE, CROSSED, PATH }; // crossed by the tree of the faces, on a path of the forest
+
+// The tree of the faces.
+class Cotree {
+public:
+    Cotree(const Mesh& mesh, uint8_t* role, Call& call) : mesh_(mesh), role_(role), call_(call) {}
+
+    // Takes the edges that there is no choice about.
+    Done prune() {
+        const uint32_t faces = mesh_.face_count, sides = 2 * mesh_.edge_count;
+        if (!free_sides_.allocate(call_.memory, faces)) return false;
+        const auto count = [&](size_t begin, size_t end) {
+            for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                          [&](uint32_t h, uint32_t n, uint32_t p) {
+                              free_sides_[mesh_.face[h]] = static_cast<uint8_t>(is_free(h) + is_free(n) + is_free(p));
+                          });
+        };
+        if (!call_.pass(sides, 0, count)) return false;
+        uint32_t steps = 0;
+        for (uint32_t start = 0; start < sides; ++start) {
+            if (free_sides_[mesh_.face[start]] != 1) continue;
+            // Along a chain: the faces behind the branches of it come later.
+            for (uint32_t h = start; free_sides_[mesh_.face[h]] == 1;) {
+                if (++steps % STRIDE == 0 && !call_.tick(0)) return false;
+                while (!is_free(h)) h = mesh_.next[h];
+                role_[edge_of(h)] = CROSSED;
+                --free_sides_[mesh_.face[h]];
+                h = twin(h);
+                --free_sides_[mesh_.face[h]];
+            }
+        }
+        return true;
+    }
+
+    // Chooses among the others, those with the longest ways to the cones first.
+    Done choose(const Array<double>& distance, const double* length) {
+        KeyedItems edges;
+        Array<uint32_t> component;
+        uint32_t left = 0;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) left += role_[e] == FREE;
+        if (!edges.allocate(call_.memory, left) || !component.allocate(call_.memory, mesh_.face_count)
+            || !call_.pass(mesh_.face_count, 0, [&](size_t begin, size_t end) {
+                   for (size_t f = begin; f < end; ++f) component[f] = static_cast<uint32_t>(f);
+               }))
+            return false;
+        uint32_t at = 0;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            if (role_[e] != FREE) continue;
+            edges.item[at] = e;
+            edges.key[at++] = key_of(distance[mesh_.origin[2 * e]] + distance[mesh_.origin[2 * e + 1]] + length[e]);
+        }
+        edges.sort_falling();
+        if (!call_.tick(0)) return false;
+        uint32_t steps = 0;
+        for (const uint32_t e : edges.item) {
+            if (++steps % STRIDE == 0 && !call_.tick(0)) return false;
+            if (unite(component.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1])) role_[e] = CROSSED;
+        }
+        return true;
+    }
+
+private:
+    bool is_free(uint32_t h) const { return role_[edge_of(h)] == FREE; }
+
+    const Mesh& mesh_;
+    uint8_t* role_;
+    Call& call_;
+    Array<uint8_t> free_sides_; // per face
+};
+
+// The seams: free edges with the paths from their ends.
+class CutGraph {
+public:
+    CutGraph(const Mesh& mesh, const Stars& stars, const Array<uint32_t>& parent, uint8_t* on) :
+        mesh_(mesh), stars_(stars), parent_(parent), on_(on) {}
+
+    void add(uint32_t edge) {
+        on_[edge] = 1;
+        mark_path(mesh_.origin[2 * edge]);
+        mark_path(mesh_.origin[2 * edge + 1]);
+    }
+    // A root that is no cone heals, and the path to it.
+    void heal(uint32_t root) {
+        for (;;) {
+            uint32_t degree = 0, last = NONE;
+            for (const uint32_t h : stars_.of(root)) {
+                if (!on_[edge_of(h)]) continue;
+                ++degree;
+                last = h;
+            }
+            if (degree != 1) return;
+            on_[edge_of(last)] = 0;
+            root = mesh_.target(last);
+        }
+    }
+
+private:
+    void mark_path(uint32_t v) {
+        for (uint32_t h = parent_[v]; h != NONE && !on_[edge_of(h)]; h = parent_[mesh_.target(h)]) on_[edge_of(h)] = 1;
+    }
+
+    const Mesh& mesh_;
+    const Stars& stars_;
+    const Array<uint32_t>& parent_; // half-edges
+    uint8_t* on_;
+};
+
 } // namespace
 
-Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call) {
-    Memory& memory = call.memory;
-    const uint32_t n = mesh.vertex_count, m = mesh.edge_count;
-    if (!seams.on.allocate_filled(memory, m, 1) || !seams.tree.allocate_filled(memory, m, 0)) return false;
-    KeyedItems edges;
-    Array<uint32_t> component;
-    {
-        Forest forest;
-        if (!forest.build(mesh, length, is_cone, call) || !call.tick(0)) return false;
-        for (uint32_t v = 0; v < n; ++v)
-            if (forest.parent[v] != NONE) seams.tree[edge_of(forest.parent[v])] = 2; // not to be crossed
-        uint32_t free_edges = 0;
-        for (const uint8_t t : seams.tree) free_edges += t == 0;
-        if (!edges.allocate(memory, free_edges)) return false;
-        uint32_t at = 0;
-        for (uint32_t e = 0; e < m; ++e) {
-            if (seams.tree[e] == 2) continue;
-            edges.item[at] = e;
-            edges.key[at++] =
-                key_of(forest.distance[mesh.origin[2 * e]] + forest.distance[mesh.origin[2 * e + 1]] + length[e]);
-        }
-    }
-    if (!call.tick(0)) return false;
-    edges.sort_falling();
-    if (!call.tick(0)) return false;
-    if (!component.allocate(memory, mesh.face_count)) return false;
-    for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
-    uint32_t steps = 0;
-    for (const uint32_t e : edges.item) {
-        if (++steps % STRIDE == 0 && !call.tick(0)) return false;
-        if (unite(component.data(), mesh.face[2 * e], mesh.face[2 * e + 1])) seams.tree[e] = 1;
-    }
-    for (uint32_t e = 0; e < m; ++e) {
-        seams.on[e] = seams.tree[e] != 1;
-        seams.tree[e] = seams.tree[e] == 1;
-    }
-    // Ends that are no cones heal.
-    Array<uint32_t> degree, queue;
-    if (!call.tick(0)) return false;
-    if (!degree.allocate_filled(memory, n, 0) || !queue.allocate(memory, n)) return false;
-    for (uint32_t h = 0; h < 2 * m; ++h) degree[mesh.origin[h]] += seams.on[edge_of(h)];
-    if (!call.tick(0)) return false;
-    uint32_t size = 0;
-    for (uint32_t v = 0; v < n; ++v)
-        if (degree[v] == 1 && !is_cone[v]) queue[size++] = v;
-    for (uint32_t i = 0; i < size; ++i) {
-        if (i % STRIDE == 0 && !call.tick(0)) return false;
-        uint32_t h = NONE;
-        for (const uint32_t g : mesh.around(queue[i]))
-            if (h == NONE && seams.on[edge_of(g)]) h = g;
-        if (h == NONE) continue; // the other end of its last edge was first
-        seams.on[edge_of(h)] = 0;
-        const uint32_t w = mesh.target(h);
-        if (--degree[w] == 1 && !is_cone[w]) queue[size++] = w;
-    }
-    if (!call.tick(0)) return false;
-    seams.edge_count = 0;
-    seams.length = 0;
+Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone, Seams& seams,
+                       Call& call) {
+    const uint32_t m = mesh.edge_count;
+    if (!seams.on.allocate_filled(call.memory, m, 0) || !seams.tree.allocate_filled(call.memory, m, FREE)) return false;
+    Forest forest;
+    Cotree cotree(mesh, seams.tree.data(), call);
+    if (!forest.build(mesh, stars, length, is_cone, call) || !call.tick(0)) return false;
+    for (const uint32_t h : forest.parent)
+        if (h != NONE) seams.tree[edge_of(h)] = PATH;
+    if (!cotree.prune() || !cotree.choose(forest.distance, length)) return false;
+    CutGraph graph(mesh, stars, forest.parent, seams.on.data());
     for (uint32_t e = 0; e < m; ++e)
-        if (seams.on[e]) {
-            ++seams.edge_count;
-            seams.length += length[e];
+        if (seams.tree[e] == FREE) graph.add(e);
+    if (!forest.has_cones) graph.heal(0);
+    const SeamSum sum = call.parallel.sum_blocks<SeamSum>(m, [&](size_t begin, size_t end) {
+        SeamSum part;
+        for (size_t e = begin; e < end; ++e) {
+            seams.tree[e] = seams.tree[e] == CROSSED;
+            if (!seams.on[e]) continue;
+            ++part.count;
+            part.length += length[e];
         }
-    return true;
+        return part;
+    });
+    seams.edge_count = sum.count;
+    seams.length = sum.length;
+    return call.tick(0);
 }
 
 Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,

@@ -13,10 +13,21 @@ struct Seams {
     double length = 0; // in the unit of the lengths
 };
 
+// Number and length of the seams among some edges.
+struct SeamSum {
+    uint64_t count = 0;
+    double length = 0;
+    void operator+=(const SeamSum& part) {
+        count += part.count;
+        length += part.length;
+    }
+};
+
 // A short cut graph through all cones: shortest paths between cones and round
 // the handles [Erickson and Whittlesey 2005].  length: per edge, > 0.
 // false: out of memory or cancelled.
-Done cut_through_cones(const Mesh& mesh, const double* length, const uint8_t* is_cone, Seams& seams, Call& call);
+Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone, Seams& seams,
+                       Call& call);
 
 // (u, v) at the corner origin(h) of face(h), for each half-edge, below 2^53.  The
 // same from both sides of every edge that is not on a seam, but where a layout

@@ -22,23 +22,28 @@
 #include "twisted_form.hpp"
 
 #include "../foliation/restriction.hpp"
+#include "../mesh/weights.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hmf {
 
-Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Memory& memory) {
-    if (!chart.allocate(memory, size_t{2} * mesh.edge_count) || !odd.allocate(memory, mesh.vertex_count)) return false;
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        int8_t c = 1;
-        for (const uint32_t h : mesh.around(v)) {
-            chart[h] = c;
-            c = static_cast<int8_t>(c * bundle.turn[edge_of(mesh.prev(h))]);
+Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Call& call) {
+    if (!stars.build(mesh, call) || !chart.allocate(call.memory, size_t{2} * mesh.edge_count)
+        || !odd.allocate(call.memory, mesh.vertex_count))
+        return false;
+    return call.pass(mesh.vertex_count, 0, [&](size_t begin, size_t end) {
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+            int8_t c = 1;
+            const Stars::Star star = stars.of(v);
+            for (uint32_t t = 0; t < star.size(); ++t) {
+                chart[star[t]] = c;
+                c = static_cast<int8_t>(c * bundle.turn[edge_of(star.after(t))]);
+            }
+            odd[v] = c < 0;
         }
-        odd[v] = c < 0;
-    }
-    return true;
+    });
 }
 
 namespace {
@@ -63,11 +68,14 @@ public:
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.stopped();
         if (!call_.tick(0)) return call_.was_cancelled();
-        for (uint32_t e = 0; e < m; ++e) {
-            const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
-            bundle_.turn[e] = a == 0 ? 1 : static_cast<int8_t>(-a * b);
-            du_.value[e] = a * f_.value[e];
-        }
+        if (!call_.pass(m, 0, [&](size_t begin, size_t end) {
+                for (size_t e = begin; e < end; ++e) {
+                    const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
+                    bundle_.turn[e] = a == 0 ? 1 : static_cast<int8_t>(-a * b);
+                    du_.value[e] = a * f_.value[e];
+                }
+            }))
+            return call_.was_cancelled();
         for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
         if (!call_.tick(0)) return call_.was_cancelled();
         return turn_zero_edges() ? HMF_OK : call_.stopped();
@@ -82,20 +90,38 @@ private:
         sign_[p] = static_cast<int8_t>(f_.at(p) ? -1 : 0);
     }
 
+    // False: a tripod.
+    bool sign_regular_face(uint32_t h, uint32_t n, uint32_t p) {
+        const uint32_t side[3] = {h, n, p};
+        for (const uint32_t x : side) {
+            // The corner opposite to x is closed.
+            if (f_.at(x) == 0 || f_.corner2(mesh_.prev(x)) != 0) continue;
+            sign_face(x);
+            return true;
+        }
+        return f_.at(h) == 0 && f_.at(n) == 0 && f_.at(p) == 0;
+    }
+
     Done sign_faces() {
-        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) {
-            if (h % STRIDE == 0 && !call_.tick(0)) return false;
-            const uint32_t n = mesh_.next[h], p = mesh_.next[n];
-            if (h > n || h > p) continue;
-            const uint32_t side[3] = {h, n, p};
-            bool regular = f_.at(h) == 0 && f_.at(n) == 0 && f_.at(p) == 0;
-            for (const uint32_t x : side) {
-                // The corner opposite to x is closed.
-                if (regular || f_.at(x) == 0 || f_.corner2(mesh_.prev(x)) != 0) continue;
-                regular = true;
-                sign_face(x);
-            }
-            if (!regular && !(tripod_.push(h) && corner_.push(NONE))) return false;
+        const size_t sides = size_t{2} * mesh_.edge_count, block = Parallel::pass_block(sides);
+        uint32_t tripods[Parallel::most_parts] = {};
+        const auto sign = [&](size_t begin, size_t end) {
+            uint32_t found = 0;
+            for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                          [&](uint32_t h, uint32_t n, uint32_t p) { found += !sign_regular_face(h, n, p); });
+            tripods[begin / block] = found;
+        };
+        if (!call_.pass(sides, 0, sign)) return false;
+        // They are few: the blocks that have some are read again.
+        for (size_t begin = 0; begin < sides; begin += block) {
+            if (tripods[begin / block] == 0) continue;
+            bool listed = true;
+            for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(std::min(begin + block, sides)),
+                          [&](uint32_t h, uint32_t n, uint32_t p) {
+                              if (listed && !sign_regular_face(h, n, p))
+                                  listed = static_cast<bool>(tripod_.push(h) && corner_.push(NONE));
+                          });
+            if (!listed) return false;
         }
         return true;
     }
@@ -236,11 +262,15 @@ private:
         if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count)
             || !odd.allocate_filled(memory_, mesh_.vertex_count, 0))
             return false;
-        const uint32_t unseen = NONE;
-        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) seen_[v] = unseen;
+        constexpr uint32_t unseen = NONE, without = NONE - 1; // without: no zero edge
+        const auto look = [&](size_t begin, size_t end) {
+            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v)
+                seen_[v] = has_zero_edge(v) ? unseen : without;
+        };
+        if (!call_.pass(mesh_.vertex_count, 0, look)) return false;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % STRIDE == 0 && !call_.tick(0)) return false;
-            if (seen_[v] != unseen || !has_zero_edge(v)) continue;
+            if (seen_[v] != unseen) continue;
             const Cluster cluster = explore_cluster(f_, v);
             const int64_t index = cluster.index();
             const size_t size = f_.members.size() - cluster.marked;

@@ -15,6 +15,7 @@
 
 #include "../foliation/foliation.hpp"
 #include "../hierarchy/hierarchy.hpp"
+#include "../mesh/stars.hpp"
 
 namespace hmf {
 
@@ -38,9 +39,10 @@ struct TwistedForm {
 // A vertex takes over the chart of face(out[v]), continued counter-clockwise:
 // chart[h] is the sign of the chart of face(h) in it, for h out of v.
 struct VertexCharts {
+    Stars stars;         // of the mesh
     Array<int8_t> chart; // per half-edge
     Array<uint8_t> odd;  // per vertex: the chart comes back with the opposite sign
-    Done build(const Mesh& mesh, const SignBundle& bundle, Memory& memory);
+    Done build(const Mesh& mesh, const SignBundle& bundle, Call& call);
 };
 
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:

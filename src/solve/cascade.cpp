@@ -1,6 +1,7 @@
 // The cascadic multigrid method ([W] section 4): solve on the coarsest level,
 // interpolate, optimise, up to the input.
 #include "solve.hpp"
+#include "steering.hpp"
 
 #include <cmath>
 
@@ -27,9 +28,14 @@ Done LevelWork::prepare() {
     if (!rings.build(state.foliation.mesh, level.weight, call.memory, call.parallel)
         || !star.allocate(call.memory, rings.max_degree))
         return false;
-    // Searches round clusters may look at all of a small level.
+    const hmf_hierarchy& h = *state.hierarchy;
+    const uint32_t coarser = state.level + 1 < h.level_count ? h.levels[state.level + 1].mesh.vertex_count : 0;
+    if (!sweeps.prepare(state.foliation, rings, coarser, call)) return false;
     const uint32_t n = state.foliation.mesh.vertex_count;
-    star.budget = n < 64 ? 512 : n < 1024 ? 8 * n : n > 100000 ? 512 : 8192;
+    star.budget = n < steering::tiny_level  ? steering::budget_on_tiny_level
+                : n < steering::small_level ? steering::budget_per_vertex * n
+                : n > steering::large_level ? steering::budget_on_large_level
+                                            : steering::search_budget;
     return true;
 }
 
@@ -41,10 +47,10 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
     uint32_t at_rest = 0; // sweeps without a move, one after the other
     for (uint64_t iteration = 0; iteration < work.options.iteration_limit; ++iteration) {
         SweepResult result;
-        if (n >= 1024) work.star.credit = 4 * uint64_t{n};
+        if (n >= steering::small_level) work.star.credit = steering::credit_per_vertex * uint64_t{n};
         // The number of sweeps is not known; the fraction tends to 1.
-        const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / 50);
-        sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
+        const double fraction = 1 - 1 / (1 + static_cast<double>(iteration) / steering::sweeps_of_half_progress);
+        work.sweeps.sweep(f, work.rings, work.level.weight, iteration % 2 == 1, work.star, result, work.call, fraction);
         ++work.statistics.iterations;
         D += result.energy_change;
         double residual = -1;
@@ -57,7 +63,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
             at_rest = result.moves == 0 ? at_rest + 1 : 0;
-            if (at_rest == 2) return HMF_LIMIT_STALLED; // in both orders
+            if (at_rest == steering::sweeps_at_rest) return HMF_LIMIT_STALLED;
         } else if (-result.energy_change <= tolerance * D) {
             return HMF_OK;
         }
@@ -119,7 +125,7 @@ namespace {
 hmf_status optimise(State& state, const SolveOptions& options, Call& call, Recorder& recorder, ClassWatch* watch,
                     bool gated, hmf_level_report& statistics) {
     const double start = call.seconds();
-    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}};
+    LevelWork work{state, state.hierarchy->levels[state.level], options, call, recorder, watch, gated, {}, {}, {}, {}};
     if (watch) watch->zeros.known = false;
     if (!work.prepare()) return call.out_of_memory();
     // Coarse levels of the direct method only provide a start.

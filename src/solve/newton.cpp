@@ -72,7 +72,7 @@ public:
     void sweeps(uint32_t n) {
         for (uint32_t i = 0; i < n && go_on(); ++i) {
             SweepResult result;
-            sweep(f_, w_.rings, weight_, backward_, w_.star, result, w_.call, 0);
+            w_.sweeps.sweep(f_, w_.rings, weight_, backward_, w_.star, result, w_.call, 0);
             backward_ = !backward_;
             ++w_.statistics.iterations;
         }
@@ -82,7 +82,7 @@ public:
     // was taken, 0 if none would do.  tight: it was solved for tightly.
     hmf_status step(const Effort& effort, double& accepted, bool& tight) {
         accepted = 0;
-        std::memcpy(backup_.data(), f_.value, f_.mesh.edge_count * sizeof(int64_t));
+        w_.call.parallel.copy(backup_.data(), f_.value, f_.mesh.edge_count);
         const hmf_status status = try_step(effort, accepted, tight);
         if (accepted == 0) restore();
         return status;
@@ -120,7 +120,7 @@ public:
     }
 
 private:
-    void restore() { std::memcpy(f_.value, backup_.data(), f_.mesh.edge_count * sizeof(int64_t)); }
+    void restore() { w_.call.parallel.copy(f_.value, backup_.data(), f_.mesh.edge_count); }
 
     // Solves the model and sets the values of the whole step; false: see interrupted().
     Done propose(const Effort& effort, bool& tight) {
@@ -265,7 +265,7 @@ private:
         const SignedMatrix matrix = model_.matrix();
         const LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
-            if (!multigrid_.refresh(matrix, w_.call.memory)) return false;
+            multigrid_.refresh(matrix, w_.call.parallel);
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                                                          steering::iterations_with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;

@@ -1,6 +1,7 @@
 // Setup of the signed multigrid: one step from a level to the next coarser.
 #pragma once
 
+#include "galerkin.hpp"
 #include "signed_multigrid.hpp"
 
 namespace hmf {
@@ -8,22 +9,9 @@ namespace hmf {
 // Between pieces of work; not done: cancelled, or told to finish.
 inline Done continues(Call* call) { return !call || (call->tick(0, true) && !call->finishing()); }
 
-// A matrix of the hierarchy while it is being built, in double precision: the
-// rows of a Laplacian nearly cancel, and what is left has to survive.
-struct CoarseMatrix {
-    Array<uint32_t> offset, column;
-    Array<double> entry, diagonal;
-    SignedMatrix view() const {
-        return {static_cast<uint32_t>(diagonal.size()), offset.data(), column.data(), entry.data(), diagonal.data()};
-    }
-};
-
 // 1 / sqrt(diagonal); 0 for rows whose diagonal is not above the threshold.
-Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, Memory& memory);
-
-// The scaled matrix in single precision, into level (scale is already there).
-// Takes no memory where there is a matrix of the same pattern.
-Done scale_matrix(const SignedMatrix& matrix, MultigridLevel& level, Memory& memory);
+Done unit_diagonal_scale(const SignedMatrix& matrix, double threshold, Array<float>& scale, const Parallel& parallel,
+                         Memory& memory);
 
 // Aggregates, prolongation and Galerkin product.
 //   near_kernel   n values, the smooth vector up to signs (constant 1 for a

@@ -26,56 +26,13 @@ constexpr double dense_shift = 1e-3;
 // sweeps would decay into subnormal numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
-constexpr uint32_t block = MultigridLevel::block;
-
-// The part of a level's matrix below the diagonal.
-struct LowerRows {
-    const uint32_t* start;
-    const uint32_t* column;
-    const float* entry;
-
-    explicit LowerRows(const MultigridLevel& level) :
-        start(level.start.data()), column(level.column.data()), entry(level.entry.data()) {}
-    // Sum of entry * x over row i.
-    float product(size_t i, const float* x) const {
-        static_assert(block == 5, "written out here");
-        float sum = 0;
-        size_t k = start[i];
-        const size_t end = start[i + 1];
-        do {
-            const uint32_t* c = column + k;
-            const float* e = entry + k;
-            sum += ((e[0] * x[c[0]] + e[1] * x[c[1]]) + (e[2] * x[c[2]] + e[3] * x[c[3]])) + e[4] * x[c[4]];
-            k += block;
-        } while (k < end);
-        return sum;
-    }
-    // y -= value times row i, that is column i above the diagonal.
-    void subtract(size_t i, float value, float* y) const {
-        size_t k = start[i];
-        const size_t end = start[i + 1];
-        do {
-            const uint32_t* c = column + k;
-            const float* e = entry + k;
-            for (size_t t = 0; t < block; ++t) y[c[t]] -= e[t] * value;
-            k += block;
-        } while (k < end);
-    }
-};
-
 } // namespace
-
-// From the unknowns of the matrices to those with unit diagonals.
-static void scale_prolongation(MultigridLevel& fine, const Array<float>& coarse_scale) {
-    for (size_t c = 0; c < coarse_scale.size(); ++c)
-        for (uint32_t t = fine.prolongation_start[c]; t < fine.prolongation_start[c + 1]; ++t)
-            fine.prolongation_entry[t] *= coarse_scale[c] / fine.scale[fine.prolongation_row[t]];
-}
 
 Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
     level_count_ = 0;
     dense_n_ = 0;
+    const Parallel parallel = call ? call->parallel : Parallel();
     const size_t n = matrix.n;
     double largest = 0;
     for (uint32_t i = 0; i < matrix.n; ++i)
@@ -89,20 +46,24 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     float strength = 0.05f;
     for (uint32_t l = 0; l < max_levels; ++l) {
         MultigridLevel& level = level_[l];
-        if (!unit_diagonal_scale(current, threshold, level.scale, memory)) return false;
+        if (!unit_diagonal_scale(current, threshold, level.scale, parallel, memory)) return false;
         if (l > 0) {
-            scale_prolongation(level_[l - 1], level.scale);
-            if (l > 1) level_[l - 1].scale.release();
+            MultigridLevel& finer = level_[l - 1];
+            finer.prolongation.scale(level.scale.data(), finer.scale.data(), parallel);
+            if (l > 1) finer.scale.release();
         }
         if (current.n <= dense_limit) {
             if (!factorise(current, level.scale, memory)) return false;
             break;
         }
         ++level_count_;
+        level.n = current.n;
         const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
-            || !continues(call) || !scale_matrix(current, level, memory))
+            || !continues(call) || !level.matrix.build(current, level.scale.data(), parallel, memory)
+            || !level.b.allocate(memory, level.n) || !level.x.allocate(memory, level.n)
+            || !level.r.allocate(memory, level.n))
             return false;
         if (last) break;
         storage = static_cast<CoarseMatrix&&>(coarse);
@@ -115,20 +76,20 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     storage = CoarseMatrix{};
     if (level_count_ > 1) {
         const size_t m = level_[1].n;
-        if (!first_.allocate(memory, m) || !image_.allocate(memory, m)) return false;
+        if (!right_.allocate(memory, m) || !first_.allocate(memory, m) || !image_.allocate(memory, m)) return false;
     }
     // Last, when what the setup needed for itself is gone.
     return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
-Done SignedMultigrid::refresh(const SignedMatrix& matrix, Memory& memory) {
-    return level_count_ == 0 || scale_matrix(matrix, level_[0], memory);
+void SignedMultigrid::refresh(const SignedMatrix& matrix, const Parallel& parallel) {
+    if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), parallel);
 }
 
 double SignedMultigrid::operator_complexity() const {
     double all = 0;
-    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + static_cast<double>(level_[l].start[level_[l].n]);
-    return level_count_ ? all / (level_[0].n + static_cast<double>(level_[0].start[level_[0].n])) : 1;
+    for (uint32_t l = 0; l < level_count_; ++l) all += level_[l].n + level_[l].matrix.stored_entries();
+    return level_count_ ? all / (level_[0].n + level_[0].matrix.stored_entries()) : 1;
 }
 
 // --- Coarsest level ----------------------------------------------------------
@@ -184,126 +145,88 @@ void SignedMultigrid::solve_dense(float* b) const {
 
 // --- Cycle -------------------------------------------------------------------
 
+float* SignedMultigrid::next_right(uint32_t l) {
+    return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].b.data();
+}
+
+const float* SignedMultigrid::next_solution(uint32_t l) const {
+    return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
+}
+
 // Forward sweep from x = 0, then the right side of the next level.
-void SignedMultigrid::descend(uint32_t l) {
+void SignedMultigrid::descend(uint32_t l, const Parallel& parallel) {
     MultigridLevel& level = level_[l];
-    const float* b = level.b.data();
-    float* x = level.x.data();
-    float* r = level.r.data();
-    const LowerRows rows(level);
-    // After a sweep from zero the residual is that of the part above the diagonal.
-    for (size_t i = 0; i < level.n; ++i) {
-        const float value = b[i] - rows.product(i, x);
-        x[i] = value;
-        r[i] = 0;
-        rows.subtract(i, value, r);
-    }
-    if (level.prolongation_start.empty()) return;
-    const bool last = l + 1 == level_count_;
-    float* coarse = last ? dense_b_.data() : level_[l + 1].b.data();
-    const size_t m = last ? dense_n_ : level_[l + 1].n;
-    const uint32_t* start = level.prolongation_start.data();
-    const uint32_t* row = level.prolongation_row.data();
-    const float* entry = level.prolongation_entry.data();
-    for (size_t c = 0; c < m; ++c) {
-        float sum = floor_value;
-        for (uint32_t t = start[c]; t < start[c + 1]; ++t) sum += entry[t] * r[row[t]];
-        coarse[c] = sum;
-    }
+    level.matrix.forward(level.b.data(), level.x.data(), level.r.data(), parallel);
+    if (!level.prolongation.empty())
+        level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, parallel);
 }
 
-// Adds the correction of the next level, then a backward sweep.
-void SignedMultigrid::ascend(uint32_t l) {
+// Adds the correction of the next level, then a backward sweep, which uses up b.
+void SignedMultigrid::ascend(uint32_t l, const Parallel& parallel) {
     MultigridLevel& level = level_[l];
-    float* x = level.x.data();
-    if (!level.prolongation_start.empty()) {
-        const bool last = l + 1 == level_count_;
-        const float* coarse = last ? dense_b_.data() : level_[l + 1].x.data();
-        const size_t m = last ? dense_n_ : level_[l + 1].n;
-        const uint32_t* start = level.prolongation_start.data();
-        const uint32_t* row = level.prolongation_row.data();
-        const float* entry = level.prolongation_entry.data();
-        for (size_t c = 0; c < m; ++c)
-            for (uint32_t t = start[c]; t < start[c + 1]; ++t) x[row[t]] += entry[t] * coarse[c];
-    }
-    float* r = level.r.data();
-    const LowerRows rows(level);
-    std::memcpy(r, level.b.data(), level.n * sizeof(float));
-    for (size_t i = level.n; i-- > 0;) {
-        const float value = r[i] - rows.product(i, x);
-        x[i] = value;
-        rows.subtract(i, value, r);
-    }
+    if (!level.prolongation.empty()) level.prolongation.add_to(level.x.data(), next_solution(l), parallel);
+    level.matrix.backward(level.b.data(), level.x.data(), parallel);
 }
 
-void SignedMultigrid::v_cycle(uint32_t first) {
-    for (uint32_t l = first; l < level_count_; ++l) descend(l);
+void SignedMultigrid::v_cycle(uint32_t first, const Parallel& parallel) {
+    for (uint32_t l = first; l < level_count_; ++l) descend(l, parallel);
     solve_dense(dense_b_.data());
-    for (uint32_t l = level_count_; l-- > first;) ascend(l);
+    for (uint32_t l = level_count_; l-- > first;) ascend(l, parallel);
 }
 
 namespace {
 
-// y = A x.
-void multiply(const MultigridLevel& level, const float* x, float* y) {
-    const LowerRows rows(level);
-    for (size_t i = 0; i < level.n; ++i) {
-        y[i] = x[i] + rows.product(i, x);
-        rows.subtract(i, -x[i], y);
-    }
+double dot(const float* x, const float* y, size_t n, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t i = begin; i < end; ++i) sum += static_cast<double>(x[i]) * static_cast<double>(y[i]);
+        return sum;
+    });
 }
 
-// x A x.
-double energy(const MultigridLevel& level, const float* x) {
-    const LowerRows rows(level);
-    double sum = 0;
-    for (size_t i = 0; i < level.n; ++i)
-        sum += static_cast<double>(x[i]) * (static_cast<double>(x[i]) + 2 * static_cast<double>(rows.product(i, x)));
-    return sum;
-}
-
-double dot(const float* x, const float* y, size_t n) {
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i) sum += static_cast<double>(x[i]) * static_cast<double>(y[i]);
-    return sum;
+// y = a x + b z.
+void combine(float a, const float* x, float b, const float* z, float* y, size_t n, const Parallel& parallel) {
+    parallel.for_blocks(n, [=](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) y[i] = a * x[i] + b * z[i];
+    });
 }
 
 } // namespace
 
 // Two steps of flexible conjugate gradients on level 1.
-void SignedMultigrid::k_cycle() {
+void SignedMultigrid::k_cycle(const Parallel& parallel) {
     MultigridLevel& level = level_[1];
     const size_t n = level.n;
-    float* b = level.b.data();
+    const float* b = right_.data();
     float* x = level.x.data();
     float* c = first_.data();
     float* v = image_.data();
-    v_cycle(1);
+    std::memcpy(right_.data(), level.b.data(), n * sizeof(float));
+    v_cycle(1, parallel);
     std::memcpy(c, x, n * sizeof(float));
-    const double cb = dot(c, b, n);
-    multiply(level, c, v);
-    const double cv = dot(c, v, n);
+    const double cb = dot(c, b, n, parallel);
+    level.matrix.multiply(c, v, parallel);
+    const double cv = dot(c, v, n, parallel);
     if (!(cv > 0)) return;
-    const float step = static_cast<float>(cb / cv);
-    for (size_t i = 0; i < n; ++i) b[i] -= step * v[i];
-    v_cycle(1);
-    const double xb = dot(x, b, n), xv = dot(x, v, n);
+    const double step = cb / cv;
+    combine(1, b, -static_cast<float>(step), v, level.b.data(), n, parallel);
+    v_cycle(1, parallel);
     // What is left of the second direction once it is conjugate to the first.
-    const double xx = energy(level, x);
+    const double xv = dot(x, v, n, parallel), xb = dot(x, b, n, parallel) - step * xv;
+    const double xx = level.matrix.energy(x, parallel);
     const double rest = xx - xv * xv / cv;
     const double second = rest > 1e-6 * xx ? xb / rest : 0;
-    const float along_x = static_cast<float>(second), along_c = static_cast<float>(cb / cv - xv / cv * second);
-    for (size_t i = 0; i < n; ++i) x[i] = along_x * x[i] + along_c * c[i];
+    combine(static_cast<float>(step - xv / cv * second), c, static_cast<float>(second), x, x, n, parallel);
 }
 
-void SignedMultigrid::precondition() {
+void SignedMultigrid::precondition(const Parallel& parallel) {
     if (level_count_ < 2) {
-        v_cycle(0);
+        v_cycle(0, parallel);
         return;
     }
-    descend(0);
-    k_cycle();
-    ascend(0);
+    descend(0, parallel);
+    k_cycle(parallel);
+    ascend(0, parallel);
 }
 
 // --- Conjugate gradients -----------------------------------------------------
@@ -311,46 +234,82 @@ void SignedMultigrid::precondition() {
 namespace {
 
 // y = A x; returns x * y.
-double multiply(const SignedMatrix& a, const double* x, double* y) {
-    double sum = 0;
-    for (size_t i = 0; i < a.n; ++i) {
-        double v = a.diagonal[i] * x[i];
-        for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
-        y[i] = v;
-        sum += x[i] * v;
-    }
-    return sum;
+double multiply(const SignedMatrix& a, const double* x, double* y, const Parallel& parallel) {
+    return parallel.sum_blocks<double>(a.n, [=](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t i = begin; i < end; ++i) {
+            double v = a.diagonal[i] * x[i];
+            for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
+            y[i] = v;
+            sum += x[i] * v;
+        }
+        return sum;
+    });
 }
 
-double scaled_norm(const float* scale, const double* r, size_t n) {
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i) {
-        const double g = static_cast<double>(scale[i]) * r[i];
-        sum += g * g;
-    }
-    return std::sqrt(sum);
+bool is_zero(const double* x, size_t n, const Parallel& parallel) {
+    struct Any {
+        bool any = false;
+        void operator+=(const Any& other) { any |= other.any; }
+    };
+    return !parallel
+                .sum_blocks<Any>(n,
+                                 [=](size_t begin, size_t end) {
+                                     while (begin < end && x[begin] == 0) ++begin;
+                                     return Any{begin < end};
+                                 })
+                .any;
 }
 
 // The two norms of a residual: 2-norm with the scaling to unit diagonal,
 // largest row with that of the caller.
-class ResidualNorms {
-public:
-    ResidualNorms(const float* scale, const float* row_scale) : scale_(scale), row_scale_(row_scale) {}
-    void add(size_t i, double r) {
-        const double g = static_cast<double>(scale_[i]) * r;
-        sum_ += g * g;
-        if (!row_scale_) return;
-        const double row = static_cast<double>(row_scale_[i]) * std::fabs(r);
-        if (row > largest_row_) largest_row_ = row;
+struct ResidualNorms {
+    double squares = 0, largest_row = 0;
+    void operator+=(const ResidualNorms& other) {
+        squares += other.squares;
+        if (other.largest_row > largest_row) largest_row = other.largest_row;
     }
-    double norm() const { return std::sqrt(sum_); }
-    double largest_row() const { return largest_row_; }
-
-private:
-    const float* scale_;
-    const float* row_scale_; // may be null
-    double sum_ = 0, largest_row_ = 0;
+    double norm() const { return std::sqrt(squares); }
 };
+
+// row_scale: may be null.  residual(i) is asked for once for each row.
+template <class Residual>
+ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scale, const Parallel& parallel,
+                             Residual residual) {
+    return parallel.sum_blocks<ResidualNorms>(n, [=](size_t begin, size_t end) {
+        ResidualNorms norms;
+        for (size_t i = begin; i < end; ++i) {
+            const double r = residual(i), g = static_cast<double>(scale[i]) * r;
+            norms.squares += g * g;
+            if (!row_scale) continue;
+            const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
+            if (row > norms.largest_row) norms.largest_row = row;
+        }
+        return norms;
+    });
+}
+
+// Of a preconditioned residual z on the residual, and on A times the direction before.
+struct Projections {
+    double zr = 0, zq = 0;
+    void operator+=(const Projections& other) {
+        zr += other.zr;
+        zq += other.zq;
+    }
+};
+
+Projections project(size_t n, const float* scale, const float* output, const double* r, const double* q,
+                    const Parallel& parallel) {
+    return parallel.sum_blocks<Projections>(n, [=](size_t begin, size_t end) {
+        Projections sum;
+        for (size_t i = begin; i < end; ++i) {
+            const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+            sum.zr += z * r[i];
+            sum.zq += z * q[i];
+        }
+        return sum;
+    });
+}
 
 } // namespace
 
@@ -364,8 +323,9 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     double* r = residual_.data();
     double* p = direction_.data();
     double* q = product_.data();
+    const Parallel& parallel = call.parallel;
 
-    const double reference = scaled_norm(scale, b, n);
+    const double reference = residual_norms(n, scale, nullptr, parallel, [=](size_t i) { return b[i]; }).norm();
     if (!(reference > 0) || !(reference < 1e300)) {
         for (size_t i = 0; i < n; ++i) x[i] = 0;
         result.converged = reference == 0;
@@ -382,56 +342,55 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     // true one decides, and if need be the search starts again from it.
     double before_restart = 1e300;
     for (uint32_t restart = 0; restart < 8; ++restart) {
-        multiply(matrix, x, r);
-        for (size_t i = 0; i < n; ++i) r[i] = b[i] - r[i];
-        leave_out(r);
-        ResidualNorms norms(scale, options.row_scale);
-        for (size_t i = 0; i < n; ++i) norms.add(i, r[i]);
+        if (restart > 0 || !is_zero(x, n, parallel)) multiply(matrix, x, r, parallel);
+        else parallel.for_blocks(n, [=](size_t begin, size_t end) { std::memset(r + begin, 0, (end - begin) * 8); });
+        for (size_t k = 0; k < options.fixed_count; ++k) r[options.fixed[k]] = b[options.fixed[k]];
+        ResidualNorms norms = residual_norms(n, scale, options.row_scale, parallel, [=](size_t i) {
+            q[i] = 0;
+            return r[i] = b[i] - r[i];
+        });
         double norm = norms.norm();
         const auto is_small = [&] {
-            return !(norm > goal) || (options.row_scale && norms.largest_row() <= options.row_tolerance);
+            return !(norm > goal) || (options.row_scale && norms.largest_row <= options.row_tolerance);
         };
         result.residual = norm / reference;
-        result.row_residual = norms.largest_row();
+        result.row_residual = norms.largest_row;
         result.converged = norm < 1e300 && is_small();
         if (result.converged || !(norm < 0.5 * before_restart) || result.iterations >= iteration_limit) return result;
         before_restart = norm;
 
-        for (size_t i = 0; i < n; ++i) q[i] = 0;
         double pq = 0; // 0: no direction yet
         while (!is_small() && result.iterations < iteration_limit) {
             if (!continues(&call) || call.out_of_time()) {
                 result.residual = norm / reference;
-                result.row_residual = norms.largest_row();
+                result.row_residual = norms.largest_row;
                 return result;
             }
             const double inverse = 1 / norm;
-            for (size_t i = 0; i < n; ++i)
-                input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
-            precondition();
+            parallel.for_blocks(n, [=](size_t begin, size_t end) {
+                for (size_t i = begin; i < end; ++i)
+                    input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
+            });
+            precondition(parallel);
             leave_out(output);
-            double zr = 0, zq = 0;
-            for (size_t i = 0; i < n; ++i) {
-                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
-                zr += z * r[i];
-                zq += z * q[i];
-            }
-            const double beta = pq > 0 ? -zq / pq : 0;
-            for (size_t i = 0; i < n; ++i) {
-                const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
-                p[i] = pq > 0 ? z + beta * p[i] : z;
-            }
-            pq = multiply(matrix, p, q);
+            const auto [zr, zq] = project(n, scale, output, r, q, parallel);
+            const bool first = !(pq > 0);
+            const double beta = first ? 0 : -zq / pq;
+            parallel.for_blocks(n, [=](size_t begin, size_t end) {
+                for (size_t i = begin; i < end; ++i) {
+                    const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
+                    p[i] = first ? z : z + beta * p[i];
+                }
+            });
+            pq = multiply(matrix, p, q, parallel);
             leave_out(q);
             ++result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            norms = ResidualNorms(scale, options.row_scale);
-            for (size_t i = 0; i < n; ++i) {
+            norms = residual_norms(n, scale, options.row_scale, parallel, [=](size_t i) {
                 x[i] += alpha * p[i];
-                r[i] -= alpha * q[i];
-                norms.add(i, r[i]);
-            }
+                return r[i] -= alpha * q[i];
+            });
             norm = norms.norm();
         }
     }

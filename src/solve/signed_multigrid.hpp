@@ -14,20 +14,10 @@
 // diagonal, so weights from 1e-9 to 1e6 fit; conjugate gradients in double.
 #pragma once
 
-#include "../base/memory.hpp"
+#include "prolongation.hpp"
+#include "sweep_matrix.hpp"
 
 namespace hmf {
-
-// Compressed rows, owned by the caller.  Columns in any order; a column may
-// come twice, the values then add up.  Entries on the diagonal have to be 0.
-// Rows without entries and with diagonal 0 are left alone by the solver.
-struct SignedMatrix {
-    uint32_t n;
-    const uint32_t* offset; // n + 1
-    const uint32_t* column; // offset[n]
-    const double* entry;    // offset[n], off-diagonal values with their signs
-    const double* diagonal; // n
-};
 
 // What a solve may be told beside the matrix and the right side; all optional.
 struct LinearOptions {
@@ -53,19 +43,9 @@ struct LinearResult {
 struct MultigridLevel {
     uint32_t n = 0;
     Array<float> scale; // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
-    // Row i: the entries in columns below i, from start[i] to start[i+1]; what
-    // is above the diagonal is their transpose.  Filled up with zero entries to
-    // one block or more: most rows of a mesh have one, and where a loop ends
-    // that varies in length, nobody can predict.
-    static constexpr uint32_t block = 5;
-    Array<uint32_t> start; // n + 1
-    Array<uint32_t> column;
-    Array<float> entry;
-    // Transpose of the prolongation, by coarse unknowns: longer rows.
-    Array<uint32_t> prolongation_start; // coarse n + 1; empty on the last level
-    Array<uint32_t> prolongation_row;
-    Array<float> prolongation_entry;
-    Array<float> b, x, r; // n
+    SweepMatrix matrix;
+    Prolongation prolongation; // from the next level; empty on the last one
+    Array<float> b, x, r;      // n
 };
 
 class SignedMultigrid {
@@ -78,9 +58,9 @@ public:
     // the error has no long waves.
     Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
-    // Takes the values of a matrix that hardly differs for the smoother of the
-    // finest level; the coarse levels stay.
-    Done refresh(const SignedMatrix& matrix, Memory& memory);
+    // Takes the values of a matrix that hardly differs, in the same columns, for the
+    // smoother of the finest level; the coarse levels stay.
+    void refresh(const SignedMatrix& matrix, const Parallel& parallel);
 
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities
@@ -96,12 +76,13 @@ public:
 private:
     Done factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
     void solve_dense(float* b) const;
-    void descend(uint32_t level);
-    void ascend(uint32_t level);
-    void solve_last();
-    void v_cycle(uint32_t first);
-    void k_cycle();
-    void precondition();
+    float* next_right(uint32_t level);
+    const float* next_solution(uint32_t level) const;
+    void descend(uint32_t level, const Parallel& parallel);
+    void ascend(uint32_t level, const Parallel& parallel);
+    void v_cycle(uint32_t first, const Parallel& parallel);
+    void k_cycle(const Parallel& parallel);
+    void precondition(const Parallel& parallel);
 
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
@@ -110,7 +91,7 @@ private:
     Array<float> dense_;         // Cholesky factor L below the diagonal by columns, its transpose above
     Array<float> dense_inverse_; // 1 / diagonal of L
     Array<float> dense_b_;
-    Array<float> first_, image_;                   // K-cycle, size of level 1
+    Array<float> right_, first_, image_;           // K-cycle, size of level 1
     Array<double> residual_, direction_, product_; // conjugate gradients
 };
 

@@ -2,7 +2,7 @@
 // ([W] section 4) with one of the methods on each of them.
 #pragma once
 
-#include "../foliation/whitehead.hpp"
+#include "../foliation/sweep.hpp"
 #include "class_watch.hpp"
 
 namespace hmf {
@@ -78,6 +78,7 @@ struct LevelWork {
     bool gated;        // each step of all vertices has to stay in the class
     Rings rings;
     Star star;
+    Sweeps sweeps;
     hmf_level_report statistics{};
     // Room for both.
     Done prepare();

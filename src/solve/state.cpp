@@ -30,10 +30,14 @@ Done State::refine(Call& call) {
     mesh.vertex_count = finer.mesh.vertex_count;
     mesh.edge_count = finer.mesh.edge_count;
     mesh.face_count = finer.mesh.face_count;
-    for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+    const auto undo = [&](size_t i, size_t begin) {
+        prefetch_split(mesh, hierarchy->collapses, i, begin);
         split_foliation(foliation, hierarchy->collapses[i]);
-        if (words) words->was_split(hierarchy->collapses[i]);
+    };
+    if (!undo_collapses(*hierarchy, finer, call, 0, true, undo)) return false;
+    for (size_t i = finer.collapse_end; words && i-- > finer.collapse_begin;) {
+        if (i % 4096 == 0 && !call.tick(0, true)) return false;
+        words->was_split(hierarchy->collapses[i]);
     }
     --level;
     triangulation = Triangulation::input;

@@ -1,5 +1,5 @@
-// The numbers that steer Newton's method: when to go on, how exactly to solve,
-// when to give up.  None decides what is right: every step is checked, every
+// The numbers that steer the cascade and Newton's method: when to go on, how exactly
+// to solve, when to give up.  None decides what is right: every step is checked, every
 // result has its residual and its certificate.  They decide how long it takes.
 //
 // bench/steering.md has what they were measured against; bench/steering.py measures
@@ -55,9 +55,9 @@ constexpr double large_residual = 0.1;
 constexpr double continued = 1e-4;
 constexpr double end_of_doubles = 1e-13;
 
-// Iterations of conjugate gradients.  With the setup of an earlier model: then a new
-// one is cheaper.
-constexpr uint32_t iterations_with_old_setup = 50;
+// Iterations of conjugate gradients.  With the setup of an earlier model: a new one costs
+// about ten, and where zeros have moved it needs a fifth as many.
+constexpr uint32_t iterations_with_old_setup = 16;
 constexpr uint32_t iterations_with_new_setup = 200; // guard
 constexpr uint32_t iterations_with_smoother = 10;
 constexpr uint32_t iterations_between_bounds = 100; // guard
@@ -90,6 +90,19 @@ constexpr uint32_t far_after = 2; // rounds
 constexpr uint32_t sweeps_after_short_step = 10;
 constexpr uint32_t late_sweeps = 2;
 constexpr uint32_t late_after = 1, late_after_tight = 3; // rounds
+
+// Vertices or steps that a search round a cluster may look at: on a small level all of
+// them, a few where there are many searches.  Sizes of levels in vertices.
+constexpr uint32_t tiny_level = 64, small_level = 1024, large_level = 100000;
+constexpr uint32_t budget_on_tiny_level = 512;
+constexpr uint32_t budget_per_vertex = 8; // of a small level
+constexpr uint32_t search_budget = 8192;
+constexpr uint32_t budget_on_large_level = 512;
+// And all searches of a sweep together, for each vertex of a level that is not small.
+constexpr uint32_t credit_per_vertex = 4;
+// Sweeps of single moves alone end after so many without a move, in both orders.
+constexpr uint32_t sweeps_at_rest = 2;
+constexpr double sweeps_of_half_progress = 50; // how many there are is not known
 
 } // namespace steering
 } // namespace hmf

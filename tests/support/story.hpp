@@ -94,6 +94,20 @@ inline Bits bits_of(const hmf_design& d) {
     return bits;
 }
 
+inline Bits bits_of(const hmf_mark_set& m) {
+    Bits bits{double(m.count)};
+    append(bits, m.vertices, m.count);
+    return bits;
+}
+
+inline Bits bits_of(const hmf_component_set& s) {
+    Bits bits;
+    for (uint64_t i = 0; i < s.count; ++i) bits.push_back(double(s.list[i].status));
+    append(bits, s.part_triangles, 3 * s.triangle_count);
+    append(bits, s.whole_edges, s.edge_count);
+    return bits;
+}
+
 inline Bits bits_of(const hmf_quad_mesh& q) {
     Bits bits;
     append(bits, q.positions, 3 * q.vertex_count);
@@ -144,6 +158,7 @@ struct Story {
         values = values_of(harmonic);
         read = create(hierarchy, 0, values);
         add_core();
+        add_mesh(mesh, build);
         add_design(mesh, build);
         for (Foliation* f : {&harmonic, &read}) add_uses(*f, f == &harmonic);
     }
@@ -202,6 +217,17 @@ private:
         });
         add<hmf_foliation>("hmf_interpolate, finer",
                            [this](auto c, auto out, auto e) { return hmf_interpolate(coarse.get(), 0, c, out, e); });
+    }
+
+    void add_mesh(const TriMesh& mesh, const hmf_build_options& build) {
+        add<hmf_component_set>("hmf_components", [&mesh, build](auto c, auto out, auto e) {
+            return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                  mesh.triangle_count(), &build, c, out, e);
+        });
+        add<hmf_mark_set>("hmf_suggest_marks", [&mesh, build](auto c, auto out, auto e) {
+            return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                     mesh.triangle_count(), &build, c, out, e);
+        });
     }
 
     void add_design(const TriMesh& mesh, const hmf_build_options& build) {

@@ -125,6 +125,29 @@ Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind) {
     return loops;
 }
 
+Owned<hmf_loop_set> loops_of(const Hierarchy& hierarchy, int32_t kind) {
+    return make<hmf_loop_set>(
+        [&](hmf_loop_set** out, hmf_error* e) { return hmf_loops(hierarchy.get(), 0, kind, nullptr, out, e); });
+}
+
+hmf_build_options with_marks(const std::vector<uint32_t>& marks, double ratio, uint64_t coarsest) {
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
+    options.ratio = ratio;
+    options.coarsest = coarsest;
+    options.marked_vertices = marks.data();
+    options.marked_count = marks.size();
+    return options;
+}
+
+std::vector<uint32_t> suggested_marks(const TriMesh& mesh) {
+    const auto set = make<hmf_mark_set>([&](hmf_mark_set** out, hmf_error* e) {
+        return hmf_suggest_marks(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                 mesh.triangle_count(), nullptr, nullptr, out, e);
+    });
+    return set ? std::vector<uint32_t>(set->vertices, set->vertices + set->count) : std::vector<uint32_t>();
+}
+
 std::vector<double> values_of(const Foliation& foliation) {
     size_t count = 0;
     const double* values = hmf_foliation_values(foliation.get(), &count);
@@ -596,10 +619,19 @@ Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_o
     });
 }
 
+Solution solve(const Hierarchy& hierarchy, const hmf_loop_set& loops) {
+    return solution_of([&](hmf_foliation** out, hmf_error* error) {
+        return hmf_solve(hierarchy.get(), &loops, nullptr, nullptr, out, error);
+    });
+}
+
 Solution relax(const Foliation& foliation, const hmf_solve_options& options, const hmf_control* control) {
     return solution_of([&](hmf_foliation** out, hmf_error* error) {
         return hmf_relax(foliation.get(), &options, control, out, error);
     });
 }
+
+SolvedSurface::SolvedSurface(const TriMesh& mesh, const std::vector<uint32_t>& marks) :
+    hierarchy(mesh, with_marks(marks)), solution(solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8))) {}
 
 } // namespace test

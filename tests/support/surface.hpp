@@ -75,6 +75,13 @@ struct Loops {
     hmf_loop_set view() const;
 };
 Loops library_loops(const Hierarchy& hierarchy, size_t level, int32_t kind = HMF_LOOPS_CUT);
+Owned<hmf_loop_set> loops_of(const Hierarchy& hierarchy, int32_t kind); // on level 0, as they come
+
+// --- Marked vertices ---------------------------------------------------------
+
+// 0: the default.  The marks must live as long as the options.
+hmf_build_options with_marks(const std::vector<uint32_t>& marks, double ratio = 0, uint64_t coarsest = 0);
+std::vector<uint32_t> suggested_marks(const TriMesh& mesh);
 
 // --- Foliations --------------------------------------------------------------
 
@@ -154,6 +161,14 @@ struct Solution {
 hmf_solve_options solve_options(int32_t method, double tolerance, uint64_t iterations = 0);
 Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_options& options,
                const hmf_control* control = nullptr);
+Solution solve(const Hierarchy& hierarchy, const hmf_loop_set& loops); // with the default options
 Solution relax(const Foliation& foliation, const hmf_solve_options& options, const hmf_control* control = nullptr);
+
+// A surface, with marked vertices if there are some, and the solution for the loops of the library.
+struct SolvedSurface {
+    Hierarchy hierarchy;
+    Solution solution;
+    explicit SolvedSurface(const TriMesh& mesh, const std::vector<uint32_t>& marks = {});
+};
 
 } // namespace test

@@ -37,7 +37,7 @@ private:
         for (uint32_t i = 0; i < count; ++i) order[i] = i;
         for (uint32_t i = count; i > 1; --i) std::swap(order[i - 1], order[self.random_.below(i)]);
         // Few calls have threads of their own, which are slow to start; the others differ in order.
-        const bool threads = self.calls % 16 < 2;
+        const bool threads = self.calls % (self.calls < 64 ? 16 : 128) < 2;
         const uint64_t waits = self.random_.bits();
         std::vector<std::thread> started;
         for (uint32_t i = 0; i < count; ++i) {

@@ -7,7 +7,7 @@ import { makeLoops, readLoops, writeLoops } from './loops.js';
 import { optionFields, optionNames } from './options.js';
 import { SOLVE_OPTIONS, writeOptions } from './solve.js';
 
-const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
+export const BUILD_OPTIONS = ['collapse', ...optionNames('hmf_build_options'), 'markedVertices', 'progress'];
 const collapses = namesOf('HMF_COLLAPSE_');
 
 /** A hierarchy and its foliations in the memory of the module. */
@@ -43,8 +43,8 @@ function writeBuildOptions(frame, options) {
     return frame.structure('hmf_build_options', fields);
 }
 
-/** Positions, triangles and options of a build, checked; work(frame, ...parameters) gives them to hmf_build or hmf_suggest_marks. */
-function withMesh(module, positions, triangles, options, work) {
+/** Positions, triangles and options of a build, checked; work(frame, ...parameters) gives them to hmf_build and its like. */
+export function withMesh(module, positions, triangles, options, work) {
     numbers(positions, 'positions', { group: 3 });
     indices(triangles, 'triangles', { group: 3 });
     const given = optionsOf(options, 'options', BUILD_OPTIONS);

@@ -32,10 +32,17 @@ export interface Hmf {
     readonly Hierarchy: new (positions: Numbers, triangles: Numbers, options?: BuildOptions) => Hierarchy;
     /** Upper bound of the bytes that building a hierarchy uses at its peak; 0 if the counts are unusable. */
     memoryEstimate(vertexCount: number, triangleCount: number, options?: BuildOptions): number;
+    /** The connected components of a mesh, each with numbers of its own.  A defect of one is its status, not an error. */
+    components(positions: Numbers, triangles: Numbers, options?: BuildOptions): Components;
+    /**
+     * One foliation over all components of a mesh: each is built and solved on its own.  What is wrong
+     * with one, or with its loops, is said in its row.
+     */
+    solveComponents(positions: Numbers, triangles: Numbers, options?: SolveComponentsOptions): ComponentSolutions;
     /**
      * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
      * each limb, so that loops go round the limbs, at least four and at most 24.
-     * None for genus 1 and more.
+     * None for genus 1 and more.  Of several components each gets its own.
      */
     suggestMarks(positions: Numbers, triangles: Numbers, options?: BuildOptions): Uint32Array;
     /**
@@ -97,6 +104,59 @@ export interface BuildOptions extends ProgressOptions, BuildNumbers {
      * `suggestMarks`).  They never move and are no poles of the report.
      */
     markedVertices?: Numbers;
+}
+
+/** One component of a mesh, with numbers of its own. */
+export interface Component {
+    /** 0; that of HMF_ERROR_MESH_GENUS if it carries no foliation; else its defect. */
+    readonly status: number;
+    readonly statusName: string;
+    /** What the defect is about, by its number in the whole mesh. */
+    readonly element: "vertex" | "edge" | "triangle" | "loop" | "level" | "option" | null;
+    readonly index: number;
+    /** This and the next: 0 where the status is a defect. */
+    readonly genus: number;
+    readonly boundaryCount: number;
+    /** For `new Hierarchy`, like the next two. */
+    readonly positions: Float64Array;
+    readonly triangles: Uint32Array;
+    readonly markedVertices: Uint32Array;
+    /** Number in the whole mesh of each vertex. */
+    readonly wholeVertices: Uint32Array;
+    /** Number in the whole mesh of each edge of level 0. */
+    readonly wholeEdges: Uint32Array;
+    /** Number in the whole mesh of each triangle. */
+    readonly wholeTriangles: Uint32Array;
+}
+
+export interface Components {
+    /** In the order of their first triangles. */
+    readonly components: Component[];
+    /** Of the whole mesh. */
+    readonly edgeCount: number;
+    /** Component of each vertex of the whole mesh; 2^32 - 1: it has no triangle. */
+    readonly vertexComponent: Uint32Array;
+    /** Its number there. */
+    readonly vertexPart: Uint32Array;
+    /** Component of each triangle. */
+    readonly triangleComponent: Uint32Array;
+    /** Its number there. */
+    readonly trianglePart: Uint32Array;
+}
+
+/** Loops are of the whole mesh, on its level 0; a component without any gets no foliation.  Default: those of the library. */
+export interface SolveComponentsOptions extends BuildOptions, Omit<SolveOptions, "start" | "stopLevel"> {}
+
+export interface ComponentSolution extends Component {
+    /** Why there is no report, or why the solve was stopped; else empty. */
+    readonly message: string;
+    readonly report: Report | null;
+}
+
+export interface ComponentSolutions {
+    /** One for each edge of the whole mesh; 0 on components without a foliation. */
+    readonly values: Float64Array;
+    readonly components: ComponentSolution[];
 }
 
 /**
@@ -429,7 +489,7 @@ export interface Singularity {
     element: number;
     /** Vertices of a cluster, else 1. */
     size: number;
-    /** Three coordinates: of the vertex; the middle of the triangle; the mean of the cluster. */
+    /** Three coordinates: of the vertex; the middle of the triangle; the mean of the cluster, with boundary its vertex nearest to that. */
     position: number[];
 }
 

@@ -2,6 +2,7 @@
 // Hierarchy; everything else hangs on that.
 import { Module } from './module.js';
 import { Hierarchy, evenDesign, memoryEstimate, suggestMarks } from './hierarchy.js';
+import { components, solveComponents } from './components.js';
 import { Foliation } from './foliation.js';
 import { cylinders } from './uses/cylinders.js';
 import { parameterize } from './uses/parameterize.js';
@@ -32,6 +33,8 @@ export async function load(source) {
         },
 
         memoryEstimate: (vertexCount, triangleCount, options) => memoryEstimate(module, vertexCount, triangleCount, options),
+        components: (positions, triangles, options) => components(module, positions, triangles, options),
+        solveComponents: (positions, triangles, options) => solveComponents(module, positions, triangles, options),
         suggestMarks: (positions, triangles, options) => suggestMarks(module, positions, triangles, options),
         evenDesign: (positions, triangles, options) => evenDesign(module, positions, triangles, options),
         statusText: status => module.statusText(wholeNumber(status, 'status')),

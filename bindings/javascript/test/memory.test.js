@@ -55,6 +55,7 @@ test('many good calls', () => {
     lasting.dispose();
     flat(200, () => {
         hmf.suggestMarks(positions, triangles);
+        hmf.solveComponents(positions, triangles);
         const hierarchy = new hmf.Hierarchy(positions, triangles);
         const foliation = hierarchy.solve();
         foliation.singularities();

@@ -220,6 +220,44 @@ test('spheres have marked vertices', () => {
     assert.deepEqual(hmf.suggestMarks(plate.positions, plate.triangles), new Uint32Array(0));
 });
 
+test('several components in one call', () => {
+    const parts = [torus(12, 8), octahedron(), torus(10, 9)], positions = [], triangles = [];
+    for (const part of parts) {
+        const first = positions.length / 3;
+        positions.push(...part.positions);
+        triangles.push(...Array.from(part.triangles, v => first + v));
+    }
+    const divided = hmf.components(positions, triangles), fractions = [];
+    assert.deepEqual(divided.components.map(({ statusName }) => statusName), ['HMF_OK', 'HMF_ERROR_MESH_GENUS', 'HMF_OK']);
+    divided.components.forEach((component, k) => {
+        assert.deepEqual([component.positions, component.triangles], [Float64Array.from(parts[k].positions), Uint32Array.from(parts[k].triangles)]);
+        component.wholeVertices.forEach((v, own) => assert.deepEqual([divided.vertexComponent[v], divided.vertexPart[v]], [k, own]));
+        component.wholeTriangles.forEach((t, own) => assert.deepEqual([divided.triangleComponent[t], divided.trianglePart[t]], [k, own]));
+    });
+    const { values, components } = hmf.solveComponents(positions, triangles, { progress: fraction => { fractions.push(fraction); } });
+    assert.ok(fractions.every((x, i) => i === 0 || x >= fractions[i - 1]) && fractions.at(-1) > 0.99);
+    assert.deepEqual([components[1].report, components[1].statusName], [null, 'HMF_ERROR_MESH_GENUS']);
+    assert.ok(components[1].message.length > 10 && components[1].wholeEdges.every(e => values[e] === 0));
+    for (const k of [0, 2]) {
+        const hierarchy = new hmf.Hierarchy(parts[k].positions, parts[k].triangles), alone = hierarchy.solve();
+        assert.deepEqual(Float64Array.from(components[k].wholeEdges, e => values[e]), alone.values);
+        assert.equal(components[k].report.energy, alone.report.energy);
+        hierarchy.dispose();
+    }
+
+    const markedVertices = hmf.suggestMarks(positions, triangles);
+    assert.ok(markedVertices.length >= 4 && markedVertices.every(v => divided.vertexComponent[v] === 1));
+    assert.ok(hmf.solveComponents(positions, triangles, { markedVertices }).components.every(({ status }) => status === 0));
+
+    const loop = Array.from({ length: 10 }, (_, i) => divided.components[2].wholeVertices[9 * i]);
+    const own = hmf.solveComponents(positions, triangles, { loops: { elementKind: 'vertices', loops: [loop], weights: [2] } });
+    assert.deepEqual(own.components.map(({ statusName }) => statusName), ['HMF_ERROR_LOOP_COUNT', 'HMF_ERROR_MESH_GENUS', 'HMF_OK']);
+    assert.throws(() => hmf.solveComponents(positions, triangles, { loops: { elementKind: 'vertices', loops: [[0, loop[0]]] } }), /does not lie on one component/);
+    assert.throws(() => hmf.solveComponents(positions, triangles, { ratio: 3 }), ({ statusName }) => statusName === 'HMF_ERROR_OPTIONS');
+    assert.throws(() => hmf.solveComponents(positions, triangles, { stopLevel: 1 }), /stopLevel/);
+    assert.equal(hmf.memory.inUse, 0);
+});
+
 test('mollify accepts triangles without area', () => {
     const { positions, triangles } = torus(12, 8);
     positions.copyWithin(0, 3 * 8, 3 * 8 + 3); // two vertices at one place

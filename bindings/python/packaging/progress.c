@@ -4,6 +4,7 @@
  * second, and with another Python thread at work each time would cost a
  * switch of threads.
  */
+#include <hmf/pool.h>
 #include <hmf/uses.h>
 
 #ifdef _WIN32

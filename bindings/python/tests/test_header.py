@@ -17,7 +17,7 @@ from foliations._native import ffi, lib
 
 PACKAGE = Path(__file__).resolve().parents[1]
 HEADERS = next(path for path in (PACKAGE / "core/include/hmf", PACKAGE.parents[1] / "include/hmf") if path.exists())
-TEXT = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("hmf.h", "uses.h"))
+TEXT = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("hmf.h", "uses.h", "pool.h"))
 TEXT = re.sub(r"/\*.*?\*/", "", TEXT, flags=re.S)
 CONSTANTS = {name: int(value) for name, value in re.findall(r"#define (HMF_\w+) (-?\d+)\s", TEXT)}
 FUNCTIONS = re.findall(r"HMF_API[^;(]*?\b(hmf_\w+)\s*\(", TEXT)
@@ -36,7 +36,7 @@ def test_header_was_understood() -> None:
 def test_each_function_is_used(function: str) -> None:
     assert hasattr(lib, function)
     source = "".join(path.read_text(encoding="utf-8") for path in Path(foliations.__file__).parent.glob("*.py"))
-    assert re.search(rf"\b_?lib\.{function}\b", source)
+    assert re.search(rf"\b_?lib(\.|, \"){function}\b", source)  # called, or its address taken
 
 
 def test_constants_are_those_of_the_header() -> None:
@@ -134,6 +134,7 @@ def test_each_call_with_a_control_takes_progress() -> None:
         "hmf_build": foliations.Hierarchy.__init__,
         "hmf_foliation_create": foliations.Hierarchy.foliation,
         "hmf_suggest_marks": foliations.suggest_marks,
+        "hmf_components": foliations.Components.__init__,
         "hmf_even_design": foliations.even_design,
     }
     for name in long - {"hmf_energy"}:

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import foliations
 import numpy as np
-from foliations import _boundary, sample
+import pytest
+from foliations import _boundary, _threads, sample
 from pytest import MonkeyPatch
 
 
@@ -66,3 +67,49 @@ def test_the_example() -> None:
     done = subprocess.run([sys.executable, str(example)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("->") == 24
+
+
+def test_lent_threads_change_no_bit() -> None:
+    positions, triangles = sample.pretzel(2, side=24)
+    with foliations.threads(1):
+        alone = foliations.solve(positions, triangles)
+    for count in (2, 3):
+        with foliations.threads(count) as given:
+            assert given == count
+            lent = foliations.solve(positions, triangles)
+            assert np.array_equal(lent.values, alone.values)
+            assert np.array_equal(lent.parameterize().corner_uv, alone.parameterize().corner_uv)
+    assert np.array_equal(foliations.solve(positions, triangles).values, alone.values)
+
+
+def test_the_innermost_threads_count() -> None:
+    def workers() -> int:
+        return int(_threads.lent_threads().get("workers", 0))
+
+    seen: list[int] = []
+    with foliations.threads(3):
+        with foliations.threads(2):
+            other = threading.Thread(target=lambda: seen.append(workers()))
+            other.start()
+            other.join()
+            assert workers() == 2
+        assert workers() == 3
+    assert workers() == 0 and seen == [0]
+
+
+def test_threads_refuse_a_number_that_cannot_be() -> None:
+    for count in (-1, 257):
+        with pytest.raises(ValueError, match="count is"), foliations.threads(count):
+            pass
+
+
+def test_threads_are_there_without_a_callback() -> None:
+    """On another thread there is no callback; what is lent there arrives all the same."""
+
+    def solve() -> np.ndarray:
+        with foliations.threads(2):
+            assert _boundary.Watch(None).control().workers == 2
+            return foliations.solve(*sample.pretzel(1, side=6)).values
+
+    with ThreadPoolExecutor(1) as pool:
+        assert np.array_equal(pool.submit(solve).result(), foliations.solve(*sample.pretzel(1, side=6)).values)

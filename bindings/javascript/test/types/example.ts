@@ -32,6 +32,8 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
 
     const marks: Uint32Array = hmf.suggestMarks(positions, triangles, { mollify: 1e-5 });
     const sphere: Hierarchy = new hmf.Hierarchy(positions, triangles, { markedVertices: marks });
+    const { values: all, components } = hmf.solveComponents(positions, triangles, { markedVertices: marks, coarsest: 500 });
+    const solved: number = components.filter(({ report }) => report !== null).length + all.length + hmf.components(positions, triangles).edgeCount;
     const proven: boolean = sphere.solve().report?.classState === "proven";
 
     const lost: number | undefined = sphere.solve().report?.stopped?.index;
@@ -62,7 +64,7 @@ export async function stripes(positions: Float64Array, triangles: Uint32Array): 
     next.dispose();
     sphere.dispose();
     hierarchy.dispose();
-    return Float64Array.of(numbers, ...coarse, ...uv, leaves.length, Number(proven), lost ?? 0, ...moduli, ...corners, ...(place ?? []));
+    return Float64Array.of(numbers, solved, ...coarse, ...uv, leaves.length, Number(proven), lost ?? 0, ...moduli, ...corners, ...(place ?? []));
 }
 
 export async function automatic(positions: Float64Array, triangles: Uint32Array): Promise<string> {

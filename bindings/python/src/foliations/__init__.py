@@ -1,4 +1,4 @@
-"""Harmonic measured foliations on closed triangle meshes.
+"""Harmonic measured foliations on triangle meshes.
 
     >>> foliation = foliations.solve("mesh.obj")    # or positions and triangles, or a mesh object
     >>> foliation.values             # one number for each edge
@@ -13,7 +13,9 @@ wanted; :class:`Loops` are the closed curves that give the class;
 from ._boundary import Progress, ProgressCallback, ProgressOption
 from ._native import lib as _lib
 from ._plot import plot
+from ._threads import threads
 from .atlas import Atlas
+from .components import Component, ComponentFoliations, ComponentRow, Components, solve_components
 from .cylinders import Cylinder, Cylinders
 from .errors import (
     Cancelled,
@@ -52,6 +54,10 @@ __all__ = [
     "Atlas",
     "Cancelled",
     "ClassState",
+    "Component",
+    "ComponentFoliations",
+    "ComponentRow",
+    "Components",
     "Cylinder",
     "Cylinders",
     "Design",
@@ -91,6 +97,8 @@ __all__ = [
     "plot",
     "read_mesh",
     "solve",
+    "solve_components",
     "solve_row",
     "suggest_marks",
+    "threads",
 ]

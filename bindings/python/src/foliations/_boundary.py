@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._native import ffi, lib
+from ._threads import lent_threads
 from .errors import Element, MeshError, Status, error_class
 
 Floats = NDArray[np.float64]
@@ -254,14 +255,17 @@ class Watch:
 
     def control(self) -> Any:
         """hmf_control for a call; valid as long as this object is."""
+        lent = lent_threads()
         if self._callback is None and threading.current_thread() is not threading.main_thread():
-            return ffi.NULL  # signals arrive on the main thread only
+            # Signals arrive on the main thread only: nobody needs to be called.
+            self._control = structure("hmf_control", **lent) if lent else ffi.NULL
+            return self._control
         self._handle = ffi.new_handle(weakref.proxy(self))
         self._throttle = ffi.new(
             "hmf_python_throttle *", {"interval": PROGRESS_INTERVAL, "last": -1e9, "watch": self._handle}
         )
         throttled = ffi.addressof(lib, "hmf_python_throttled")
-        self._control = structure("hmf_control", progress=throttled, progress_user=self._throttle)
+        self._control = structure("hmf_control", progress=throttled, progress_user=self._throttle, **lent)
         return self._control
 
     def tick(self, fraction: float) -> int:

@@ -64,7 +64,8 @@ class Singularity:
     index: int  #: below 0 a zero of order -index, above 0 a pole, 0 a marked vertex that is no zero
     element: int  #: the vertex or triangle; of a cluster its lowest vertex
     size: int  #: vertices of a cluster, otherwise 1
-    position: tuple[float, float, float]  #: of the vertex, the middle of the triangle, the mean of the cluster
+    #: Of the vertex, the middle of the triangle, the mean of the cluster; with boundary its vertex nearest to that.
+    position: tuple[float, float, float]
 
 
 class Singularities(Rows[Singularity]):

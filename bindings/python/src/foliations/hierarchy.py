@@ -168,7 +168,8 @@ class Hierarchy:
     Raises
     ------
     MeshError
-        The mesh is not connected, oriented and manifold, or it is a sphere or a disk with too few marked vertices.
+        The mesh is not connected (see :func:`solve_components`), oriented and manifold, or it is a sphere or a disk
+        with too few marked vertices.
     OptionsError, OutOfMemoryError, Cancelled
         See there.
     KeyboardInterrupt
@@ -382,6 +383,8 @@ def suggest_marks(
     progress: ProgressOption = None,
 ) -> Indices:
     """Marked vertices for a mesh of genus 0, as (n,) uint32: two at the tip of each limb, 4 to 24; none for genus 1 up.
+
+    Of several components each gets its own.
 
     Parameters, progress and errors as for :class:`Hierarchy`, which takes the
     result as ``marked_vertices``.  The same mesh gives the same marks.

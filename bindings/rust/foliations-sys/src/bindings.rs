@@ -188,6 +188,55 @@ pub struct hmf_foliation {
     _unused: [u8; 0],
 }
 #[repr(C)]
+#[derive(Debug, Default, Copy, Clone)]
+pub struct hmf_component {
+    pub status: hmf_status,
+    pub element: i32,
+    pub index: u64,
+    pub genus: u64,
+    pub boundary_count: u64,
+    pub first_vertex: u64,
+    pub vertex_count: u64,
+    pub first_edge: u64,
+    pub edge_count: u64,
+    pub first_triangle: u64,
+    pub triangle_count: u64,
+    pub first_mark: u64,
+    pub marked_count: u64,
+}
+#[repr(C)]
+#[derive(Debug, Copy, Clone)]
+pub struct hmf_component_set {
+    pub struct_size: u32,
+    pub reserved: u32,
+    pub count: u64,
+    pub vertex_count: u64,
+    pub edge_count: u64,
+    pub triangle_count: u64,
+    pub used_vertex_count: u64,
+    pub marked_count: u64,
+    pub list: *const hmf_component,
+    pub part_positions: *const f64,
+    pub part_triangles: *const u32,
+    pub part_marks: *const u32,
+    pub whole_vertices: *const u32,
+    pub whole_edges: *const u32,
+    pub whole_triangles: *const u32,
+    pub vertex_component: *const u32,
+    pub vertex_part: *const u32,
+    pub triangle_component: *const u32,
+    pub triangle_part: *const u32,
+}
+impl Default for hmf_component_set {
+    fn default() -> Self {
+        let mut s = ::core::mem::MaybeUninit::<Self>::uninit();
+        unsafe {
+            ::core::ptr::write_bytes(s.as_mut_ptr(), 0, 1);
+            s.assume_init()
+        }
+    }
+}
+#[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct hmf_mark_set {
     pub struct_size: u32,
@@ -592,6 +641,16 @@ extern "C" {
         options: *const hmf_build_options,
         control: *const hmf_control,
         out: *mut *mut hmf_hierarchy,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_components(
+        positions: *const f64,
+        vertex_count: usize,
+        triangles: *const u32,
+        triangle_count: usize,
+        options: *const hmf_build_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_component_set,
         error: *mut hmf_error,
     ) -> hmf_status;
     pub fn hmf_suggest_marks(

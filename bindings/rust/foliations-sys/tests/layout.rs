@@ -35,6 +35,7 @@ fn sizes_agree() {
         assert_eq!(hmf_build(positions, 7, triangles, 14, null(), null(), &mut hierarchy, null_mut()), HMF_OK);
         assert_eq!(hmf_solve(hierarchy, null(), null(), null(), &mut foliation, null_mut()), HMF_OK);
         let sizes = [
+            size!(hmf_component_set, hmf_components(positions, 7, triangles, 14, null())),
             size!(hmf_mark_set, hmf_suggest_marks(positions, 7, triangles, 14, null())),
             size!(hmf_design, hmf_even_design(positions, 7, triangles, 14, null())),
             size!(hmf_loop_set, hmf_loops(hierarchy, 0, HMF_LOOPS_CUT)),

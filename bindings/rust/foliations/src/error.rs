@@ -120,6 +120,10 @@ impl Status {
         self.0
     }
 
+    pub(crate) const fn from_code(code: i32) -> Status {
+        Status(code)
+    }
+
     /// Whether the optimisation was stopped before it converged: a limit or a
     /// cancellation.
     pub fn is_stopped(self) -> bool {

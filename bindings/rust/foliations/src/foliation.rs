@@ -229,7 +229,8 @@ record! {
         element: u32,
         /// Vertices of the cluster, else 1.
         size: u32,
-        /// Of the vertex; the middle of the triangle; the mean of the cluster.
+        /// Of the vertex; the middle of the triangle; the mean of the cluster, with boundary its vertex
+        /// nearest to that.
         position: [f64; 3],
     }
 }

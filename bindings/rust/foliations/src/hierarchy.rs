@@ -103,7 +103,7 @@ impl<'a> Builder<'a> {
     /// * `positions`: one point for each vertex, in any unit
     /// * `triangles`: three vertices each, all counter-clockwise or all clockwise
     ///
-    /// The mesh must be connected, oriented and manifold; a sphere needs four or more
+    /// The mesh must be connected (else see [`components`](Builder::components)), oriented and manifold; a sphere needs four or more
     /// [marked vertices](Builder::marked_vertices), a disk four on its boundary or two inside.
     /// Both arrays are copied. Time is linear, about 0.3 s per million edges.
     ///
@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
 
     /// Marked vertices for a mesh of genus 0, where you name none: two at the tip of
     /// each limb, so that loops go round the limbs, at least four and at most 24.
-    /// None for genus 1 and more.
+    /// None for genus 1 and more. Of several components each gets its own.
     ///
     /// Of the options, `mollify` and `memory_limit` count.
     ///
@@ -200,8 +200,8 @@ impl<'a> Builder<'a> {
         sys::hmf_build_options { marked_vertices: marks.as_ptr(), marked_count: marks.len() as u64, ..self.options }
     }
 
-    /// What `hmf_build` or `hmf_suggest_marks` makes of a mesh.
-    fn call<T: Made>(
+    /// What `hmf_build`, `hmf_suggest_marks` or `hmf_components` makes of a mesh.
+    pub(crate) fn call<T: Made>(
         &mut self,
         positions: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -242,8 +242,8 @@ pub struct Design {
     pub solves: u64,
 }
 
-/// `hmf_build` and `hmf_suggest_marks`.
-type OfMesh<T> = unsafe extern "C" fn(
+/// `hmf_build` and its like.
+pub(crate) type OfMesh<T> = unsafe extern "C" fn(
     *const f64,
     usize,
     *const u32,

@@ -9,6 +9,7 @@ mod progress;
 mod records;
 mod threads;
 // What hmf.h has: a hierarchy, loops, foliations, solving.
+mod components;
 mod foliation;
 mod hierarchy;
 mod loops;
@@ -16,6 +17,7 @@ mod solve;
 // What uses.h has.
 mod uses;
 
+pub use components::{Component, ComponentSolution, ComponentSolutions, Components};
 pub use error::{Element, Error, Result, Status};
 pub use foliation::{Foliation, Singularities, Singularity, SingularityKind};
 pub use hierarchy::{Builder, Collapse, Design, DesignOptions, Hierarchy, LevelInfo};

@@ -65,7 +65,7 @@ impl Loops {
         Loops::empty(level, LoopElements::Vertices)
     }
 
-    fn empty(level: usize, element_kind: LoopElements) -> Loops {
+    pub(crate) fn empty(level: usize, element_kind: LoopElements) -> Loops {
         Loops { level, element_kind, offsets: vec![0], elements: Vec::new(), weights: Vec::new(), arcs: Vec::new() }
     }
 
@@ -102,8 +102,13 @@ impl Loops {
 
     /// Adds an arc from boundary to boundary with its weight, on a surface that has one.
     pub fn push_arc(&mut self, elements: &[u32], weight: f64) {
+        self.push_as(elements, weight, 1);
+    }
+
+    /// Adds a loop or an arc, with its entry of [`arcs`](Loops::arcs).
+    pub(crate) fn push_as(&mut self, elements: &[u32], weight: f64, arc: u8) {
         self.push(elements, weight);
-        self.arcs[self.weights.len() - 1] = 1;
+        self.arcs[self.weights.len() - 1] = arc;
     }
 
     /// The same loops and one more, with its weight.

@@ -17,6 +17,7 @@ pub(crate) trait Made {
     }
 }
 
+impl Made for sys::hmf_component_set {}
 impl Made for sys::hmf_mark_set {}
 impl Made for sys::hmf_loop_set {}
 impl Made for sys::hmf_design {}

@@ -456,6 +456,66 @@ fn spheres_have_marked_vertices() {
     assert_eq!((none.status(), none.index()), (Status::ERROR_MESH_INDEX, 0));
 }
 
+/// Plates and their numbers of holes, as one mesh.
+fn several(holes: &[i32]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for &count in holes {
+        let (own, corners) = plate(count, 1, 2, 1);
+        let first = positions.len() as u32;
+        positions.extend(own);
+        triangles.extend(corners.into_iter().map(|corner| corner.map(|v| first + v)));
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn components_are_solved_in_one_call() {
+    let (positions, triangles) = several(&[2, 0, 1]);
+    let mut builder = Hierarchy::builder();
+    assert_eq!(builder.build(&positions, &triangles).unwrap_err().status(), Status::ERROR_MESH_COMPONENTS);
+    let components = builder.components(&positions, &triangles).unwrap();
+    assert!(components.len() == 3 && !components.is_empty());
+    let statuses: Vec<Status> = components.iter().map(|part| part.status).collect();
+    assert_eq!(statuses, [Status::OK, Status::ERROR_MESH_GENUS, Status::OK]);
+    let whole = components.solve(|_, hierarchy| hierarchy.solver().solve()).unwrap();
+    assert!(whole.components[1].solution.is_none() && !whole.components[1].message.is_empty());
+    for (k, holes) in [(0, 2), (2, 1)] {
+        let (own, corners) = plate(holes, 1, 2, 1);
+        let part = components.get(k).unwrap();
+        assert_eq!((part.positions, part.triangles, part.genus as i32), (&own[..], &corners[..], holes));
+        let alone = Hierarchy::build(&own, &corners).unwrap().solver().solve().unwrap();
+        let values: Vec<f64> = part.whole_edges.iter().map(|&e| whole.values[e as usize]).collect();
+        assert_eq!(values, alone.foliation.values());
+    }
+    assert!(components.get(1).unwrap().whole_edges.iter().all(|&e| whole.values[e as usize] == 0.0));
+    let marks = builder.suggest_marks(&positions, &triangles).unwrap();
+    assert!(marks.iter().all(|&v| components.vertex_component()[v as usize] == 1) && marks.len() >= 4);
+    let marked = builder.marked_vertices(&marks).components(&positions, &triangles).unwrap();
+    assert_eq!(marked.get(1).unwrap().status, Status::OK);
+    let stopped = components.solve(|_, _| Err(Hierarchy::builder().ratio(3.0).build(&[], &[]).unwrap_err()));
+    assert_eq!(stopped.unwrap_err().status(), Status::ERROR_OPTIONS);
+}
+
+#[test]
+fn loops_go_to_their_components() {
+    let (positions, triangles) = several(&[1, 2]);
+    let components = Hierarchy::builder().components(&positions, &triangles).unwrap();
+    let (own, corners) = plate(2, 1, 2, 1);
+    let loops = Hierarchy::build(&own, &corners).unwrap().loops(0, LoopsKind::Cut).unwrap();
+    let part = components.get(1).unwrap();
+    let shift = |path: &[u32]| path.iter().map(|&t| part.whole_triangles[t as usize]).collect::<Vec<_>>();
+    let whole = loops.iter().fold(Loops::triangles(0), |all, path| all.with(&shift(path), 1.0));
+    let parts = components.split(&whole).unwrap();
+    assert!(parts[0].is_empty() && parts[1] == loops);
+    let solved = components.solve(|k, hierarchy| hierarchy.solver().loops(&parts[k]).solve()).unwrap();
+    assert_eq!(solved.components[0].status, Status::ERROR_LOOP_COUNT);
+    assert_eq!(solved.components[1].status, Status::OK);
+    let across = Loops::vertices(0).with(&[0, positions.len() as u32 - 1], 1.0);
+    assert_eq!(components.split(&across).unwrap_err().status(), Status::ERROR_LOOP_NOT_CLOSED);
+    let beyond = Loops::vertices(0).with(&[positions.len() as u32], 1.0);
+    assert_eq!(components.split(&beyond).unwrap_err().status(), Status::ERROR_LOOP_INDEX);
+}
+
 #[test]
 fn mollifying_accepts_triangles_without_area() {
     let (mut positions, triangles) = plate(1, 1, 2, 1);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "../leaves/polyline.hpp"
+#include "polyline.hpp"
 
 namespace hmf {
 

@@ -15,9 +15,9 @@
 //    (___________)
 #include "surface_loops.hpp"
 
-#include "../loops/double_loops.hpp"
-#include "../loops/library_loops.hpp"
-#include "caller_numbers.hpp"
+#include "../hierarchy/caller_numbers.hpp"
+#include "double_loops.hpp"
+#include "library_loops.hpp"
 
 namespace hmf {
 

@@ -2,8 +2,7 @@
 // levels they are the same.
 #pragma once
 
-#include "../leaves/mirror_symmetry.hpp"
-#include "../solve/state.hpp"
+#include "hierarchy.hpp"
 
 namespace hmf {
 
@@ -18,13 +17,11 @@ Done side_of_triangles(const hmf_hierarchy& h, size_t level, Array<uint32_t>& si
 // Internal face of each triangle of the caller.
 [[nodiscard]] hmf_status caller_faces(const hmf_hierarchy& h, Array<uint32_t>& face, Call& call);
 
+// The caller's triangle on the left of each half-edge of level 0, a few of all.
+[[nodiscard]] hmf_status caller_triangles(const hmf_hierarchy& h, const Array<uint32_t>& half_edges,
+                                          Array<uint32_t>& triangles, Call& call);
+
 // caller[internal[i]] = i
 [[nodiscard]] hmf_status inverse_numbers(const uint32_t* internal, size_t count, Array<uint32_t>& caller, Call& call);
-
-// The mirror image on the half-edges of a double.
-[[nodiscard]] hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call& call);
-
-// The state, on the caller's side of level 0 of a double, becomes exactly symmetric if it can.
-[[nodiscard]] hmf_status make_symmetric(State& state, Call& call);
 
 } // namespace hmf

@@ -1,0 +1,239 @@
+#include "run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loop_lines.hpp"
+#include "marks.hpp"
+#include "whole_stripes.hpp"
+#include "write_results.hpp"
+#include "write_textured.hpp"
+
+namespace cli {
+
+namespace {
+
+double area_of(const Foliation& f, size_t triangle) {
+    const double* p[3];
+    for (size_t c = 0; c < 3; ++c) p[c] = &f.positions[size_t{3} * f.triangles[3 * triangle + c]];
+    double square = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = (k + 1) % 3, j = (k + 2) % 3;
+        const double x = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
+        square += x * x;
+    }
+    return std::sqrt(square) / 2;
+}
+
+} // namespace
+
+void Run::write() {
+    write_numbers();
+    control_ = progress_.part("leaves", 0, 1);
+    const bool wants_uv = !r_.obj.empty() || !r_.textured.empty();
+    const bool pictured = !r_.image.empty() || wants_uv;
+    attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
+        if (c.status() == HMF_OK) c.find_cylinders(control_);
+    });
+    if (has_start_ && !weights_given_ && (pictured || !r_.leaves.empty())) find_weights();
+    f_.loop_weights = r_.weights;
+    make_quad_meshes();
+    write_leaf_lines();
+    const double* const uv = unfold(wants_uv);
+    double period = 1;
+    if (pictured) {
+        control_ = progress_.part("picture", 0, 1);
+        attempt("--period", true, [&] { r_.period = period = choose_period(); });
+    }
+    attempt("--obj", !r_.obj.empty() && uv, [&] { write_textured_obj(r_.obj, f_, uv, period); });
+    attempt("--textured", !r_.textured.empty() && uv, [&] {
+        if (extension_of(r_.textured) == ".glb") write_textured_glb(r_.textured, f_, uv, period);
+        else write_textured_ply(r_.textured, f_, uv, period);
+    });
+    make_atlas();
+    draw(uv, period);
+    progress_.clear();
+}
+
+void Run::write_numbers() {
+    for (const std::string& path : r_.values)
+        attempt("--values", true, [&] {
+            if (extension_of(path) == ".npy") write_values_npy(path, f_.values);
+            else write_values_csv(path, f_);
+        });
+    attempt("--history", !r_.history.empty(), [&] {
+        std::vector<const hmf_report*> reports;
+        for (const Component& c : components_) reports.push_back(c.is_refused() ? nullptr : &c.report());
+        write_history(r_.history, reports);
+    });
+    attempt("--save-marks", !r_.save_marks.empty(), [&] { write_marks(r_.save_marks, marks_); });
+    attempt("--save-loops", !r_.save_loops.empty(), [&] { write_loops(r_.save_loops, fine_loops(), r_.weights); });
+}
+
+void Run::make_quad_meshes() {
+    const bool is_shown = style_.pattern == Pattern::quads;
+    attempt_each(r_.quads.empty() ? "--pattern" : "--quads", !r_.quads.empty() || is_shown, [&](Component& c) {
+        quad_meshes_.push_back(make_quads(c.foliation(), quad_wish(c), control_, c.subject()));
+    });
+    attempt("--quads", !quad_meshes_.empty() && !r_.quads.empty(), [&] {
+        write_quads(r_.quads, quad_meshes_);
+        for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) {
+            quads_ += mesh->quad_count;
+            irregular_ += mesh->irregular_count;
+            inverted_ += mesh->inverted_count;
+        }
+    });
+}
+
+void Run::write_leaf_lines() {
+    std::vector<Leaves> leaves;
+    if (r_.spacing == 0 && !r_.leaves.empty())
+        r_.spacing = 0.1 * *std::min_element(r_.weights.begin(), r_.weights.end());
+    attempt_each("--leaves", !r_.leaves.empty(), [&](Component& c) {
+        leaves.push_back(trace_leaves(c.foliation(), r_.spacing, r_.conjugate, control_, c.subject()));
+    });
+    attempt("--leaves", !leaves.empty(), [&] { leaves_ = write_leaves(r_.leaves, leaves); });
+}
+
+const double* Run::unfold(bool wants_uv) {
+    const char* const asking = !r_.obj.empty()      ? "--obj"
+                             : !r_.textured.empty() ? "--textured"
+                             : shows_uv()           ? "--pattern"
+                                                    : "--conformality";
+    if (!shows_uv() && !wants_uv && !r_.conformality) return nullptr;
+    attempt_each(asking, true, [&](Component& c) {
+        control_ = progress_.part("unfold", 0, 1);
+        c.parameterize(control_);
+    });
+    return corner_uv();
+}
+
+void Run::make_atlas() {
+    std::vector<std::pair<const Component*, Owned<hmf_chart_set>>> atlas;
+    attempt_each("--atlas", !r_.atlas.empty(), [&](Component& c) {
+        control_ = progress_.part("atlas", 0, 1);
+        atlas.emplace_back(&c, c.make_atlas(control_));
+    });
+    attempt("--atlas", !atlas.empty(), [&] { write_atlas(atlas); });
+}
+
+void Run::write_atlas(const std::vector<std::pair<const Component*, Owned<hmf_chart_set>>>& made) {
+    std::vector<double> uv(2 * f_.triangles.size(), 0);
+    size_t across = 1;
+    while (across * across < made.size()) ++across;
+    const double side = 1 / static_cast<double>(across);
+    atlas_ = {};
+    for (size_t k = 0; k < made.size(); ++k) {
+        const auto& [c, charts] = made[k];
+        const double at[2] = {static_cast<double>(k % across), static_cast<double>(k / across)};
+        for (uint32_t t = 0; t < charts->triangle_count; ++t)
+            for (size_t i = 0; i < 6; ++i)
+                uv[size_t{6} * c->whole_triangle(t) + i] = (charts->corner_uv[6 * size_t{t} + i] + at[i % 2]) * side;
+        atlas_.charts += charts->chart_count;
+        atlas_.used += charts->used_area * side * side;
+        atlas_.seams += charts->seam_length;
+        atlas_.collapsed += charts->collapsed_triangles;
+    }
+    constexpr unsigned tiles = 16;
+    if (extension_of(r_.atlas) == ".glb") write_textured_glb(r_.atlas, f_, uv.data(), 1, tiles);
+    else write_textured_obj(r_.atlas, f_, uv.data(), 1, tiles);
+}
+
+void Run::draw(const double* uv, double period) {
+    const bool has_data = style_.pattern == Pattern::quads ? !quad_meshes_.empty() : !shows_uv() || uv;
+    attempt("--image", !r_.image.empty() && has_data, [&] {
+        std::vector<Line> lines;
+        if (!has_start_) lines = loop_lines(f_, fine_loops());
+        PictureData picture;
+        std::vector<double> squares;
+        if (style_.pattern == Pattern::checkerboard) squares = checkerboard_uv(period);
+        picture.corner_uv = squares.data();
+        if (shows_uv()) picture.dilatation = dilatation();
+        if (style_.pattern == Pattern::scale) picture.log_scale = log_scale();
+        for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) picture.quads.push_back(mesh.get());
+        const Potential potential =
+            style_.pattern == Pattern::stripes ? local_potential(f_, period) : Potential{{}, {}, period};
+        write_png(r_.image, render(f_, potential, picture, lines, style_));
+    });
+}
+
+void Run::find_weights() {
+    std::vector<double> weights;
+    for (Component& c : components_) {
+        if (c.is_refused() || c.status() != HMF_OK) continue;
+        try {
+            const hmf_cylinder_set* const cylinders = c.find_cylinders(control_);
+            for (uint64_t k = 0; k < cylinders->count; ++k) weights.push_back(cylinders->list[k].height);
+        } catch (const Failure&) {}
+    }
+    if (!weights.empty()) r_.weights = weights;
+}
+
+const double* Run::corner_uv() {
+    return of_triangles(uv_, 6, [](const hmf_parameterization& p) { return p.corner_uv; });
+}
+
+const double* Run::dilatation() {
+    return of_triangles(dilatation_, 1, [](const hmf_parameterization& p) { return p.dilatation; });
+}
+
+std::vector<double> Run::checkerboard_uv(double period) const {
+    if (is_alone()) return components_[0].checkerboard_uv(period);
+    std::vector<double> all(2 * f_.triangles.size());
+    for (const Component& c : components_) {
+        if (!c.parameterization()) continue;
+        const std::vector<double> own = c.checkerboard_uv(period);
+        for (uint32_t t = 0; t < own.size() / 6; ++t)
+            std::copy_n(&own[size_t{6} * t], 6, &all[size_t{6} * c.whole_triangle(t)]);
+    }
+    return all;
+}
+
+double Run::choose_period() {
+    const double wanted = r_.period > 0 ? r_.period : wanted_period(f_);
+    if (const double common = common_period(r_.weights, wanted); common > 0) return common;
+    if (style_.pattern != Pattern::stripes || r_.image.empty()) return wanted;
+    std::vector<Crossing> crossings;
+    std::vector<double> heights;
+    for (size_t k = 0; k < components_.size(); ++k) {
+        const Component& c = components_[k];
+        if (c.is_refused()) continue;
+        add_crossings(f_, *c.trace_cylinders(control_), is_alone() ? nullptr : whole_edges_[k].data(), crossings,
+                      heights);
+    }
+    f_.stripe_values = whole_stripes(f_, std::move(crossings), heights, wanted);
+    return wanted;
+}
+
+hmf_quad_options Run::quad_wish(const Component& c) const {
+    hmf_quad_options wish = {};
+    wish.struct_size = sizeof wish;
+    wish.edge_length = r_.size;
+    wish.merge = r_.merges;
+    wish.relax = static_cast<uint32_t>(r_.relax);
+    wish.count = r_.count;
+    if (r_.count > 0 && !is_alone()) {
+        double all = 0, own = 0;
+        for (size_t t = 0; t < f_.triangle_count(); ++t) {
+            const Component& of = components_[f_.component[t]];
+            if (of.is_refused()) continue;
+            const double area = area_of(f_, t);
+            all += area;
+            if (&of == &c) own += area;
+        }
+        wish.count = std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(double(r_.count) * own / all)));
+    }
+    return wish;
+}
+
+std::vector<double> Run::log_scale() const {
+    std::vector<double> scale(f_.triangle_count(), 0);
+    for (const Component& c : components_) {
+        if (c.is_refused()) continue;
+        const std::vector<double> own = c.log_scale(control_);
+        for (uint32_t t = 0; t < own.size(); ++t) scale[c.whole_triangle(t)] = own[t];
+    }
+    return scale;
+}
+
+} // namespace cli

@@ -1,0 +1,111 @@
+// uses.h: trace.
+#include "../leaves/front_lines.hpp"
+#include "../leaves/trace.hpp"
+#include "../solve/to_minimum.hpp"
+#include "result.hpp"
+#include "use_entry.hpp"
+
+#include <cmath>
+
+using namespace hmf;
+
+namespace {
+
+hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_count, Call& call) {
+    if (options.point_count > 0 && (!options.point_triangles || !options.point_barycentrics))
+        return call.fail(
+            HMF_ERROR_NULL, HMF_ELEMENT_OPTION, 0,
+            "point_triangles or point_barycentrics is NULL. Give one triangle and three coordinates for each point.");
+    if (options.point_count > UINT32_MAX / 2)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are too many points.");
+    for (uint64_t i = 0; i < options.point_count; ++i) {
+        if (options.point_triangles[i] >= triangle_count)
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_NONE, i,
+                             "Point %llu lies in triangle %u, which does not exist.",
+                             static_cast<unsigned long long>(i), static_cast<unsigned>(options.point_triangles[i]));
+        const double* b = options.point_barycentrics + 3 * i;
+        const double sum = b[0] + b[1] + b[2];
+        if (!(b[0] >= 0 && b[1] >= 0 && b[2] >= 0) || !(sum > 1 - 1e-6 && sum < 1 + 1e-6))
+            return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_NONE, i,
+                             "The barycentric coordinates of point %llu are negative, or their sum is not 1.",
+                             static_cast<unsigned long long>(i));
+    }
+    return HMF_OK;
+}
+
+hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, uint32_t shown_triangles,
+                              hmf_trace_options& all, Call& call) {
+    if (read_options(options, all, "hmf_trace_options", call)) return call.status();
+    if (!(all.spacing >= 0) || !(all.length_limit >= 0) || !std::isfinite(all.spacing)
+        || !std::isfinite(all.length_limit))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "spacing and length_limit must be finite and not negative; 0 means none.");
+    if (all.leaves < HMF_LEAVES_DEFAULT || all.leaves > HMF_LEAVES_CONJUGATE)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are no leaves %d. Use HMF_LEAVES_*.",
+                         static_cast<int>(all.leaves));
+    if (check_points(all, shown_triangles, call)) return call.status();
+    if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
+    if (all.leaves == HMF_LEAVES_CONJUGATE && all.length_limit == 0)
+        all.length_limit = 10 * std::sqrt(surface_area(level.mesh, level.position, call.parallel));
+    return HMF_OK;
+}
+
+// Lines that are made, as the caller gets them.
+hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hmf_lines** out) {
+    const hmf_hierarchy& h = *foliation.hierarchy;
+    if (foliation.level == 0) {
+        Array<uint32_t> caller;
+        if (inverse_numbers(h.edge_internal, h.input.edge_count, caller, call)) return call.status();
+        for (uint32_t& e : made.edges) e = e == NONE ? HMF_NONE : caller[e];
+        if (h.is_double() && keep_front(h, made, call)) return call.status();
+    }
+    hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
+    ResultBlock block;
+    block.array(lines, lines.lines, made.list.size(), made.list.data());
+    block.array(lines, lines.offsets, made.offsets.size(), made.offsets.data());
+    block.array(lines, lines.points, made.points.size(), made.points.data());
+    block.array(lines, lines.point_edges, made.edges.size(), made.edges.data());
+    *out = block.make(lines, h, call);
+    return call.status();
+}
+
+} // namespace
+
+extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_options* options,
+                                const hmf_control* control, hmf_lines** out, hmf_error* error) {
+    UseEntry entry(foliation, control, error);
+    Call& call = entry.call;
+    if (entry.check(out)) return call.status();
+    const Level& level = foliation->hierarchy->levels[foliation->level];
+    hmf_trace_options all;
+    if (read_trace_options(options, level, foliation->hierarchy->shown_triangles(foliation->level), all, call))
+        return call.status();
+    Array<uint32_t> side;
+    if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call))
+        return call.stopped();
+    if (all.leaves != HMF_LEAVES_CONJUGATE) {
+        Leaves leaves;
+        if (leaves.load(*foliation, call)) return call.status();
+        Lines made(leaves.state.foliation, level.position, foliation->unit, all.length_limit, call);
+        if (!made.start()) return call.out_of_memory();
+        if (trace_leaves(all, side, leaves.cylinders, made, call)) return call.status();
+        return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
+    }
+    ConjugateLevels levels;
+    if (all.spacing > 0) {
+        Leaves leaves;
+        if (leaves.load(*foliation, call) || read_levels(leaves.state.foliation, leaves.cylinders, levels, call))
+            return call.status();
+    }
+    FlatOf flat;
+    State state; // becomes |dv|
+    const auto improve = [&](State& solved, double& unit) { return to_minimum(solved, unit, call); };
+    if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
+    for (double& height : levels.height) height *= foliation->unit / flat.unit;
+    if (load_values(*foliation, foliation->level, state, call)) return call.status();
+    Lines made(state.foliation, level.position, foliation->unit, all.length_limit, call);
+    if (!made.start()) return call.out_of_memory();
+    if (trace_conjugate(state.foliation, level.position, *flat.flat, flat.unit, all, side, levels, made, call))
+        return call.status();
+    return hand_over(*foliation, made, call, out) ? call.status() : entry.end();
+}

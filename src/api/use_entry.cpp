@@ -1,0 +1,26 @@
+#include "use_entry.hpp"
+
+namespace hmf {
+
+hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflection) {
+    if (load_values(f, f.level, state, call)) return call.status();
+    if (reflection && f.level == 0 && f.hierarchy->is_double()) {
+        if (read_reflection(*f.hierarchy, *reflection, call)) return call.status();
+        const Foliation& at = state.foliation;
+        cylinders.graph.on_boundary = reflection->is_boundary.data();
+        for (uint32_t e = 0; e < at.mesh.edge_count; ++e) {
+            const bool behind = !reflection->is_front[2 * e] && !reflection->is_front[2 * e + 1];
+            uint32_t& widest = cylinders.graph.closed_leaf;
+            if (behind && (widest == NONE || at.value[e] > at.value[widest])) widest = e;
+        }
+    }
+    if (f.level == 0) {
+        if (caller_faces(*f.hierarchy, face_order, call)) return call.status();
+        vertices = f.hierarchy->vertex_internal;
+        faces = face_order.data();
+    }
+    if (!call.tick(0.05)) return call.was_cancelled();
+    return cylinders.build(state.foliation, vertices, faces, call);
+}
+
+} // namespace hmf

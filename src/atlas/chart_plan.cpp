@@ -1,0 +1,239 @@
+#include "chart_plan.hpp"
+
+#include "pack.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr uint64_t QUICK = 1000000;            // steps of a planned packing
+constexpr uint64_t PLANNING = 1000000000;      // of all of them
+constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
+constexpr double LEAST_USE = 0.79;             // below this each part counts three times
+constexpr double COST_OF_CHART = 0.009;        // a chart less is worth this part of the square
+constexpr double LONG = 1.6;                   // sides of the square: longer charts are cut in equal parts,
+constexpr double MOST_PARTS = 1000;            // each
+constexpr int MOST_CUTS = 12, PARTS_TRIED = 3; // of the longest parts, for each cut
+constexpr double SHORTEST = 8;                 // triangles
+constexpr size_t FEW_PARTS = 8;
+constexpr int FINE_STEPS = 32, COARSE_STEPS = 12; // places tried: with few parts, with more
+
+} // namespace
+
+Box ChartPlan::piece_in_chart(uint32_t p) const {
+    const Motion& m = charts.motion[p];
+    const Box& b = charts.box[p];
+    const double u = static_cast<double>(m.u), v = static_cast<double>(m.v);
+    return m.sign > 0 ? Box{b.u0 + u, b.v0 + v, b.u1 + u, b.v1 + v} : Box{u - b.u1, v - b.v1, u - b.u0, v - b.v0};
+}
+
+// How large a square the parts need, roughly.
+hmf_status ChartPlan::try_packing(double& side) {
+    const double size = std::sqrt(pieces_.whole), rim = 0.35 * pieces_.triangle;
+    Packer packer;
+    packer.start(call_.memory, size / 128, pieces_.margin * size * 1.15);
+    for (const ChartPart& part : parts) {
+        const double k = part.scale;
+        if (!packer.begin_shape(part.box.u0 * k - rim, part.box.v0 * k - rim, part.box.u1 * k + rim,
+                                part.box.v1 * k + rim))
+            return call_.out_of_memory();
+        for (uint32_t p = 0; p < pieces_.area.size(); ++p) {
+            if (charts.of_piece[p] != part.chart) continue;
+            Box b = piece_in_chart(p);
+            b = {std::max(b.u0, part.box.u0), std::max(b.v0, part.box.v0), std::min(b.u1, part.box.u1),
+                 std::min(b.v1, part.box.v1)};
+            if (b.u0 >= b.u1 || b.v0 >= b.v1) continue;
+            const double x0 = b.u0 * k - rim, y0 = b.v0 * k - rim, x1 = b.u1 * k + rim, y1 = b.v1 * k + rim;
+            const double xy[8] = {x0, y0, x1, y0, x1, y1, x0, y1};
+            packer.add_part(xy, 4);
+            packer.add_area(b.area() * k * k);
+        }
+    }
+    if (packer.search(QUICK, call_)) return call_.status();
+    side = packer.side();
+    planned_ += packer.steps();
+    return HMF_OK;
+}
+
+hmf_status ChartPlan::whole_charts() {
+    Array<double> area, image;
+    parts.start(call_.memory);
+    if (!area.allocate_filled(call_.memory, charts.count, 0) || !image.allocate_filled(call_.memory, charts.count, 0))
+        return call_.out_of_memory();
+    for (uint32_t c = 0; c < charts.count; ++c)
+        if (!parts.push({c, {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, 1})) return call_.out_of_memory();
+    for (uint32_t p = 0; p < pieces_.area.size(); ++p) {
+        const uint32_t c = charts.of_piece[p];
+        parts[c].box.add(piece_in_chart(p));
+        area[c] += pieces_.area[p];
+        image[c] += pieces_.image[p];
+    }
+    for (uint32_t c = 0; c < charts.count; ++c) parts[c].scale = scale_of(area[c], image[c]);
+    return HMF_OK;
+}
+
+double ChartPlan::scale_of(double area, double image) const {
+    return image > 0 ? std::sqrt(area / pieces_.whole_area * 2 * pieces_.whole / image) : 1;
+}
+
+// What a packing is worth: room in the square, and few charts.
+double ChartPlan::cost_of(double side, size_t charts) const {
+    const double use = pieces_.whole / (side * side);
+    return std::max(0.0, WISHED_USE - use) + 2 * std::max(0.0, LEAST_USE - use)
+         + COST_OF_CHART * static_cast<double>(charts);
+}
+
+double ChartPlan::length_of(const ChartPart& part) const {
+    return std::max(part.box.u1 - part.box.u0, part.box.v1 - part.box.v0) * part.scale;
+}
+
+// The second part becomes the last part.
+Done ChartPlan::cut_part(uint32_t i, bool in_u, double where) {
+    ChartPart& first = parts[i];
+    ChartPart rest = first;
+    (in_u ? first.box.u1 : first.box.v1) = where;
+    (in_u ? rest.box.u0 : rest.box.v0) = where;
+    double area[2] = {0, 0}, image[2] = {0, 0};
+    for (uint32_t k = of_chart_[first.chart]; k < of_chart_[first.chart + 1]; ++k) {
+        const FaceInChart& f = faces_[k];
+        const Box& b = parts[i].box;
+        const bool other = in_u ? f.u >= where : f.v >= where;
+        const Box& box = other ? rest.box : b;
+        if (f.u < box.u0 || f.u > box.u1 || f.v < box.v0 || f.v > box.v1) continue;
+        area[other] += f.area;
+        image[other] += f.image;
+    }
+    first.scale = scale_of(area[0], image[0]);
+    rest.scale = scale_of(area[1], image[1]);
+    return parts.push(rest);
+}
+
+// Middles and areas of the triangles, chart by chart.
+Done ChartPlan::list_faces() {
+    if (!of_chart_.allocate_filled(call_.memory, size_t{charts.count} + 1, 0)
+        || !faces_.allocate(call_.memory, pieces_.side.size()))
+        return false;
+    for (const uint32_t p : pieces_.strips.piece) ++of_chart_[charts.of_piece[p]];
+    for (uint32_t c = 0, sum = 0; c <= charts.count; ++c) sum = of_chart_[c] += sum;
+    for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
+        if (t % 65536 == 0 && !call_.tick(0.88)) return false;
+        const uint32_t p = pieces_.strips.piece[t], h = pieces_.side[t], n = pieces_.mesh.next[h],
+                       q = pieces_.mesh.next[n];
+        const Motion& m = charts.motion[p];
+        const auto middle = [&](const Array<int64_t>& x, int64_t off) {
+            return (static_cast<double>(m.sign * x[h] + off) + static_cast<double>(m.sign * x[n] + off)
+                    + static_cast<double>(m.sign * x[q] + off))
+                 / 3;
+        };
+        faces_[--of_chart_[charts.of_piece[p]]] = {middle(pieces_.strips.u, m.u), middle(pieces_.strips.v, m.v),
+                                                   pieces_.twice_area(h),
+                                                   pieces_.image_area(h) * static_cast<double>(pieces_.mirror)};
+    }
+    return true;
+}
+
+// What is much longer than the square in equal parts.
+Done ChartPlan::cut_long_parts() {
+    const double size = std::sqrt(pieces_.whole);
+    for (uint32_t i = 0, n = static_cast<uint32_t>(parts.size()); i < n; ++i) {
+        const Box box = parts[i].box;
+        const double length = length_of(parts[i]);
+        const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
+        if (!(length > LONG * size)) continue;
+        const double count = std::min(std::ceil(length / size), MOST_PARTS);
+        for (double k = count - 1; k > 0; --k)
+            if (!cut_part(i, in_u, (in_u ? box.u0 : box.v0) + k / count * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
+                return false;
+    }
+    return true;
+}
+
+// Of the parts that are shorter than that one (NONE: of all) the longest, the lower number first.
+uint32_t ChartPlan::next_shorter(uint32_t last) const {
+    const double limit = last == NONE ? HUGE_VAL : length_of(parts[last]);
+    uint32_t longest = NONE;
+    double length = -1;
+    for (uint32_t i = 0; i < parts.size(); ++i) {
+        const double l = length_of(parts[i]);
+        if ((l < limit || (l == limit && i > last)) && l > length) length = l, longest = i;
+    }
+    return longest;
+}
+
+// The best cut across it, if it is better than `best`.
+hmf_status ChartPlan::try_cuts(uint32_t part, Cut& best) {
+    const ChartPart whole = parts[part];
+    const size_t count = parts.size();
+    const Box& box = whole.box;
+    const double length = length_of(whole);
+    const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
+    const int steps = count <= FEW_PARTS ? FINE_STEPS : COARSE_STEPS;
+    for (int k = 1; k < steps; ++k) {
+        const double share = static_cast<double>(k) / steps;
+        if (length * std::min(share, 1 - share) < SHORTEST * pieces_.triangle) continue;
+        const double where = in_u ? box.u0 + share * (box.u1 - box.u0) : box.v0 + share * (box.v1 - box.v0);
+        double side = 0;
+        if (!cut_part(part, in_u, where)) return call_.out_of_memory();
+        if (try_packing(side)) return call_.status();
+        parts.pop();
+        parts[part] = whole;
+        const double cost = cost_of(side, count + 1);
+        if (cost < best.cost) best = {part, in_u, where, cost, side};
+    }
+    return HMF_OK;
+}
+
+hmf_status ChartPlan::cut_charts(double& cost) {
+    double side = 0;
+    if (!list_faces()) return call_.stopped();
+    if (!cut_long_parts()) return call_.out_of_memory();
+    if (try_packing(side)) return call_.status();
+    cost = cost_of(side, parts.size());
+    for (int cut = 0; cut < MOST_CUTS && pieces_.whole < WISHED_USE * side * side && planned_ < PLANNING; ++cut) {
+        Cut best{NONE, false, 0, cost, side};
+        uint32_t part = NONE;
+        for (int tried = 0; tried < PARTS_TRIED; ++tried) {
+            part = next_shorter(part);
+            if (part == NONE) break;
+            if (try_cuts(part, best)) return call_.status();
+        }
+        side = best.side;
+        if (best.part == NONE) break;
+        if (!cut_part(best.part, best.in_u, best.where)) return call_.out_of_memory();
+        cost = best.cost;
+    }
+    return HMF_OK;
+}
+
+// Joins pieces to charts, more or less eagerly, and cuts charts where the square then becomes smaller.
+hmf_status ChartPlan::run() {
+    if (charts.start(pieces_.mesh, pieces_.position, pieces_.bundle, pieces_.strips, pieces_.triangle, call_))
+        return call_.status();
+    const double size = std::sqrt(pieces_.whole);
+    constexpr double eager[] = {0.003, 0.01, 0.015, 0.02, 0.03, 0.04, 0.08};
+    double best = 0, best_cost = HUGE_VAL;
+    Array<ChartPart> best_parts;
+    JoinWish wish{0, pieces_.triangle / 2 + pieces_.margin * size, 1.02 * size};
+    uint32_t count = 0;
+    for (const double bonus : eager) {
+        wish.bonus = bonus;
+        if (charts.join(wish, call_)) return call_.status();
+        if (charts.count == count || (count > 0 && planned_ > PLANNING)) continue;
+        count = charts.count;
+        double cost = 0;
+        if (whole_charts() || cut_charts(cost)) return call_.status();
+        if (cost < best_cost) {
+            best_cost = cost;
+            best = bonus;
+            best_parts.swap(parts);
+        }
+    }
+    wish.bonus = best;
+    parts.swap(best_parts);
+    return charts.join(wish, call_);
+}
+
+} // namespace hmf

@@ -1,0 +1,46 @@
+// Weights for the loops of a surface with boundary, for which the scale of the
+// harmonic foliation is as even as it gets.  Searched on its double.
+#pragma once
+
+#include "../loops/loops.hpp"
+#include "../solve/solve.hpp"
+#include "conformal_scale.hpp"
+
+namespace hmf {
+
+// Loops of the double on the input side of level 0, and what they are of.
+struct LoopsOfDouble {
+    const Loops& loops;
+    const Array<uint32_t>& of;    // per loop: that of the surface
+    const Array<int64_t>& factor; // per loop, of its weight: 1 or 2
+    size_t count;                 // loops of the surface
+};
+
+class WeightSearch {
+public:
+    WeightSearch(const hmf_hierarchy& hierarchy, Call& call) : h_(hierarchy), call_(call) {}
+    hmf_status start();
+
+    // Of weights, one for each loop of the surface, 0: left out.  HUGE_VAL: there is no solution to be had.
+    [[nodiscard]] hmf_status measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness);
+    // Whole numbers.
+    [[nodiscard]] hmf_status run(const LoopsOfDouble& loops, uint64_t solves, Array<double>& weights,
+                                 double& unevenness);
+
+    uint64_t solves = 0;
+    double from = 0, to = 1; // progress
+
+private:
+    hmf_status find_means(const LoopsOfDouble& loops, bool& known);
+
+    const hmf_hierarchy& h_;
+    Call& call_;
+    size_t level_ = 0; // of the search
+    State state_;
+    ConformalScale scale_;
+    double unit_ = 1;
+    Array<int64_t> integers_; // per loop of the double
+    Array<double> mean_;      // per loop of the surface: log scale of its cylinders
+};
+
+} // namespace hmf

@@ -1,0 +1,65 @@
+// Sweeps of Whitehead moves over all vertices of a level, in blocks.
+//
+// A move of v reads and writes what is between v and its neighbours and, if v
+// belongs to a cluster, that of the whole cluster.  Vertices that are near in
+// space make a block.  What lies inside, with all its neighbours and its cluster
+// in the same block, moves there, each block for itself; the others come after
+// that, one by one:
+//
+//     | o o o . | . o o o |       o inside, . at a border: about one in ten
+//     | o o o . | . o o o |
+//
+// Blocks depend on the mesh alone.  A small mesh is one block.
+#pragma once
+
+#include "whitehead.hpp"
+
+namespace hmf {
+
+class Sweeps {
+public:
+    // coarser_count: vertices of the next coarser level, which have the lowest
+    // numbers; the others are in spatial order.
+    Done prepare(const Foliation& f, const Rings& rings, uint32_t coarser_count, Call& call);
+
+    // Moves each vertex once to the best point that is legal and reachable in its
+    // star.  backward reverses the order.  Stops between two moves if the call is
+    // cancelled; fraction is what it reports.
+    void sweep(Foliation& f, const Rings& rings, const double* weight, bool backward, Star& star, SweepResult& result,
+               Call& call, double fraction);
+
+private:
+    // Some vertices, in one order or the other.
+    struct List {
+        const uint32_t* vertex;
+        uint32_t size;
+        bool backward;
+        uint32_t operator[](uint32_t i) const { return vertex[backward ? size - 1 - i : i]; }
+    };
+    // Room for the moves in a block.
+    struct Task {
+        Foliation foliation;
+        Star star;
+    };
+    void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) const;
+    void list_inside();
+    void sweep_block(uint32_t block, Task& task, const Rings& rings, const double* weight, bool backward,
+                     SweepResult& result);
+    Done sweep_inside(Foliation& f, const Rings& rings, const double* weight, bool backward, const Star& star,
+                      SweepResult& result, Call& call, double fraction);
+    static Done sweep_list(List list, Foliation& f, const Rings& rings, const double* weight, Star& star,
+                           SweepResult& result, Call& call, double fraction);
+
+    // Values and weights of the smallest blocks fit into the cache of a core.
+    static constexpr uint32_t smallest_block = 4096, most_blocks = 64, blocks_at_once = 16;
+
+    uint32_t block_count_ = 1;
+    Array<uint32_t> inside_;               // per vertex: the block that it is inside of, or NONE
+    Array<uint32_t> order_;                // what is inside of each block, then the others; none if there is one block
+    Array<uint32_t> waiting_;              // at the beginning of each block: what waits for the others
+    uint32_t begin_[most_blocks + 2] = {}; // in order_: of each block, of the others, and the end
+    uint32_t waits_[most_blocks] = {};     // how many wait
+    Task task_[blocks_at_once];
+};
+
+} // namespace hmf

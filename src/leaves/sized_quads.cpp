@@ -1,0 +1,54 @@
+#include "sized_quads.hpp"
+
+#include "fit_quads.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr double FEWEST_TO_REFINE = 8000; // quads
+constexpr int MOST_HALVINGS = 12;         // of the edges
+
+// How many quads the wish makes of that area.
+hmf_status wished_number(const SizedQuads& wish, double area, double by_default, double& number, Call& call) {
+    number = wish.count > 0       ? static_cast<double>(wish.count)
+           : wish.edge_length > 0 ? area / (wish.edge_length * wish.edge_length)
+                                  : by_default;
+    if (number <= static_cast<double>(MOST_QUADS)) return HMF_OK;
+    return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                     "There would be about %.3g quads of this size, and at most %.3g fit. Choose a larger edge_length.",
+                     number, static_cast<double>(MOST_QUADS));
+}
+
+} // namespace
+
+hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
+                            QuadMesh& out, double& area, Call& call) {
+    FlatMetric metric;
+    if (flat_metric(f, position, cylinders, metric, call)) return call.status();
+    area = metric.area * wish.share;
+    const double by_default = 0.5 * wish.share * static_cast<double>(f.mesh.face_count);
+    double number = 0;
+    if (wished_number(wish, area, by_default, number, call)) return call.status();
+    // Quads smaller than the triangles would show how these bend the leaves: they are made of larger ones.
+    int halvings = 0;
+    const bool refines = wish.relax > 0 && !wish.front;
+    double fewer = number;
+    for (; refines && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < MOST_HALVINGS; ++halvings)
+        fewer /= 4;
+    QuadWish first;
+    first.step = std::sqrt(metric.flat_area * wish.share / fewer);
+    first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(fewer + 0.5)) : 0;
+    first.merge = wish.merge;
+    first.keep_poles = wish.keep_poles;
+    if (!(first.step > 0) || !std::isfinite(first.step))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
+    if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
+    return wish.relax > 0
+             ? fit_quads(f.mesh, position, wish.front ? wish.reflection : nullptr, wish.relax, halvings, out, call)
+             : HMF_OK;
+}
+
+} // namespace hmf

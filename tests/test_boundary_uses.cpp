@@ -1,0 +1,166 @@
+// Surfaces with boundary: leaves, cylinders and quads.
+#include "support/boundary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+using namespace test;
+
+// Straight lines from side to side, and circles.
+TEST(Boundary, LeavesEndAtTheBoundary) {
+    const size_t n = 24, m = 10;
+    const TriMesh mesh = rectangle(n, m, 3, 1.25, 0.5, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    Curves curves;
+    Path along;
+    for (size_t i = 0; i <= n; ++i) along.push_back(uint32_t(i * (m + 1) + m / 2));
+    curves.add(along, true);
+    const Solution s = solve_curves(hierarchy, curves);
+    for (const int32_t way : {HMF_LEAVES_FOLIATION, HMF_LEAVES_CONJUGATE}) {
+        const auto lines = levels(s, 0.125, way);
+        ASSERT_TRUE(lines);
+        EXPECT_GE(lines->line_count, 8u);
+        for (size_t k = 0; k < lines->line_count; ++k) {
+            const hmf_line& line = lines->lines[k];
+            EXPECT_FALSE(line.closed);
+            if (way == HMF_LEAVES_FOLIATION) {
+                EXPECT_EQ(line.begin, HMF_END_BOUNDARY);
+                EXPECT_EQ(line.end, HMF_END_BOUNDARY);
+            }
+            EXPECT_NEAR(line.length, way == HMF_LEAVES_FOLIATION ? 3 : 1.25, 1e-6);
+            const size_t c = way == HMF_LEAVES_FOLIATION ? 1 : 0;
+            for (uint64_t p = lines->offsets[k]; p < lines->offsets[k + 1]; ++p)
+                EXPECT_NEAR(lines->points[3 * p + c], lines->points[3 * lines->offsets[k] + c], 1e-6);
+        }
+    }
+    const hmf_loop_set set = curves.view();
+    const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* error) {
+        return hmf_cylinders(s.foliation.get(), &set, nullptr, out, error);
+    });
+    ASSERT_TRUE(cylinders);
+    ASSERT_EQ(cylinders->count, 1u);
+    EXPECT_EQ(cylinders->list[0].loop, 0u);
+    EXPECT_EQ(cylinders->list[0].height, 1);
+    EXPECT_NEAR(cylinders->list[0].circumference, 3 / 1.25, 1e-6);
+    EXPECT_NEAR(cylinders->list[0].area, s.report.energy, 1e-6);
+    // Its leaf in the middle is an arc of the same class.
+    EXPECT_EQ(cylinders->leaves->arcs[0], 1);
+    const Solution again = solve(hierarchy, *cylinders->leaves);
+    ASSERT_TRUE(again.foliation) << again.error.message;
+    EXPECT_NEAR(again.report.energy, s.report.energy, 1e-9);
+}
+
+TEST(Boundary, CylindersOfTheSurface) {
+    const TriMesh mesh = with_holes(torus(32, 16, 3, 1, {true, 1, 0.3, 3}), 3, 2, 4);
+    const Hierarchy hierarchy(mesh);
+    const auto set = loops_of(hierarchy, HMF_LOOPS_PANTS);
+    ASSERT_TRUE(set);
+    const Solution s = solve(hierarchy, *set);
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    const auto cylinders = make<hmf_cylinder_set>([&](hmf_cylinder_set** out, hmf_error* error) {
+        return hmf_cylinders(s.foliation.get(), set.get(), nullptr, out, error);
+    });
+    ASSERT_TRUE(cylinders);
+    ASSERT_EQ(cylinders->count, set->count);
+    std::set<uint32_t> loops;
+    double area = 0, sum = 0;
+    for (size_t c = 0; c < cylinders->count; ++c) {
+        loops.insert(cylinders->list[c].loop);
+        EXPECT_EQ(cylinders->list[c].height, 1);
+        area += cylinders->list[c].area;
+        sum += cylinders->list[c].height * cylinders->list[c].circumference;
+    }
+    EXPECT_EQ(loops.size(), set->count);
+    EXPECT_NEAR(area / s.report.energy, 1, 1e-6);
+    EXPECT_NEAR(sum / s.report.energy, 1, 1e-6);
+    const Solution again = solve(hierarchy, *cylinders->leaves);
+    ASSERT_TRUE(again.foliation) << again.error.message;
+    EXPECT_NEAR(again.report.energy / s.report.energy, 1, 1e-9);
+}
+
+TEST(Boundary, QuadsOfARectangleAreAGrid) {
+    const double a = 3, b = 1.25;
+    const size_t n = 24, m = 10;
+    const TriMesh mesh = rectangle(n, m, a, b, 0.6, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        if (way == 0)
+            for (size_t i = 0; i <= n; ++i) path.push_back(uint32_t(i * (m + 1) + m / 2));
+        else
+            for (size_t j = 0; j <= m; ++j) path.push_back(uint32_t(n / 2 * (m + 1) + j));
+        curves.add(path, true);
+        const Solution s = solve_curves(hierarchy, curves);
+        for (const uint64_t relax : {0, 5}) {
+            const auto quads = quads_of(s, quad_options(240, false, relax));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 4u); // the corners
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), 240, 24);
+            // Rows and columns at equal distances.
+            std::set<int64_t> xs, ys;
+            for (size_t v = 0; v < quads->vertex_count; ++v) {
+                xs.insert(std::llround(quads->positions[3 * v] * 1e6));
+                ys.insert(std::llround(quads->positions[3 * v + 1] * 1e6));
+            }
+            EXPECT_EQ((xs.size() - 1) * (ys.size() - 1), quads->quad_count);
+            EXPECT_EQ(xs.size() * ys.size(), quads->vertex_count);
+            for (const auto* lines : {&xs, &ys}) {
+                const double step = double(*lines->rbegin() - *lines->begin()) / double(lines->size() - 1);
+                double k = 0;
+                for (const int64_t x : *lines) EXPECT_NEAR(double(x), step * k++, 2);
+            }
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfAnAnnulusBothWays) {
+    const TriMesh mesh = annulus(40, 12, 3, 0.5, 5);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    for (int way = 0; way < 2; ++way) {
+        Curves curves;
+        Path path;
+        for (size_t k = 0; k < (way == 0 ? 40u : 13u); ++k) path.push_back(uint32_t(way == 0 ? k * 13 : k));
+        curves.add(path, way == 1);
+        const Solution s = solve_curves(hierarchy, curves);
+        ASSERT_EQ(s.status, HMF_OK);
+        for (const uint64_t count : {100u, 400u}) {
+            const auto quads = quads_of(s, quad_options(count));
+            ASSERT_TRUE(quads);
+            expect_quads_conform(mesh, *quads, 0);
+            EXPECT_EQ(quads->irregular_count, 0u);
+            EXPECT_EQ(quads->inverted_count, 0u);
+            EXPECT_NEAR(double(quads->quad_count), double(count), 0.2 * double(count));
+        }
+    }
+}
+
+TEST(Boundary, QuadsOfSurfacesWithHoles) {
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
+        if (!is_sound(mesh)) continue; // bad luck
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            const auto set = loops_of(hierarchy, kind);
+            ASSERT_TRUE(set);
+            const Solution s = solve(hierarchy, *set);
+            ASSERT_TRUE(s.foliation) << s.error.message;
+            for (const bool merge : {false, true}) {
+                const auto quads = quads_of(s, quad_options(1500, merge, merge ? 10 : 0));
+                ASSERT_TRUE(quads);
+                expect_quads_conform(mesh, *quads, int64_t(hmf_genus(hierarchy.get())));
+            }
+        }
+    }
+}
