@@ -31,6 +31,8 @@ namespace hmf {
 
 namespace {
 
+constexpr double MOST_SHIFT = 1e15; // of the columns of two boundaries: what doubles tell apart
+
 class QuadBuilder {
 public:
     QuadBuilder(Foliation& f, const double* position, const Cylinders& cylinders, const FrontParts* front,
@@ -573,8 +575,8 @@ private:
         };
         double shift = 0;
         for (int64_t j = 0; j < n; ++j) shift += high(-j) - low(j);
-        // One column on is a part 1 / n less.
-        const int64_t offset = static_cast<int64_t>(std::floor(shift + 0.5));
+        // One column on is a part 1 / n less.  Any whole number makes a closed mesh.
+        const int64_t offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
 
         const uint32_t base = out_.vertex_count();
         for (int64_t k = 1; k < m; ++k) {
