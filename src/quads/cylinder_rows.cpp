@@ -8,6 +8,8 @@
 
 namespace hmf {
 
+constexpr double MOST_SHIFT = 1e15; // of the columns of two boundaries: what doubles tell apart
+
 CylinderRows::CylinderRows(const QuadInput& in, const GridSizes& sizes, const GraphPoints& points, QuadMesh& out,
                            Call& call) :
     in_(in),
@@ -187,8 +189,8 @@ hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
     };
     double shift = 0;
     for (int64_t j = 0; j < n; ++j) shift += high(-j) - place_[static_cast<size_t>(j)];
-    // One column on is a part 1 / n less.
-    const int64_t offset = static_cast<int64_t>(std::floor(shift + 0.5));
+    // One column on is a part 1 / n less.  Any whole number makes a closed mesh.
+    const int64_t offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
 
     const uint32_t base = out_.vertex_count();
     for (int64_t k = 1; k < m; ++k) {
