@@ -367,10 +367,11 @@ private:
     double on_arc(uint32_t a, int64_t i) const {
         const int64_t n = columns_[a];
         if (is_half(a) && n > 0) {
-            const double middle = v_[front_->arc_middle[a]], half = static_cast<double>(n / 2);
+            const int64_t half = n / 2;
+            const double middle = v_[front_->arc_middle[a]], parts = static_cast<double>(half);
             if (2 * i == n) return middle;
-            return 2 * i < n ? arc_from_[a] + (middle - arc_from_[a]) * static_cast<double>(i) / half
-                             : middle + (arc_to_[a] - middle) * static_cast<double>(i - n / 2) / half;
+            return 2 * i < n ? arc_from_[a] + (middle - arc_from_[a]) * static_cast<double>(i) / parts
+                             : middle + (arc_to_[a] - middle) * static_cast<double>(i - half) / parts;
         }
         return arc_from_[a] + (arc_to_[a] - arc_from_[a]) * static_cast<double>(i) / static_cast<double>(n);
     }
