@@ -1,7 +1,7 @@
 // The conjugate v along leaves and edges, and points of a line at given v.
 #pragma once
 
-#include "leaf.hpp"
+#include "../leaves/leaf.hpp"
 
 #include <cmath>
 
