@@ -53,7 +53,7 @@ src/api/read_values.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
 # Solve
 src/solve/cascade.cpp  s/status == HMF_LIMIT_TIME || call.finishing()/call.finishing()/  test_resources  ProgressOf.Nothing*
 src/solve/cascade.cpp  s/if (work.call.out_of_time()) return HMF_LIMIT_TIME;//  test_resources  ProgressOf.Nothing*
-src/mesh/weights.cpp  s/sum\[edge_of(ij)\] += corners.cot_k/sum[edge_of(ij)] += corners.cot_i/  test_levels  Levels.WeightsOfCoarseLevels
+src/mesh/weights.cpp  s/sums.set(ij, corners.cot_k)/sums.set(ij, corners.cot_i)/  test_levels  Levels.WeightsOfCoarseLevels
 src/mesh/weights.cpp  s/: w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;/: w;/  test_hierarchy  Weights.*
 src/mesh/weights.cpp  s/!(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR/w < 0 ? COARSE_WEIGHT_FLOOR/  test_hierarchy  Weights.*
 
@@ -100,7 +100,7 @@ src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= wo
 # Design, boundary, weights
 src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  EvenDesign.TrialsShareLoops
 src/design/marked_trial.cpp  s/if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();//  test_design  EvenDesign.TrialsShareLoops
-src/api/solve_api.cpp  s/options.method != HMF_METHOD_PAPER \&\& make_symmetric/options.method == HMF_METHOD_NEWTON \&\& make_symmetric/  test_boundary  Boundary.MethodsAgree
+src/api/solve_result.cpp  s/options.method != HMF_METHOD_PAPER \&\& make_symmetric/options.method == HMF_METHOD_NEWTON \&\& make_symmetric/  test_boundary  Boundary.MethodsAgree
 src/mesh/intrinsic.cpp  s/: w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP/: w > INTRINSIC_WEIGHT_CAP ? w/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds
 src/mesh/intrinsic.cpp  s/const double w = 0.5 \* sum\[e\];/const double w = sum[e];/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds
 END
