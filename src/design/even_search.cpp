@@ -26,7 +26,7 @@ constexpr double PERSISTENCE = 0.3; // least, of a tip
 constexpr double DEPTH = 0.2;       // least, below the mean
 constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
 constexpr size_t MOST_TIPS = 24;
-constexpr double PRICE = 0.003;      // of a pole, in unevenness
+constexpr double PRICE = 0.02;       // of a pole, in unevenness
 constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
 // Of the disk between two poles: it covers the end of a limb.

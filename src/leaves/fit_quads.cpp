@@ -1,8 +1,10 @@
-// In turns: vertices that reach for tips and snap to sharp edges are held, and the
-// others are relaxed round them.  Quads cut in four look outwards where the whole one did,
+// In turns: vertices reach for tips, where they are held, or snap to sharp edges, along which they
+// slide from then on, and the others are relaxed round them.  A vertex leaves its sharp edge again where
+// that costs a corner too much.  Quads cut in four look outwards where the whole one did,
 // but at creases, where to turn them out takes long and does not always work.
 #include "fit_quads.hpp"
 
+#include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
@@ -11,7 +13,8 @@ namespace hmf {
 
 namespace {
 
-constexpr int ROUNDS = 3;         // of reaching for tips; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
+constexpr int ROUNDS = 3; // of reaching and snapping; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
+constexpr double TOO_FLAT = 0.5;  // sine of a corner of a quad on a sharp edge
 constexpr int STEPS_ON_FINER = 4; // of relaxation
 
 template <class T>
@@ -19,6 +22,20 @@ Done copy(const Array<T>& from, Array<T>& to, Memory& memory) {
     if (!to.allocate(memory, from.size())) return false;
     for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
     return true;
+}
+
+// Where a corner on one is too flat or too sharp; whether there was one.
+bool leave_sharp_edges(QuadMesh& quads) {
+    bool any = false;
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (!(worst_corner(quads, q) < TOO_FLAT)) continue;
+        for (size_t k = 0; k < 4; ++k) {
+            uint8_t& held = quads.held[quads.quads[4 * q + k]];
+            any |= held == ON_CREASE;
+            if (held == ON_CREASE) held = 0;
+        }
+    }
+    return any;
 }
 
 // Quads that look inwards are turned out, if no other quad gets inverted by that.
@@ -49,12 +66,14 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
         if (reach_tips(mesh, position, front, quads, reached, call)
-            || (round == 0 && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
+            || snap_to_sharp_edges(mesh, position, front, quads, snapped, call))
             return call.status();
         if (reached + snapped == 0) break;
         if (relax_quads(mesh, position, steps, false, quads, call)) return call.status();
     }
-    if (turn_outwards(mesh, position, quads, call)) return call.status();
+    if ((leave_sharp_edges(quads) && relax_quads(mesh, position, steps, false, quads, call))
+        || turn_outwards(mesh, position, quads, call))
+        return call.status();
     for (; halvings > 0; --halvings)
         if (refine_quads(mesh, position, quads, call)
             || relax_quads(mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, false, quads, call))

@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "quad_shape.hpp"
+#include "sharp_edges.hpp"
 #include "surface_walk.hpp"
 
 namespace hmf {
@@ -71,7 +72,7 @@ private:
             const uint32_t* const corner = quad(i);
             for (int k = 0; k < 4; ++k) {
                 const uint32_t v = corner[k];
-                if (quads_.held[v] || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
+                if (is_fixed(v) || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
                 move(v, (1 / weight_[v]) * target_[v]);
                 weight_[v] = 0; // once
             }
@@ -83,9 +84,12 @@ private:
         return outwards_ ? worst_corner_from_outside(mesh_, position_, quads_, q) : worst_corner(quads_, q);
     }
 
+    bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
+
     void move(uint32_t v, const Point& to) {
         const double p[3] = {to.x, to.y, to.z};
-        quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
+        const auto walk = quads_.held[v] == ON_CREASE ? walk_along_sharp_edges : walk_to_nearest;
+        quads_.sides[v] = walk(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
     }
 
     // Where quads have a corner of nearly 180 degrees or more, some rings round them
@@ -154,7 +158,7 @@ private:
                 if (worst(q) >= WELL) continue;
                 for (size_t c = 0; c < 4; ++c) {
                     const uint32_t v = quads_.quads[4 * size_t{q} + c];
-                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v]);
+                    if (region_[v] && !is_fixed(v)) moved |= improve(v, &corners[first[v]], filled[v]);
                 }
             }
             if (!moved) break;
