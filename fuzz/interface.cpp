@@ -323,6 +323,7 @@ void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double larges
     const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
                                                [&](auto out) { return hmf_quads(f, nullptr, nullptr, out, nullptr); });
     if (!mesh) return;
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) FUZZ_ASSERT(std::isfinite(mesh->positions[i]));
     std::vector<std::pair<uint32_t, uint32_t>> sides;
     for (size_t q = 0; q < mesh->quad_count; ++q)
         for (size_t s = 0; s < 4; ++s) sides.push_back({mesh->quads[4 * q + s], mesh->quads[4 * q + (s + 1) % 4]});

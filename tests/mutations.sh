@@ -47,8 +47,8 @@ src/api/result.cpp  s/h.allocator_user, bytes}/h.allocator_user, size}/  test_pa
 src/api/result.cpp  s/return (bytes + 15) \/ 16 \* 16;/return bytes;/  test_parameterize  Parameterize.Arrays*
 src/api/result.cpp  s/at += aligned(part.bytes)/at += 0/  test_parameterize  Parameterize.SeamsEnd*
 src/api/read_loop_set.cpp  s/ || w < 1e-100//  test_errors  OnTorus.LoopWeights
-src/api/foliation_object.cpp  s/corner2 >= 0 \&\& corner2 % 2 == 0/corner2 % 2 == 0/  test_errors  OnTorus.ValueDefects
-src/api/foliation_object.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
+src/api/read_values.cpp  s/corner2 >= 0 \&\& corner2 % 2 == 0/corner2 % 2 == 0/  test_errors  OnTorus.ValueDefects
+src/api/read_values.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
 
 # Solve
 src/solve/cascade.cpp  s/status == HMF_LIMIT_TIME || call.finishing()/call.finishing()/  test_resources  ProgressOf.Nothing*
@@ -65,7 +65,7 @@ src/loops/check_loops.cpp  s/else bad = middle;/else good = middle;/  test_libra
 src/parameterize/seams.cpp  s/^        mark_path(mesh_.origin\[2 \* edge\]);//  test_parameterize  Parameterize.SeamsEnd*
 src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
 src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
-src/leaves/quad_sizes.cpp  s/return MOST_ROWS_NEEDED - 1/return MOST_ROWS_NEEDED - 2/  test_leaves  LeavesContract.NoTwoEdges*
+src/quads/quad_sizes.cpp  s/return MOST_ROWS_NEEDED - 1/return MOST_ROWS_NEEDED - 2/  test_leaves  LeavesContract.NoTwoEdges*
 END
 }
 

@@ -258,6 +258,31 @@ TEST(Quads, Refusals) {
     }
 }
 
+// A vertex on the line between two others of its triangle, up to rounding: the area is nothing but rounding, and what it
+// measures must not decide how rows are joined.
+TEST(Quads, TrianglesThatAreFlatUpToRounding) {
+    hmf_build_options build{};
+    build.struct_size = sizeof build;
+    build.mollify = 0.005;
+    hmf_quad_options options{};
+    options.struct_size = sizeof options;
+    for (const size_t n : {4, 5, 6})
+        for (size_t t = 0; t < 2 * n * n; ++t) {
+            TriMesh mesh = torus(n, n, 2, 1);
+            const uint32_t* const corner = &mesh.triangles[3 * t];
+            for (size_t c = 0; c < 3; ++c)
+                mesh.positions[3 * corner[0] + c] =
+                    0.5 * (mesh.positions[3 * corner[1] + c] + mesh.positions[3 * corner[2] + c]);
+            const Hierarchy hierarchy(mesh, build);
+            const Solution solution = solve(hierarchy, nullptr, solve_options(0, 0));
+            ASSERT_TRUE(solution.foliation) << n << ", " << t;
+            const Made quads = quads_of(solution.foliation, options);
+            ASSERT_TRUE(quads) << n << ", " << t;
+            expect_sound(*quads, 1);
+            for (size_t i = 0; i < 3 * quads->vertex_count; ++i) ASSERT_TRUE(std::isfinite(quads->positions[i]));
+        }
+}
+
 // The corners of a plate stick out: vertices of relaxed quads lie on most of them.
 TEST(Quads, TipsAreReached) {
     const TriMesh mesh = plate(2);

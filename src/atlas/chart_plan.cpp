@@ -210,8 +210,7 @@ hmf_status ChartPlan::cut_charts(double& cost) {
 
 // Joins pieces to charts, more or less eagerly, and cuts charts where the square then becomes smaller.
 hmf_status ChartPlan::run() {
-    if (charts.start(pieces_.mesh, pieces_.position, pieces_.bundle, pieces_.strips, pieces_.triangle, call_))
-        return call_.status();
+    if (charts.start(pieces_.mesh, pieces_.bundle, pieces_.strips, pieces_.triangle, call_)) return call_.status();
     const double size = std::sqrt(pieces_.whole);
     constexpr double eager[] = {0.003, 0.01, 0.015, 0.02, 0.03, 0.04, 0.08};
     double best = 0, best_cost = HUGE_VAL;

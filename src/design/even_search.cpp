@@ -34,40 +34,34 @@ constexpr EdgeDistances::DiskLimit CAP{8, 0.02, 2.4};
 
 } // namespace
 
-// Persistent minima of the smoothed scale that lie away from the tips there are.
-Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
-    const uint32_t n = mesh_.vertex_count;
-    Array<double> height, smooth;
-    Array<uint32_t> rising, part, lowest;
-    Array<uint8_t> passed, taken;
-    found.start(memory_);
-    if (!height.allocate(memory_, n) || !smooth.allocate(memory_, n) || !rising.allocate(memory_, n)
-        || !part.allocate(memory_, n) || !lowest.allocate(memory_, n) || !passed.allocate_filled(memory_, n, uint8_t{0})
-        || !taken.allocate_filled(memory_, n, uint8_t{0}))
-        return false;
-    double mean = 0;
-    for (uint32_t v = 0; v < n; ++v) {
-        height[v] = choice.scale[v];
-        mean += distances_.area(v) / distances_.whole_area() * height[v];
-    }
-    for (uint32_t v = 0; v < n; ++v) { // one step of smoothing
-        double area = distances_.area(v), sum = area * height[v];
+// The scale after one step of smoothing, and its mean.
+Done EvenSearch::smooth_scale(const Array<double>& scale, Array<double>& smooth, double& mean) {
+    if (!smooth.allocate(memory_, mesh_.vertex_count)) return false;
+    mean = 0;
+    for (uint32_t v = 0; v < mesh_.vertex_count; ++v) mean += distances_.area(v) / distances_.whole_area() * scale[v];
+    for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+        double area = distances_.area(v), sum = area * scale[v];
         for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
-            sum += distances_.area(w) * height[w];
+            sum += distances_.area(w) * scale[w];
             area += distances_.area(w);
         }
-        smooth[v] = area > 0 ? sum / area : height[v];
+        smooth[v] = area > 0 ? sum / area : scale[v];
     }
-    // Rings round the tips there are.
+    return true;
+}
+
+// Vertices within two rings of some tips and their poles.
+Done EvenSearch::find_taken(const Array<Tip>& tips, Array<uint8_t>& taken) {
     Array<uint32_t> queue;
     queue.start(memory_);
+    if (!taken.allocate_filled(memory_, mesh_.vertex_count, uint8_t{0})) return false;
     const auto take = [&](uint32_t v) -> Done {
         if (v == NONE || taken[v]) return true;
         taken[v] = 1;
         return queue.push(v);
     };
-    for (const Tip& tip : choice.tips)
+    for (const Tip& tip : tips)
         if (!take(tip.vertex) || !take(tip.ends[0]) || !take(tip.ends[1])) return false;
     size_t begin = 0;
     for (int ring = 0; ring < 2; ++ring) {
@@ -78,29 +72,51 @@ Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
             }
         }
     }
-    const auto lower = [&smooth](uint32_t a, uint32_t b) {
-        return smooth[a] != smooth[b] ? smooth[a] < smooth[b] : a < b;
+    return true;
+}
+
+// The minima of a function on the vertices with their persistence: vertices are passed from low to high, and
+// where two parts meet, the higher of their minima ends.  visit(vertex, persistence).
+template <class Visit>
+Done EvenSearch::for_persistent_minima(const Array<double>& height, Visit visit) {
+    const uint32_t n = mesh_.vertex_count;
+    Array<uint32_t> rising, part, lowest;
+    Array<uint8_t> passed;
+    if (!rising.allocate(memory_, n) || !part.allocate(memory_, n) || !lowest.allocate(memory_, n)
+        || !passed.allocate_filled(memory_, n, uint8_t{0}))
+        return false;
+    const auto lower = [&height](uint32_t a, uint32_t b) {
+        return height[a] != height[b] ? height[a] < height[b] : a < b;
     };
     for (uint32_t v = 0; v < n; ++v) rising[v] = part[v] = lowest[v] = v;
     heap_sort(rising.data(), n, lower);
-    const auto add = [&](uint32_t v, double persistence) -> Done {
-        if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
-        return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
-    };
     for (const uint32_t v : rising) {
         passed[v] = 1;
         for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
             const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
-            if (passed[w] && a != b) {
-                const uint32_t x = lowest[a], y = lowest[b], ends = lower(x, y) ? y : x, stays = lower(x, y) ? x : y;
-                if (ends != v && !add(ends, smooth[v] - smooth[ends])) return false;
-                unite(part.data(), a, b);
-                lowest[find_root(part.data(), a)] = stays;
-            }
+            if (!passed[w] || a == b) continue;
+            const uint32_t x = lowest[a], y = lowest[b], ends = lower(x, y) ? y : x, stays = lower(x, y) ? x : y;
+            if (ends != v && !visit(ends, height[v] - height[ends])) return false;
+            unite(part.data(), a, b);
+            lowest[find_root(part.data(), a)] = stays;
         }
     }
-    if (!add(rising[0], HUGE_VAL)) return false;
+    return visit(rising[0], HUGE_VAL);
+}
+
+// Persistent minima of the smoothed scale that lie away from the tips there are, the deepest first.
+Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
+    Array<double> smooth;
+    Array<uint8_t> taken;
+    double mean = 0;
+    found.start(memory_);
+    if (!smooth_scale(choice.scale, smooth, mean) || !find_taken(choice.tips, taken)) return false;
+    const auto add = [&](uint32_t v, double persistence) -> Done {
+        if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
+        return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
+    };
+    if (!for_persistent_minima(smooth, add)) return false;
     heap_sort(found.data(), found.size(),
               [](const Tip& a, const Tip& b) { return a.depth != b.depth ? a.depth > b.depth : a.vertex < b.vertex; });
     for (Tip& tip : found)

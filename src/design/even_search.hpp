@@ -55,6 +55,10 @@ public:
     static double work_of(size_t loops) { return 1 + static_cast<double>(loops) / 8; } // of a solve
 
 private:
+    Done smooth_scale(const Array<double>& scale, Array<double>& smooth, double& mean);
+    Done find_taken(const Array<Tip>& tips, Array<uint8_t>& taken);
+    template <class Visit>
+    Done for_persistent_minima(const Array<double>& height, Visit visit);
     Done find_tips(const EvenChoice& choice, Array<Tip>& found);
     Done list_marks(EvenChoice& choice);
     Done copy(const EvenChoice& from, EvenChoice& to);

@@ -1,7 +1,7 @@
 // A quad mesh along leaves fitted to its surface.
 #pragma once
 
-#include "mirror_symmetry.hpp"
+#include "../leaves/mirror_symmetry.hpp"
 #include "quad_mesh.hpp"
 
 namespace hmf {

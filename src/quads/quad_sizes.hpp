@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../base/nearest_first.hpp"
-#include "cylinders.hpp"
+#include "../leaves/cylinders.hpp"
 
 namespace hmf {
 

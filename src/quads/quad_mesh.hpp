@@ -1,8 +1,8 @@
 // A quad mesh along the leaves.
 #pragma once
 
-#include "cylinder_classes.hpp"
-#include "front_parts.hpp"
+#include "../leaves/cylinders.hpp"
+#include "../leaves/front_parts.hpp"
 #include "quad_sizes.hpp"
 
 namespace hmf {
@@ -21,6 +21,14 @@ struct QuadMesh {
         quads.start(memory);
         sides.start(memory);
         held.start(memory);
+    }
+    // side: a half-edge of the mesh, left of which p lies.
+    Done add_vertex(const double* p, uint32_t side, uint8_t is_held = 0) {
+        return positions.push(p[0]) && positions.push(p[1]) && positions.push(p[2]) && sides.push(side)
+            && held.push(is_held);
+    }
+    Done add_quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+        return quads.push(a) && quads.push(b) && quads.push(c) && quads.push(d);
     }
     uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
     size_t quad_count() const { return quads.size() / 4; }

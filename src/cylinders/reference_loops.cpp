@@ -1,7 +1,7 @@
-#include "canonical_loops.hpp"
+#include "reference_loops.hpp"
 
 #include "../hierarchy/caller_numbers.hpp"
-#include "../leaves/cylinder_classes.hpp"
+#include "cylinder_classes.hpp"
 #include "../loops/library_loops.hpp"
 #include "../solve/state.hpp"
 
@@ -13,15 +13,15 @@ namespace {
 
 constexpr int UNIT_BITS = 20; // of a weight of 1
 
-// Made with the options that loops are found with?
-bool is_canonical(const hmf_hierarchy& h) {
+// Made with the options of the reference hierarchy?
+bool is_reference(const hmf_hierarchy& h) {
     const BuildOptions usual;
     const uint64_t least = least_coarsest(h.genus, h.input.marked_count);
     return h.made_with.ratio == usual.ratio && h.made_with.collapse == usual.collapse
         && std::max(least, h.made_with.coarsest) == std::max(least, usual.coarsest);
 }
 
-hmf_status build_canonical(const hmf_hierarchy& h, hmf_hierarchy& made, Call& call) {
+hmf_status build_reference(const hmf_hierarchy& h, hmf_hierarchy& made, Call& call) {
     const uint32_t n = h.input.vertex_count;
     Array<double> position;
     Array<uint32_t> marked;
@@ -93,8 +93,8 @@ hmf_status restrict_loops(const hmf_hierarchy& h, size_t level, Loops& loops, Ca
 
 } // namespace
 
-hmf_status canonical_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
-    if (is_canonical(h)) return library_loops(h, level, kind, call, out);
+hmf_status reference_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
+    if (is_reference(h)) return library_loops(h, level, kind, call, out);
     hmf_hierarchy made(h, call.memory);
     Call part(&call); // who asks to finish wants a result, and there is none without loops
     const auto failed = [&] {
@@ -104,7 +104,7 @@ hmf_status canonical_loops(const hmf_hierarchy& h, size_t level, int32_t kind, C
                          "The loops could not be brought to this hierarchy (%d). Please report it.",
                          static_cast<int>(part.status()));
     };
-    if (build_canonical(h, made, part)) return failed();
+    if (build_reference(h, made, part)) return failed();
     if (library_loops(made, 0, kind, call, out)) return call.status();
     if (hand_over(made, h, out, part)) return failed();
     if (level == 0) return pull_tight(h.input, call, out);

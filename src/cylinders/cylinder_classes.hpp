@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../solve/state.hpp"
-#include "cylinders.hpp"
+#include "../leaves/cylinders.hpp"
 
 namespace hmf {
 
@@ -31,16 +31,6 @@ struct Labels {
 [[nodiscard]] hmf_status match_cylinders(const Mesh& mesh, const int64_t* value, const Cylinders& here,
                                          const int64_t* other_value, const Cylinders& there,
                                          const Array<double>* wanted, Array<uint32_t>& found, Call& call);
-
-// Closed curves of a level, one after the other.
-struct Curves {
-    Array<uint64_t> offsets; // count + 1
-    Array<Crossing> crossings;
-};
-
-// The middle leaves of the cylinders; found reorders them (NULL: as they are).
-[[nodiscard]] hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found,
-                                       Curves& out, Call& call);
 
 // Assigns to each of the disjoint curves a the one of b that is freely homotopic
 // to it and has the same key.  The harmonic foliation of a class is unique, so

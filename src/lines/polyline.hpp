@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../../include/hmf/uses.h"
-#include "cylinders.hpp"
+#include "../leaves/cylinders.hpp"
 
 namespace hmf {
 

@@ -1,7 +1,7 @@
 // Vertices of quads at the places that stick out from them.
 #pragma once
 
-#include "mirror_symmetry.hpp"
+#include "../leaves/mirror_symmetry.hpp"
 #include "quad_mesh.hpp"
 
 namespace hmf {

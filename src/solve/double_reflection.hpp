@@ -1,8 +1,8 @@
 // The mirror image of a double as its hierarchy knows it, and a state made symmetric.
 #pragma once
 
-#include "../solve/state.hpp"
-#include "mirror_symmetry.hpp"
+#include "state.hpp"
+#include "../leaves/mirror_symmetry.hpp"
 
 namespace hmf {
 

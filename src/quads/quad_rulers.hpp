@@ -1,7 +1,7 @@
 // The conjugate v along leaves and edges, and points of a line at given v.
 #pragma once
 
-#include "leaf.hpp"
+#include "../leaves/leaf.hpp"
 
 #include <cmath>
 
@@ -17,6 +17,12 @@ inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b
 inline double cross_length(const Vector& a, const Vector& b) {
     const double x = a.y * b.z - a.z * b.y, y = a.z * b.x - a.x * b.z, z = a.x * b.y - a.y * b.x;
     return std::sqrt(x * x + y * y + z * z);
+}
+
+// An area that is nothing but rounding measures nothing, as a triangle without area.
+constexpr double FLATTEST = 1e-12; // twice the area in squared sides
+inline bool is_flat(const Vector& a, const Vector& b, double twice_area) {
+    return !(twice_area > FLATTEST * (dot(a, a) + dot(b, b)));
 }
 
 } // namespace quad_rulers
@@ -39,7 +45,7 @@ public:
         const Vector b = between(at(f_.mesh.origin[r]), at(f_.mesh.origin[f_.mesh.prev(r)]));
         const double area = cross_length(a, b);
         const Vector d = {b.x / G - a.x / F, b.y / G - a.y / F, b.z / G - a.z / F};
-        return area > 0 ? t * dot(d, d) * F * G / area : 0;
+        return is_flat(a, b, area) ? 0 : t * dot(d, d) * F * G / area;
     }
 
     // Growth of v along a half-edge on which u grows: the mean of both triangles.
@@ -62,7 +68,7 @@ private:
         const Vector a = between(at(f_.mesh.origin[h]), at(f_.mesh.target(h)));
         const Vector b = between(at(f_.mesh.origin[h]), at(f_.mesh.origin[p]));
         const double area = cross_length(a, b);
-        return area > 0 ? (F * dot(a, b) - u * dot(a, a)) / area : 0;
+        return is_flat(a, b, area) ? 0 : (F * dot(a, b) - u * dot(a, a)) / area;
     }
 
     const Foliation& f_;

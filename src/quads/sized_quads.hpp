@@ -1,7 +1,7 @@
 // Quads of a wished size or number, fitted to the surface: quad_mesh, then fit_quads.
 #pragma once
 
-#include "mirror_symmetry.hpp"
+#include "../leaves/mirror_symmetry.hpp"
 #include "quad_mesh.hpp"
 
 namespace hmf {

@@ -1,7 +1,7 @@
 // Leaves of the conjugate foliation |dv|, which cross those of F at right angles.
 #pragma once
 
-#include "cylinder_classes.hpp"
+#include "../leaves/cylinders.hpp"
 #include "polyline.hpp"
 
 namespace hmf {
