@@ -358,7 +358,7 @@ class Meshes(Case):
                 ("count.stl", b"\0" * 80 + struct.pack("<I", 1000000000))]:
             path = self.write(name, content)
             tool = subprocess.Popen([tool_case.TOOL, "info", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-            text = tool.communicate(timeout=60)[1].decode()
+            text = tool.communicate(timeout=600)[1].decode()
             self.assertEqual(tool.returncode, 3, text)
             self.assertIn("1000000000", text)
         # In KiB, of all that this program has run; a thousand million of anything takes more.
