@@ -20,8 +20,9 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t SLICE = 16384; // vertices between ticks
-constexpr double WELL = 0.1;      // sine of a corner that needs no care
+constexpr uint32_t SLICE = 16384;    // vertices between ticks
+constexpr double WELL = 0.1;         // sine of a corner that needs no care
+constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
 constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
 
 class Relaxation {
@@ -271,6 +272,16 @@ hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quad
         return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
             && quads.sides.push(found) && quads.held.push(0);
     };
+    // The last vertex, if the line on which one end lies passes near the middle.
+    const auto stay_on_crease = [&](const double* p, uint32_t low, uint32_t high) {
+        double nearest[3];
+        const uint32_t found = walk_along_sharp_edges(mesh, position, quads.sides[low], p, nearest);
+        const Point off = point(nearest, 0) - point(p, 0), side = at(quads, high) - at(quads, low);
+        if (dot(off, off) > NEAR_CREASE * NEAR_CREASE * dot(side, side)) return;
+        const uint32_t v = quads.vertex_count() - 1;
+        quads.put(v, nearest, found);
+        quads.held[v] = ON_CREASE;
+    };
     const size_t vertices = n + 3 * count + 2;
     if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
         return call.out_of_memory();
@@ -289,6 +300,7 @@ hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quad
                 for (size_t c = 0; c < 3; ++c)
                     p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
                 if (!add(p, quads.sides[low])) return call.out_of_memory();
+                if (quads.held[low] == ON_CREASE && quads.held[high] == ON_CREASE) stay_on_crease(p, low, high);
             }
             middle[k] = edges[i].middle;
         }
