@@ -91,7 +91,7 @@ class Solve(Case):
         meridian = " ".join(str(j) for j in range(m))
         report = self.path("r.json")
         energies = []
-        for text in (meridian, "# the seam\n\nv: " + meridian.replace(" ", ",") + "  # and its end\n"):
+        for text in (meridian, meridian + " 0", "# the seam\n\nv: " + meridian.replace(" ", ",") + "  # and its end\n"):
             self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", text), "--report", report)
             energies.append(json.loads(self.read("r.json").decode())["energy"])
         # The strip of triangles beside that meridian.
