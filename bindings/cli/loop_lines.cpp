@@ -7,8 +7,8 @@
 //       \____\____\_/____/       another edge, settle.
 //           r0    r1    r2
 //
-// Where such a curve has a corner at a vertex and less than a half turn lies beyond, the strip is led round the other side
-// of the vertex (Sharp and Crane 2020, with strips instead of flips):
+// Where such a curve has a corner at a vertex and less than a half turn lies beyond, the strip is led round the other
+// side of the vertex (Sharp and Crane 2020, with strips instead of flips):
 //
 //          . other side .
 //       ------.--v--.------     the curve bends round v, below it lies the strip: it is led above v
