@@ -90,8 +90,8 @@ private:
         for (uint32_t z = 0; z < graph_.zeros.size(); ++z)
             if (graph_.zeros[z].euler != 1)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, z,
-                                  "Zero %u goes round a part of the surface with a handle that no leaf crosses. Give "
-                                  "loops for all handles.",
+                                  "Zero %u goes round a part of the surface that no leaf crosses, with a handle, "
+                                  "boundaries or marked vertices. Give loops that cross it.",
                                   static_cast<unsigned>(z));
         for (const Boundary& b : graph_.boundaries)
             if (b.arcs_begin == b.arcs_end && !graph_.zeros.empty())
