@@ -22,7 +22,7 @@ passed=0 failed=0 skipped=0
 
 describe() {
     cat <<'END'
-format        layout of the C and C++ sources
+format        layout of the C and C++ sources; src/README.md names what is there, folders depend on each other without a circle
 header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
 abi           the interface against the recorded one; what breaks programs is seen (docs/abi.md)
@@ -161,7 +161,10 @@ run_ctest() { # preset, options of ctest ...
     add "$p" "$f" "$s"
 }
 
-variant_format() { run_check format tests/check_format.sh; }
+variant_format() {
+    run_check format tests/check_format.sh
+    run_check map tests/check_map.py
+}
 variant_header() { run_check header tests/check_header.sh; }
 variant_abi() {
     install_if_possible abigail-tools

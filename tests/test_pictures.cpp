@@ -1,9 +1,13 @@
 // What pictures are drawn from: patterns without seams, loops that are shortest in their strip, the view, zeros.
+#include "../bindings/cli/ambient_light.cpp"
 #include "../bindings/cli/camera.cpp"
 #include "../bindings/cli/canvas.cpp"
 #include "../bindings/cli/closed_pattern.cpp"
+#include "../bindings/cli/deflate.cpp"
 #include "../bindings/cli/drawing.cpp"
 #include "../bindings/cli/loop_lines.cpp"
+#include "../bindings/cli/normals.cpp"
+#include "../bindings/cli/png.cpp"
 #include "../bindings/cli/potential.cpp"
 #include "../bindings/cli/render.cpp"
 #include "../bindings/cli/whole_stripes.cpp"
@@ -13,6 +17,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <thread>
 
 using namespace test;
 
@@ -247,4 +253,88 @@ TEST(Pictures, ZerosThatLieTogetherAreAllSeen) {
     // The number covers some of its ball.
     EXPECT_LT(blue({2}), 0.9 * one);
     EXPECT_GT(blue({2}), 0.3 * one);
+}
+
+// Bands of rows and parts of the file are the same, whichever thread makes them and in which order.
+TEST(Pictures, HaveTheSameBytesWithEveryNumberOfThreads) {
+    Solved s(torus(60, 40, 2, 0.8), {1});
+    cli::PictureStyle style;
+    style.width = 330;
+    style.height = 250;
+    style.legend = true;
+    const cli::Potential potential = cli::local_potential(s.f, cli::wanted_period(s.f));
+    const auto bytes = [&](hmf_control* control) {
+        return cli::png_of(cli::render(s.f, potential, {}, {}, style, control), cli::Workers(control));
+    };
+    const std::string alone = bytes(nullptr);
+    for (const bool backwards : {false, true}) {
+        hmf_control control{};
+        control.struct_size = sizeof control;
+        control.workers = 3;
+        control.parallel_user = backwards ? &control : nullptr;
+        control.parallel_for = [](void* user, hmf_task_fn task, void* context, uint32_t count) {
+            std::vector<std::thread> threads;
+            for (uint32_t k = 0; k < count; ++k) {
+                threads.emplace_back(task, context, user ? count - 1 - k : k);
+                if (user) threads.back().join();
+            }
+            if (user) return;
+            for (std::thread& t : threads) t.join();
+        };
+        EXPECT_EQ(bytes(&control) == alone, true) << backwards;
+    }
+}
+
+// What a part throws comes back to the caller.
+TEST(Pictures, APartThatFailsIsHeardOf) {
+    hmf_control control{};
+    control.struct_size = sizeof control;
+    control.workers = 2;
+    control.parallel_for = [](void*, hmf_task_fn task, void* context, uint32_t count) {
+        for (uint32_t k = 0; k < count; ++k) std::thread(task, context, k).join();
+    };
+    const auto fail_at_2 = [](size_t k) {
+        if (k == 2) throw std::bad_alloc();
+    };
+    EXPECT_THROW(cli::Workers(&control).each(4, fail_at_2), std::bad_alloc);
+    size_t sum = 0;
+    cli::Workers().each(5, [&](size_t k) { sum += k; });
+    EXPECT_EQ(sum, 10u);
+}
+
+// The cost of a prefix code is the sum of the weights of the inner nodes of its tree, which joining the two lightest
+// makes least.
+TEST(Pictures, CodesAreBestAndNotTooLong) {
+    std::vector<std::vector<uint32_t>> cases = {{0, 5}, {1, 1}, {0, 3, 0, 1, 1}, {7, 0, 7, 7, 7, 7}};
+    std::vector<uint32_t> fibonacci{1, 1}, many(286, 0);
+    while (fibonacci.size() < 24) fibonacci.push_back(fibonacci.end()[-1] + fibonacci.end()[-2]);
+    for (uint32_t k = 0; k < many.size(); ++k) many[k] = k % 7 == 3 ? 0 : k * k % 1009;
+    cases.push_back(fibonacci);
+    cases.push_back(many);
+    for (const std::vector<uint32_t>& counts : cases) {
+        for (const unsigned longest : {30u, 15u}) {
+            const std::vector<uint8_t> lengths = cli::code_lengths(counts, longest);
+            std::multiset<uint64_t> heap;
+            uint64_t cost = 0, least = 0;
+            double kraft = 0;
+            for (size_t s = 0; s < counts.size(); ++s) {
+                EXPECT_EQ(lengths[s] > 0, counts[s] > 0);
+                EXPECT_LE(lengths[s], longest);
+                if (counts[s] == 0) continue;
+                heap.insert(counts[s]);
+                cost += uint64_t{counts[s]} * lengths[s];
+                kraft += std::ldexp(1.0, -lengths[s]);
+            }
+            if (heap.size() == 1) continue; // one bit all the same
+            EXPECT_EQ(kraft, 1);
+            while (heap.size() > 1) {
+                const uint64_t both = *heap.begin() + *std::next(heap.begin());
+                heap.erase(heap.begin(), std::next(heap.begin(), 2));
+                heap.insert(both);
+                least += both;
+            }
+            if (longest == 30) EXPECT_EQ(cost, least);
+            else EXPECT_GE(cost, least);
+        }
+    }
 }

@@ -1,5 +1,5 @@
 // Quads over poles, by themselves: a tube of quads whose ends are folded flat.
-#include "../src/leaves/quad_poles.hpp"
+#include "../src/quads/quad_poles.hpp"
 
 #include <gtest/gtest.h>
 

@@ -165,7 +165,7 @@ Samples sample_surface(const std::vector<Vec>& points, const std::vector<uint32_
     return samples;
 }
 
-View best_view(const Samples& samples, const std::vector<Target>& targets) {
+View best_view(const Samples& samples, const std::vector<Target>& targets, const Workers& workers) {
     // Models stand upright along y or z; take the one that lies in the picture.
     // One that stands askew to its own axes is laid along its longest.
     const std::array<Vec, 3> axes = principal_axes(samples.points);
@@ -188,39 +188,38 @@ View best_view(const Samples& samples, const std::vector<Target>& targets) {
     }
     centred.size = 2 * reach;
 
-    constexpr int TURNS = 16;
+    constexpr size_t TURNS = 16;
     // Height above the horizon, and how much it is liked.
     constexpr struct { double height, liking; } heights[] = {{0.42, 0.1}, {0.95, 0.04}, {0, 0}, {-0.45, -0.1}};
-    View best{axis, up};
-    double best_score = -1e300, largest = 1;
-    for (const bool scoring : {false, true})
-        for (const auto& [height, liking] : heights)
-            for (int turn = 0; turn < TURNS; ++turn) {
-                const double angle = 6.283185307179586 * turn / TURNS + 0.346;
-                const View view{unit(std::cos(angle) * axis + std::sin(angle) * side + height * up), up};
-                const DepthGrid grid(centred, view);
-                if (!scoring) {
-                    largest = std::max(largest, grid.covered());
-                    continue;
-                }
-                double seen = 0, all = 0;
-                for (const Target& target : targets) {
-                    size_t count = 0;
-                    for (const Vec p : target.points) count += grid.sees(p - middle);
-                    // Half of a curve is as much as one sees of it.
-                    seen += target.worth
-                          * std::min(1.0, (target.points.size() > 1 ? 2.0 : 1.0) * double(count)
-                                              / double(target.points.size()));
-                    all += target.worth;
-                }
-                const double score =
-                    liking + 0.6 * grid.covered() / largest + (all > 0 ? seen / all : 0) + 0.02 * dot(view.from, axis);
-                if (score > best_score) {
-                    best_score = score;
-                    best = view;
-                }
-            }
-    return best;
+    struct Trial {
+        View view;
+        double covered, score; // score: without what is covered
+    };
+    std::vector<Trial> trials(std::size(heights) * TURNS);
+    workers.each(trials.size(), [&](size_t k) {
+        const auto [height, liking] = heights[k / TURNS];
+        const double angle = 6.283185307179586 * double(k % TURNS) / TURNS + 0.346;
+        const View view{unit(std::cos(angle) * axis + std::sin(angle) * side + height * up), up};
+        const DepthGrid grid(centred, view);
+        double seen = 0, all = 0;
+        for (const Target& target : targets) {
+            size_t count = 0;
+            for (const Vec p : target.points) count += grid.sees(p - middle);
+            // Half of a curve is as much as one sees of it.
+            seen +=
+                target.worth
+                * std::min(1.0, (target.points.size() > 1 ? 2.0 : 1.0) * double(count) / double(target.points.size()));
+            all += target.worth;
+        }
+        trials[k] = {view, grid.covered(), liking + (all > 0 ? seen / all : 0) + 0.02 * dot(view.from, axis)};
+    });
+    double largest = 1;
+    for (const Trial& t : trials) largest = std::max(largest, t.covered);
+    const auto score = [&](const Trial& t) { return t.score + 0.6 * t.covered / largest; };
+    const Trial* best = &trials[0];
+    for (const Trial& t : trials)
+        if (score(t) > score(*best)) best = &t;
+    return best->view;
 }
 
 Camera place_camera(const std::vector<Vec>& points, const Samples& samples, const View& view, double aspect) {

@@ -1,145 +1,19 @@
-// Rows are filtered (each byte minus what the rule of Paeth expects), then deflated: RFC 1951 with the fixed Huffman
-// codes, and matches found by hashes of four bytes.
+// Bands of rows are filtered (each byte minus what the rule of Paeth expects) and deflated on their own; each is a
+// chunk of the file.
 #include "png.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <cstring>
+#include <vector>
+
+#include "deflate.hpp"
 
 namespace cli {
 
 namespace {
 
-class Deflate {
-public:
-    explicit Deflate(const std::string& bytes) :
-        in_(reinterpret_cast<const unsigned char*>(bytes.data())), size_(bytes.size()) {
-        out_.reserve(size_ / 4);
-        put(1, 1); // the last block
-        put(1, 2); // fixed codes
-        head_.assign(size_t{1} << HASH_BITS, 0);
-        before_.assign(WINDOW, 0);
-        for (size_t at = 0; at < size_;) {
-            size_t distance = 0;
-            const size_t length = longest_match(at, distance);
-            if (length < SHORTEST) {
-                put_symbol(in_[at]);
-                insert(at++);
-                continue;
-            }
-            put_match(static_cast<unsigned>(length), static_cast<unsigned>(distance));
-            // Of a long match only the beginning is found again.
-            const size_t end = at + length, known = std::min(end, at + 16);
-            while (at < known) insert(at++);
-            at = end;
-        }
-        put_symbol(256);
-        put(0, 7); // whole bytes
-    }
-    const std::string& bytes() const { return out_; }
-
-private:
-    static constexpr size_t SHORTEST = 4, LONGEST = 258, WINDOW = 32768;
-    static constexpr int HASH_BITS = 15, TRIES = 4;
-
-    uint32_t first_four(size_t at) const {
-        uint32_t four;
-        std::memcpy(&four, in_ + at, 4);
-        return four;
-    }
-    uint32_t hash(size_t at) const { return first_four(at) * 2654435761u >> (32 - HASH_BITS); }
-
-    // Positions plus 1; 0: none.  Those below 2^32 bytes are found again.
-    void insert(size_t at) {
-        if (at + 4 > size_) return;
-        uint32_t& head = head_[hash(at)];
-        before_[at % WINDOW] = head;
-        head = static_cast<uint32_t>(at + 1);
-    }
-
-    size_t longest_match(size_t at, size_t& distance) const {
-        if (at + SHORTEST > size_) return 0;
-        const size_t limit = std::min(LONGEST, size_ - at);
-        const uint32_t four = first_four(at);
-        size_t best = 0;
-        uint32_t candidate = head_[hash(at)];
-        for (int t = 0; t < TRIES && candidate > 0 && at - (candidate - 1) < WINDOW; ++t) {
-            const size_t from = candidate - 1;
-            if (from >= at) break; // beyond 2^32 bytes
-            if (first_four(from) == four && (best == 0 || in_[from + best] == in_[at + best])) {
-                size_t length = SHORTEST;
-                while (length < limit && in_[from + length] == in_[at + length]) ++length;
-                if (length > best) {
-                    best = length;
-                    distance = at - from;
-                    if (length == limit) break;
-                }
-            }
-            const uint32_t older = before_[from % WINDOW];
-            if (older >= candidate) break; // overwritten
-            candidate = older;
-        }
-        return best;
-    }
-
-    // Lowest bit first.
-    void put(uint32_t bits, int count) {
-        pending_ |= uint64_t{bits} << pending_count_;
-        for (pending_count_ += count; pending_count_ >= 8; pending_count_ -= 8, pending_ >>= 8)
-            out_ += static_cast<char>(pending_ & 0xff);
-    }
-
-    // Huffman codes begin with their highest bit.
-    void put_code(uint32_t code, int count) {
-        uint32_t turned = 0;
-        for (int k = 0; k < count; ++k) turned |= (code >> k & 1) << (count - 1 - k);
-        put(turned, count);
-    }
-
-    void put_symbol(unsigned symbol) {
-        // The codes of bytes, turned once.
-        static const std::array<std::array<uint16_t, 2>, 288> codes = [] {
-            std::array<std::array<uint16_t, 2>, 288> table{};
-            for (unsigned n = 0; n < table.size(); ++n) {
-                const unsigned count = n < 144 ? 8 : n < 256 ? 9 : n < 280 ? 7 : 8;
-                const unsigned code = n < 144 ? 0x30 + n
-                                    : n < 256 ? 0x190 + n - 144
-                                    : n < 280 ? n - 256
-                                              : 0xc0 + n - 280;
-                unsigned turned = 0;
-                for (unsigned k = 0; k < count; ++k) turned |= (code >> k & 1) << (count - 1 - k);
-                table[n] = {static_cast<uint16_t>(turned), static_cast<uint16_t>(count)};
-            }
-            return table;
-        }();
-        put(codes[symbol][0], codes[symbol][1]);
-    }
-
-    void put_match(unsigned length, unsigned distance) {
-        if (length == LONGEST) put_symbol(285);
-        else {
-            // Groups of four, each with one extra bit more than the one before.
-            unsigned extra = 0;
-            while (length - 3 >= 8u << extra) ++extra;
-            const unsigned base = extra ? 4u << extra : 0;
-            put_symbol(257 + 4 * extra + (extra ? 4 : 0) + ((length - 3 - base) >> extra));
-            put((length - 3) & ((1u << extra) - 1), static_cast<int>(extra));
-        }
-        unsigned extra = 0;
-        while (distance - 1 >= 4u << extra) ++extra;
-        const unsigned base = extra ? 2u << extra : 0;
-        put_code(2 * extra + (extra ? 2 : 0) + ((distance - 1 - base) >> extra), 5);
-        put((distance - 1) & ((1u << extra) - 1), static_cast<int>(extra));
-    }
-
-    const unsigned char* in_;
-    size_t size_;
-    std::string out_;
-    uint64_t pending_ = 0;
-    int pending_count_ = 0;
-    std::vector<uint32_t> head_, before_;
-};
+constexpr size_t BAND = 64; // rows
 
 std::string big_endian(uint32_t n) {
     std::string bytes;
@@ -161,51 +35,89 @@ uint32_t crc(const std::string& bytes) {
     return ~c;
 }
 
-uint32_t adler(const std::string& bytes) {
-    uint32_t a = 1, b = 0;
-    // The sums of so many bytes fit into 32 bits.
-    constexpr size_t RUN = 5000;
-    for (size_t from = 0; from < bytes.size(); from += RUN) {
-        for (size_t k = from; k < std::min(bytes.size(), from + RUN); ++k) {
-            a += static_cast<unsigned char>(bytes[k]);
-            b += a;
-        }
-        a %= 65521;
-        b %= 65521;
-    }
-    return b << 16 | a;
-}
-
 std::string chunk(const std::string& name, const std::string& data) {
-    return big_endian(static_cast<uint32_t>(data.size())) + name + data + big_endian(crc(name + data));
+    const std::string body = name + data;
+    return big_endian(static_cast<uint32_t>(data.size())) + body + big_endian(crc(body));
 }
 
-std::string filtered(const Image& image) {
+// The checksum of RFC 1950.
+struct Adler {
+    static constexpr uint32_t BASE = 65521;
+    uint32_t a = 1, b = 0;
+
+    void add(const std::vector<uint8_t>& bytes) {
+        // The sums of so many bytes fit into 32 bits.
+        constexpr size_t RUN = 4096;
+        for (size_t from = 0; from < bytes.size(); from += RUN) {
+            const size_t count = std::min(RUN, bytes.size() - from);
+            uint32_t sum = 0, weighted = 0;
+            for (size_t k = 0; k < count; ++k) {
+                sum += bytes[from + k];
+                weighted += static_cast<uint32_t>(count - k) * bytes[from + k];
+            }
+            b = static_cast<uint32_t>((b + uint64_t{a} * count + weighted) % BASE);
+            a = (a + sum) % BASE;
+        }
+    }
+    // What follows, that was added to a new one.
+    void join(const Adler& next, size_t count) {
+        b = static_cast<uint32_t>((b + uint64_t{a + BASE - 1} * (count % BASE) + next.b) % BASE);
+        a = (a + next.a + BASE - 1) % BASE;
+    }
+};
+
+// out = here - the one of left, above and corner that is nearest to left + above - corner.
+void paeth(uint8_t* out, const uint8_t* here, const uint8_t* above, size_t row) {
+    for (size_t x = 0; x < std::min<size_t>(3, row); ++x) out[x] = static_cast<uint8_t>(here[x] - above[x]);
+    for (size_t x = 3; x < row; ++x) {
+        const int16_t left = here[x - 3], up = above[x], corner = above[x - 3];
+        const int16_t to_left = static_cast<int16_t>(std::abs(up - corner)),
+                      to_up = static_cast<int16_t>(std::abs(left - corner)),
+                      to_corner = static_cast<int16_t>(std::abs(left + up - 2 * corner));
+        const int16_t side = to_left <= to_up ? left : up, to_side = std::min(to_left, to_up);
+        out[x] = static_cast<uint8_t>(here[x] - (to_side <= to_corner ? side : corner));
+    }
+}
+
+std::vector<uint8_t> filtered(const Image& image, size_t first, size_t end) {
     const size_t row = 3 * size_t{image.width};
-    std::string bytes((row + 1) * image.height, '\4'); // Paeth
     const std::vector<uint8_t> nothing(row, 0);
-    for (size_t y = 0; y < image.height; ++y) {
-        const uint8_t *const here = image.rgb.data() + y * row, *const above = y ? here - row : nothing.data();
-        char* const out = &bytes[y * (row + 1) + 1];
-        const auto filter = [&](size_t x, int left, int corner) {
-            const int up = above[x];
-            const int a = std::abs(up - corner), b = std::abs(left - corner), c = std::abs(left + up - 2 * corner);
-            out[x] = static_cast<char>(here[x] - (a <= b && a <= c ? left : b <= c ? up : corner));
-        };
-        for (size_t x = 0; x < std::min<size_t>(3, row); ++x) filter(x, 0, 0);
-        for (size_t x = 3; x < row; ++x) filter(x, here[x - 3], above[x - 3]);
+    std::vector<uint8_t> bytes((row + 1) * (end - first));
+    for (size_t y = first; y < end; ++y) {
+        const uint8_t* const here = image.rgb.data() + y * row;
+        uint8_t* const out = &bytes[(y - first) * (row + 1)];
+        *out = 4; // Paeth
+        paeth(out + 1, here, y ? here - row : nothing.data(), row);
     }
     return bytes;
 }
 
 } // namespace
 
-std::string png_of(const Image& image) {
-    const std::string pixels = filtered(image);
+std::string png_of(const Image& image, const Workers& workers) {
+    struct Part {
+        std::string chunk;
+        Adler adler;
+        size_t count = 0;
+    };
+    std::vector<Part> parts((image.height + BAND - 1) / BAND);
+    workers.each(parts.size(), [&](size_t k) {
+        const std::vector<uint8_t> bytes = filtered(image, k * BAND, std::min<size_t>(image.height, (k + 1) * BAND));
+        parts[k].count = bytes.size();
+        parts[k].adler.add(bytes);
+        parts[k].chunk =
+            chunk("IDAT", (k ? "" : "\x78\x01") + deflated_block(bytes.data(), bytes.size(), k + 1 == parts.size()));
+    });
     // 8 bits, red green blue, no interlace.
-    return "\x89PNG\r\n\x1a\n"
-         + chunk("IHDR", big_endian(image.width) + big_endian(image.height) + std::string("\x08\x02\0\0\0", 5))
-         + chunk("IDAT", "\x78\x01" + Deflate(pixels).bytes() + big_endian(adler(pixels))) + chunk("IEND", "");
+    std::string png =
+        "\x89PNG\r\n\x1a\n"
+        + chunk("IHDR", big_endian(image.width) + big_endian(image.height) + std::string("\x08\x02\0\0\0", 5));
+    Adler all;
+    for (const Part& part : parts) {
+        png += part.chunk;
+        all.join(part.adler, part.count);
+    }
+    return png + chunk("IDAT", big_endian(all.b << 16 | all.a)) + chunk("IEND", "");
 }
 
 } // namespace cli

@@ -3,10 +3,11 @@
 
 #include <string>
 
-#include "render.hpp"
+#include "canvas.hpp"
 
 namespace cli {
 
-std::string png_of(const Image& image);
+// The same bytes with every number of threads.
+std::string png_of(const Image& image, const Workers& workers = Workers());
 
 } // namespace cli

@@ -17,31 +17,28 @@
 #include <map>
 
 #include "drawing.hpp"
+#include "normals.hpp"
 
 namespace cli {
 
 namespace {
 
-constexpr double CREASE_COSINE = 0.62; // about 52 degrees
 constexpr Colour RED{0.62, 0.025, 0.035}, WHITE{0.97, 0.95, 0.91}, GREEN{0.01, 0.33, 0.06}, GREY{0.42, 0.42, 0.42},
     DARK{0.09, 0.11, 0.16};
 constexpr Ink BLUE_INK{48, 90, 222}, YELLOW_INK{250, 200, 40}, VIOLET_INK{170, 60, 180}, GREEN_INK{30, 150, 60},
     RED_INK{205, 44, 52}, WHITE_INK{250, 248, 243}, BLACK_INK{25, 28, 36};
 
-// Box-filtered share of red of the even stripe pattern.
-double share_of_red(double u, double width, double period) {
-    const double turns = u / period + 0.5, folded = period * std::fabs(turns - std::floor(turns) - 0.5);
-    const double sharp = std::clamp((period / 4 - folded) / std::max(width, 1e-12 * period) + 0.5, 0.0, 1.0);
-    const double blur = std::clamp((width / period - 0.3) / 0.4, 0.0, 1.0);
+// Box-filtered share of red of the even stripe pattern; u and the width of the box in periods.
+double share_of_red(double u, double width) {
+    // The part behind the point of a number that is not negative.
+    const double turns = std::fabs(u) + 0.5, folded = std::fabs(turns - double(int64_t(turns)) - 0.5);
+    const double sharp = std::clamp((0.25 - folded) / std::max(width, 1e-12) + 0.5, 0.0, 1.0);
+    const double blur = std::clamp((width - 0.3) * 2.5, 0.0, 1.0);
     return sharp + blur * (0.5 - sharp);
 }
 
-// u at barycentric coordinates b, and its gradient in them.
-double potential_at(Piece piece, const std::array<double, 3>& u, const double* b, double* slope) {
-    if (piece != Piece::tripod) {
-        for (int m = 0; m < 3; ++m) slope[m] = u[size_t(m)];
-        return u[0] * b[0] + u[1] * b[1] + u[2] * b[2];
-    }
+// Gradient in barycentric coordinates, at b, of the distance from the branch point.
+void tripod_slope(const std::array<double, 3>& u, const double* b, double* slope) {
     // Centroid of the three points where the singular leaf leaves.
     double centroid[3] = {};
     for (size_t i = 0; i < 3; ++i) {
@@ -63,7 +60,6 @@ double potential_at(Piece piece, const std::array<double, 3>& u, const double* b
             slope[j] = -u[i] * pi / pj;
             slope[k] = -u[i] * (centroid[i] - centroid[j] * pi / pj) / centroid[k];
         }
-    return slope[0] * b[0] + slope[1] * b[1] + slope[2] * b[2];
 }
 
 // Light where a triangle keeps its shape, over orange to dark where it is stretched twofold.
@@ -99,61 +95,6 @@ std::vector<double> scale_of_vertices(const std::vector<Vec>& points, const std:
     for (size_t v = 0; v < sum.size(); ++v) sum[v] = area[v] > 0 ? (sum[v] / area[v] - mean) / std::log(4.0) : 0;
     return sum;
 }
-
-// Normals of the corners of the triangles that are seen: the mean over the triangles around a vertex that do not lie
-// beyond a crease, weighted as on a sphere (Max 1999).  Outward, in the frame of the camera.
-class Normals {
-public:
-    Normals(const std::vector<Vec>& points, const std::vector<uint32_t>& triangles, const Foliation& foliation) :
-        p_(points), t_(triangles), face_(triangles.size() / 3), start_(points.size() + 1, 0), around_(triangles.size()),
-        slot_(triangles.size() / 3, NONE), foliation_(foliation),
-        is_whole_(triangles.size() != foliation.triangles.size() || foliation.component.empty()) {
-        volume_.assign(std::max<size_t>(1, foliation.is_bare.size()), 0.0);
-        for (size_t t = 0; t < face_.size(); ++t) {
-            const Vec a = p_[t_[3 * t]], n = cross(p_[t_[3 * t + 1]] - a, p_[t_[3 * t + 2]] - a);
-            volume_[component(t)] += dot(a - p_[0], n);
-            face_[t] = unit(n);
-            for (size_t c = 0; c < 3; ++c) ++start_[t_[3 * t + c] + 1];
-        }
-        for (size_t v = 0; v < p_.size(); ++v) start_[v + 1] += start_[v];
-        std::vector<uint32_t> filled(start_.begin(), start_.end() - 1);
-        for (uint32_t k = 0; k < t_.size(); ++k) around_[filled[t_[k]]++] = k;
-    }
-
-    const std::array<Vec, 3>& of(size_t t) {
-        if (slot_[t] == NONE) {
-            slot_[t] = uint32_t(made_.size());
-            made_.push_back({corner(3 * t), corner(3 * t + 1), corner(3 * t + 2)});
-        }
-        return made_[slot_[t]];
-    }
-
-private:
-    static constexpr uint32_t NONE = 0xffffffffu;
-    size_t component(size_t t) const { return is_whole_ ? 0 : foliation_.component[t]; }
-
-    Vec corner(size_t k) const {
-        Vec sum;
-        for (size_t r = start_[t_[k]]; r < start_[t_[k] + 1]; ++r) {
-            const size_t j = around_[r], t = j / 3;
-            if (!(dot(face_[t], face_[k / 3]) > CREASE_COSINE)) continue;
-            const Vec p = p_[t_[j]], a = p_[t_[3 * t + (j + 1) % 3]] - p, b = p_[t_[3 * t + (j + 2) % 3]] - p;
-            const double squares = dot(a, a) * dot(b, b);
-            if (squares > 0) sum = sum + (1 / squares) * cross(a, b);
-        }
-        const Vec n = dot(sum, sum) > 0 ? unit(sum) : face_[k / 3];
-        return volume_[component(k / 3)] < 0 ? -1.0 * n : n;
-    }
-
-    const std::vector<Vec>& p_;
-    const std::vector<uint32_t>& t_;
-    std::vector<Vec> face_;
-    std::vector<uint32_t> start_, around_, slot_;
-    std::vector<std::array<Vec, 3>> made_;
-    std::vector<double> volume_; // of each component
-    const Foliation& foliation_;
-    bool is_whole_;
-};
 
 // Round rods along closed lines, in the frame of the camera.
 struct Rods {
@@ -212,6 +153,113 @@ std::vector<Vec> resampled(const Line& line, double step) {
     }
     return points;
 }
+
+// What is drawn: the pattern on the surface, and the rods.
+class Paint {
+public:
+    enum class Kind { rod, bare, stripes, tripod, squares, quad, dilatation, scale };
+    struct Face {
+        Kind kind;
+        uint32_t triangle;
+        Ramp normal[3], over, along; // numerators; the pattern's one or two functions
+    };
+
+    Face face(uint32_t t, const Projected& p) const {
+        Face face{kind_of(t), t, {}, {}, {}};
+        std::array<Vec, 3> n;
+        if (face.kind == Kind::rod)
+            for (size_t c = 0; c < 3; ++c) n[c] = rod.normals[rod.triangles[3 * (t - surface()) + c]];
+        else n = normals.of(t);
+        face.normal[0] = p.numerator(n[0].x, n[1].x, n[2].x);
+        face.normal[1] = p.numerator(n[0].y, n[1].y, n[2].y);
+        face.normal[2] = p.numerator(n[0].z, n[1].z, n[2].z);
+        const uint32_t* const v = face.kind == Kind::rod ? nullptr : &triangles[3 * size_t{t}];
+        if (face.kind == Kind::stripes) {
+            const std::array<double, 3>& u = potential.u[t];
+            face.over = p.numerator(u[0], u[1], u[2]);
+        } else if (face.kind == Kind::squares) {
+            const double* const uv = &data.corner_uv[6 * size_t{t}];
+            face.over = p.numerator(uv[0], uv[2], uv[4]);
+            face.along = p.numerator(uv[1], uv[3], uv[5]);
+        } else if (face.kind == Kind::quad) {
+            // Corners 00, 10, 11 of the first half, 00, 11, 01 of the second.
+            face.over = p.numerator(0, 1, t % 2 ? 0 : 1);
+            face.along = p.numerator(0, t % 2 ? 1 : 0, 1);
+        } else if (face.kind == Kind::dilatation || face.kind == Kind::scale)
+            face.over = p.numerator(vertex_number[v[0]], vertex_number[v[1]], vertex_number[v[2]]);
+        return face;
+    }
+
+    // A normal needs no length.
+    Shaded shade(const Face& face, const Spot& spot) const {
+        return {
+            albedo(face, spot),
+            {face.normal[0].at(spot.x, spot.y), face.normal[1].at(spot.x, spot.y), face.normal[2].at(spot.x, spot.y)}};
+    }
+
+    const Foliation& foliation;
+    const Potential& potential;
+    const PictureData& data;
+    const std::vector<uint32_t>& triangles;
+    const Rods& rod;
+    const Normals& normals;
+    const std::vector<double>& vertex_number; // what dilatation and scale show
+    Pattern pattern;
+    double per_period = 1 / potential.period;
+
+private:
+    size_t surface() const { return triangles.size() / 3; }
+
+    Kind kind_of(uint32_t t) const {
+        if (t >= surface()) return Kind::rod;
+        if (pattern == Pattern::quads) return Kind::quad;
+        if (foliation.is_bare_at(t)) return Kind::bare;
+        if (pattern == Pattern::dilatation) return Kind::dilatation;
+        if (pattern == Pattern::scale) return Kind::scale;
+        if (pattern == Pattern::checkerboard) return Kind::squares;
+        return potential.piece[t] == Piece::tripod ? Kind::tripod : Kind::stripes;
+    }
+
+    // Share of red of the stripes of a function.
+    double stripes(const Ramp& numerator, const Spot& spot) const {
+        const double value = spot.value(numerator);
+        return share_of_red(value * per_period, 0.8 * spot.change(numerator, value) * per_period);
+    }
+
+    Colour albedo(const Face& face, const Spot& spot) const {
+        double red = 0;
+        switch (face.kind) {
+        case Kind::rod: return GREEN;
+        case Kind::bare: return GREY;
+        case Kind::dilatation: return colour_of_dilatation(std::exp2(spot.value(face.over)));
+        case Kind::scale: return colour_of_scale(spot.value(face.over));
+        case Kind::quad: {
+            // Along the grid lines, which are sides of the quad: where one of its coordinates is 0 or 1.
+            double nearest = 1e9;
+            for (const Ramp* const f : {&face.over, &face.along}) {
+                const double x = spot.value(*f), pixel = spot.change(*f, x);
+                if (pixel > 0) nearest = std::min(nearest, std::min(x, 1 - x) / pixel);
+            }
+            const double ink = std::clamp(1.2 - nearest, 0.0, 1.0) * 0.85;
+            return ink * DARK + (1 - ink) * WHITE;
+        }
+        case Kind::squares: {
+            const double over = stripes(face.over, spot), along = stripes(face.along, spot);
+            red = over * (1 - along) + along * (1 - over);
+            break;
+        }
+        case Kind::stripes: red = stripes(face.over, spot); break;
+        case Kind::tripod: {
+            const double b[3] = {spot.barycentric(0), spot.barycentric(1), spot.barycentric(2)};
+            double slope[3] = {};
+            tripod_slope(potential.u[face.triangle], b, slope);
+            red = stripes(spot.on.numerator(slope[0], slope[1], slope[2]), spot);
+            break;
+        }
+        }
+        return red * RED + (1 - red) * WHITE;
+    }
+};
 
 struct Ball {
     double home_x, home_y, x, y, radius;
@@ -303,19 +351,15 @@ std::string plural(size_t count, const std::string& what) {
     return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-} // namespace
-
-Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
-             const std::vector<Line>& loops, const PictureStyle& style) {
-    const bool shows_quads = style.pattern == Pattern::quads;
-    // The surface, or the quads in halves: a, b, c and a, c, d.
+// The surface, or the quads in halves: a, b, c and a, c, d.
+struct Shape {
     std::vector<Vec> points;
     std::vector<uint32_t> halves;
-    const auto add_points = [&](const double* p, size_t count) {
-        for (size_t v = 0; v < count; ++v) points.push_back({p[3 * v], p[3 * v + 1], p[3 * v + 2]});
-    };
     size_t quad_count = 0;
-    if (shows_quads)
+
+    Shape(const Foliation& foliation, const PictureData& data, bool shows_quads) {
+        if (!shows_quads) add_points(foliation.positions.data(), foliation.positions.size() / 3);
+        if (!shows_quads) return;
         for (const hmf_quad_mesh* mesh : data.quads) {
             const uint32_t first = uint32_t(points.size());
             add_points(mesh->positions, mesh->vertex_count);
@@ -323,125 +367,63 @@ Image render(const Foliation& foliation, const Potential& potential, const Pictu
                 for (const uint64_t c : {q, q + 1, q + 2, q, q + 2, q + 3}) halves.push_back(first + mesh->quads[c]);
             quad_count += mesh->quad_count;
         }
-    else add_points(foliation.positions.data(), foliation.positions.size() / 3);
-    const std::vector<uint32_t>& triangles = shows_quads ? halves : foliation.triangles;
-    const Samples samples = sample_surface(points, triangles);
-    const double size = samples.size;
+    }
+    void add_points(const double* p, size_t count) {
+        points.reserve(points.size() + count);
+        for (size_t v = 0; v < count; ++v) points.push_back({p[3 * v], p[3 * v + 1], p[3 * v + 2]});
+    }
+};
 
+Vec place_of(const hmf_singularity& s) { return {s.position[0], s.position[1], s.position[2]}; }
+
+// Zeros by their orders, and as many loops.
+std::vector<Target> targets_of(const std::vector<hmf_singularity>& singular,
+                               const std::vector<std::vector<Vec>>& loops) {
     std::vector<Target> targets;
     double orders = 0;
-    for (const hmf_singularity& s : foliation.singular) orders += std::max(1, std::abs(s.index));
-    for (const hmf_singularity& s : foliation.singular)
-        targets.push_back({{{s.position[0], s.position[1], s.position[2]}}, std::max(1, std::abs(s.index)) / orders});
-    std::vector<std::vector<Vec>> rods;
-    for (const Line& loop : loops) {
-        rods.push_back(resampled(loop, 0.004 * size));
-        if (!rods.back().empty()) targets.push_back({rods.back(), 0.8 / double(loops.size())});
-    }
-    const View view = style.has_view ? style.view : best_view(samples, targets);
-    const Camera camera = place_camera(points, samples, view, double(style.width) / style.height);
+    for (const hmf_singularity& s : singular) orders += std::max(1, std::abs(s.index));
+    for (const hmf_singularity& s : singular)
+        targets.push_back({{place_of(s)}, std::max(1, std::abs(s.index)) / orders});
+    for (const std::vector<Vec>& loop : loops)
+        if (!loop.empty()) targets.push_back({loop, 0.8 / double(loops.size())});
+    return targets;
+}
 
-    Canvas canvas(camera, style.width, style.height);
-    std::vector<ScreenPoint> screen(points.size()), rod_screen;
-    for (size_t v = 0; v < points.size(); ++v) screen[v] = canvas.project(camera.to_camera(points[v]));
-    Rods rod;
-    for (std::vector<Vec>& line : rods) {
-        for (Vec& p : line) p = camera.to_camera(p);
-        rod.add(line, 0.0035 * size);
+// Smooth: the mean of the logarithms around each vertex.
+std::vector<double> dilatation_of_vertices(size_t vertices, const std::vector<uint32_t>& triangles,
+                                           const double* dilatation) {
+    std::vector<double> sum(vertices, 0), count(vertices, 0);
+    for (size_t k = 0; k < triangles.size(); ++k) {
+        const double d = std::fabs(dilatation[k / 3]);
+        sum[triangles[k]] += std::log2(d >= 1 && d < 16 ? d : 16);
+        count[triangles[k]] += 1;
     }
-    for (const Vec p : rod.points) rod_screen.push_back(canvas.project(p));
-    canvas.add(screen, triangles);
-    canvas.add(rod_screen, rod.triangles);
+    for (size_t v = 0; v < vertices; ++v) sum[v] /= std::max(1.0, count[v]);
+    return sum;
+}
 
-    Normals normals(points, triangles, foliation);
-    std::vector<double> vertex_dilatation;
-    if (style.pattern == Pattern::dilatation) {
-        // Smooth: the mean of the logarithms around each vertex.
-        std::vector<double> sum(points.size(), 0), count(points.size(), 0);
-        for (size_t k = 0; k < triangles.size(); ++k) {
-            const double d = std::fabs(data.dilatation[k / 3]);
-            sum[triangles[k]] += std::log2(d >= 1 && d < 16 ? d : 16);
-            count[triangles[k]] += 1;
-        }
-        for (size_t v = 0; v < sum.size(); ++v) vertex_dilatation.push_back(sum[v] / std::max(1.0, count[v]));
-    }
-    std::vector<double> vertex_scale; // from the mean, in factors of 4
-    if (style.pattern == Pattern::scale) vertex_scale = scale_of_vertices(points, triangles, foliation, data.log_scale);
-    const double period = potential.period;
-    // Share of red of the stripes of one linear function with these values at the corners.
-    const auto stripes = [&](double value, const double* slope, const Spot& spot) {
-        const double by_x = slope[0] * spot.right[0] + slope[1] * spot.right[1] + slope[2] * spot.right[2];
-        const double by_y = slope[0] * spot.down[0] + slope[1] * spot.down[1] + slope[2] * spot.down[2];
-        return share_of_red(value, 0.8 * std::sqrt(by_x * by_x + by_y * by_y), period);
-    };
-    const auto albedo = [&](size_t t, const Spot& spot) -> Colour {
-        const double* const b = spot.b;
-        if (shows_quads) {
-            // Along the grid lines, which are sides of the quad: where one of its coordinates is 0 or 1.
-            // Corners 00, 10, 11 of the first half, 00, 11, 01 of the second.
-            const double slope[2][3] = {{0, 1, t % 2 ? 0.0 : 1.0}, {0, t % 2 ? 1.0 : 0.0, 1}};
-            double nearest = 1e9;
-            for (const double* s : {slope[0], slope[1]}) {
-                const double x = s[0] * b[0] + s[1] * b[1] + s[2] * b[2];
-                const double by_x = s[0] * spot.right[0] + s[1] * spot.right[1] + s[2] * spot.right[2];
-                const double by_y = s[0] * spot.down[0] + s[1] * spot.down[1] + s[2] * spot.down[2];
-                const double pixel = std::sqrt(by_x * by_x + by_y * by_y);
-                if (pixel > 0) nearest = std::min(nearest, std::min(x, 1 - x) / pixel);
-            }
-            const double ink = std::clamp(1.2 - nearest, 0.0, 1.0) * 0.85;
-            return ink * DARK + (1 - ink) * WHITE;
-        }
-        if (foliation.is_bare_at(t)) return GREY;
-        if (style.pattern == Pattern::dilatation) {
-            const uint32_t* const v = &triangles[3 * t];
-            return colour_of_dilatation(std::exp2(b[0] * vertex_dilatation[v[0]] + b[1] * vertex_dilatation[v[1]]
-                                                  + b[2] * vertex_dilatation[v[2]]));
-        }
-        if (style.pattern == Pattern::scale) {
-            const uint32_t* const v = &triangles[3 * t];
-            return colour_of_scale(b[0] * vertex_scale[v[0]] + b[1] * vertex_scale[v[1]] + b[2] * vertex_scale[v[2]]);
-        }
-        double red;
-        if (style.pattern == Pattern::checkerboard) {
-            const double* uv = &data.corner_uv[6 * t];
-            const double u[3] = {uv[0], uv[2], uv[4]}, v[3] = {uv[1], uv[3], uv[5]};
-            const double over = stripes(b[0] * u[0] + b[1] * u[1] + b[2] * u[2], u, spot);
-            const double along = stripes(b[0] * v[0] + b[1] * v[1] + b[2] * v[2], v, spot);
-            red = over * (1 - along) + along * (1 - over);
-        } else {
-            double slope[3] = {};
-            const double u = potential_at(potential.piece[t], potential.u[t], b, slope);
-            red = stripes(u, slope, spot);
-        }
-        return red * RED + (1 - red) * WHITE;
-    };
-    const size_t surface = triangles.size() / 3;
-    Image image = canvas.paint(0.05 * size, [&](size_t t, const Spot& spot) -> Shaded {
-        const double* const b = spot.b;
-        if (t >= surface) {
-            const uint32_t* const v = &rod.triangles[3 * (t - surface)];
-            return {GREEN, unit(b[0] * rod.normals[v[0]] + b[1] * rod.normals[v[1]] + b[2] * rod.normals[v[2]])};
-        }
-        const std::array<Vec, 3>& n = normals.of(t);
-        return {albedo(t, spot), unit(camera.turn(b[0] * n[0] + b[1] * n[1] + b[2] * n[2]))};
-    });
-
-    // What lies on the surface and is not behind another part of it.
-    std::vector<Ball> balls;
+// What there is of a kind, and what of it is seen.
+struct Census {
     std::map<int, std::array<size_t, 2>> zeros; // of each order: all, seen
     size_t poles = 0, marks = 0;
-    for (const hmf_singularity& s : foliation.singular) {
-        const Vec place = camera.to_camera({s.position[0], s.position[1], s.position[2]});
-        const ScreenPoint p = canvas.project(place);
+};
+
+// What lies on the surface and is not behind another part of it.
+Census draw_singular(Image& image, const std::vector<hmf_singularity>& singular, const Canvas& canvas,
+                     const Camera& camera, double size) {
+    Census census;
+    std::vector<Ball> balls;
+    for (const hmf_singularity& s : singular) {
+        const ScreenPoint p = canvas.project(camera.to_camera(place_of(s)));
         const double front = canvas.depth_at(p.x, p.y);
         const bool is_seen = p.w > 0 && (front == 0 || 1 / front > 1 / p.w - 0.012 * size);
         if (s.index < 0) {
-            ++zeros[-s.index][0];
-            zeros[-s.index][1] += is_seen;
-        } else ++(s.index > 0 ? poles : marks);
+            ++census.zeros[-s.index][0];
+            census.zeros[-s.index][1] += is_seen;
+        } else ++(s.index > 0 ? census.poles : census.marks);
         if (!is_seen) continue;
-        const double radius = std::clamp(0.0095 * size * p.w * camera.focal * style.height * 0.5, 0.005 * style.height,
-                                         0.0125 * style.height);
+        const double radius = std::clamp(0.0095 * size * p.w * camera.focal * image.height * 0.5, 0.005 * image.height,
+                                         0.0125 * image.height);
         balls.push_back({p.x, p.y, p.x, p.y, radius, -s.index,
                          s.index < 0   ? BLUE_INK
                          : s.index > 0 ? YELLOW_INK
@@ -460,29 +442,86 @@ Image render(const Foliation& foliation, const Potential& potential, const Pictu
         const double high = ball.radius * (text.size() > 1 ? 0.8 : 1.1), unit = high / 6;
         draw_text(image, text, ball.x - 0.5 * width_of(text, high) + unit, ball.y + 0.5 * high, high, {255, 255, 255});
     }
+    return census;
+}
 
-    if (!style.legend) return image;
+std::vector<LegendRow> legend_rows(Pattern pattern, double period, size_t quad_count, const Census& census,
+                                   size_t loops) {
     std::vector<LegendRow> rows;
     char number[40];
     std::snprintf(number, sizeof number, "%.3g", period);
-    if (style.pattern == Pattern::stripes)
+    switch (pattern) {
+    case Pattern::stripes:
         rows.push_back({LegendRow::stripes, {}, std::string("stripes along the leaves, one pair is ") + number});
-    if (style.pattern == Pattern::checkerboard)
+        break;
+    case Pattern::checkerboard:
         rows.push_back({LegendRow::stripes, {}, std::string("squares of (u, v), two are ") + number});
-    if (style.pattern == Pattern::dilatation) rows.push_back({LegendRow::ramp, {}, "dilatation 1 to 2 and more"});
-    if (style.pattern == Pattern::scale)
+        break;
+    case Pattern::dilatation: rows.push_back({LegendRow::ramp, {}, "dilatation 1 to 2 and more"}); break;
+    case Pattern::scale:
         rows.push_back({LegendRow::none, {}, "|grad u|: white the mean, blue a quarter, red four times"});
-    if (shows_quads) rows.push_back({LegendRow::none, {}, plural(quad_count, "quad")});
-    for (const auto& [order, count] : zeros)
+        break;
+    case Pattern::quads: rows.push_back({LegendRow::none, {}, plural(quad_count, "quad")}); break;
+    }
+    for (const auto& [order, count] : census.zeros)
         rows.push_back({LegendRow::ball, BLUE_INK,
                         plural(count[0], "zero") + " of order " + std::to_string(order) + ", "
                             + std::to_string(count[1]) + " seen"});
-    if (poles > 0) rows.push_back({LegendRow::ball, YELLOW_INK, plural(poles, "pole")});
-    if (marks > 0)
+    if (census.poles > 0) rows.push_back({LegendRow::ball, YELLOW_INK, plural(census.poles, "pole")});
+    if (census.marks > 0)
         rows.push_back({LegendRow::ball, VIOLET_INK,
-                        std::to_string(marks) + (marks == 1 ? " marked vertex" : " marked vertices")});
-    if (!loops.empty()) rows.push_back({LegendRow::bar, GREEN_INK, plural(loops.size(), "loop")});
-    draw_legend(image, rows, canvas);
+                        std::to_string(census.marks) + (census.marks == 1 ? " marked vertex" : " marked vertices")});
+    if (loops > 0) rows.push_back({LegendRow::bar, GREEN_INK, plural(loops, "loop")});
+    return rows;
+}
+
+} // namespace
+
+Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
+             const std::vector<Line>& loops, const PictureStyle& style, const hmf_control* control) {
+    const Workers workers(control);
+    const bool shows_quads = style.pattern == Pattern::quads;
+    const Shape shape(foliation, data, shows_quads);
+    const std::vector<uint32_t>& triangles = shows_quads ? shape.halves : foliation.triangles;
+    const Samples samples = sample_surface(shape.points, triangles);
+    const double size = samples.size;
+    std::vector<std::vector<Vec>> lines;
+    for (const Line& loop : loops) lines.push_back(resampled(loop, 0.004 * size));
+    const View view = style.has_view ? style.view : best_view(samples, targets_of(foliation.singular, lines), workers);
+    const Camera camera = place_camera(shape.points, samples, view, double(style.width) / style.height);
+
+    // In the frame of the camera.
+    Canvas canvas(camera, style.width, style.height, workers);
+    std::vector<Vec> points;
+    std::vector<ScreenPoint> screen, rod_screen;
+    points.reserve(shape.points.size());
+    screen.reserve(shape.points.size());
+    for (const Vec p : shape.points) {
+        points.push_back(camera.to_camera(p));
+        screen.push_back(canvas.project(points.back()));
+    }
+    Rods rod;
+    for (std::vector<Vec>& line : lines) {
+        for (Vec& p : line) p = camera.to_camera(p);
+        rod.add(line, 0.0035 * size);
+    }
+    for (const Vec p : rod.points) rod_screen.push_back(canvas.project(p));
+    canvas.add(screen, triangles);
+    canvas.add(rod_screen, rod.triangles);
+
+    static const std::vector<uint32_t> one;
+    const Normals normals(points, triangles, shows_quads ? one : foliation.component, workers);
+    std::vector<double> vertex_number;
+    if (style.pattern == Pattern::dilatation)
+        vertex_number = dilatation_of_vertices(points.size(), triangles, data.dilatation);
+    if (style.pattern == Pattern::scale)
+        vertex_number = scale_of_vertices(points, triangles, foliation, data.log_scale);
+    Image image = canvas.paint(
+        0.05 * size, Paint{foliation, potential, data, triangles, rod, normals, vertex_number, style.pattern});
+    const Census census = draw_singular(image, foliation.singular, canvas, camera, size);
+    if (style.legend)
+        draw_legend(image, legend_rows(style.pattern, potential.period, shape.quad_count, census, loops.size()),
+                    canvas);
     return image;
 }
 

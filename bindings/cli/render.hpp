@@ -38,8 +38,8 @@ struct PictureData {
     std::vector<const hmf_quad_mesh*> quads;
 };
 
-// Components without a foliation are grey.
+// Components without a foliation are grey.  control lends threads; the same bytes with every number of them.
 Image render(const Foliation& foliation, const Potential& potential, const PictureData& data,
-             const std::vector<Line>& loops, const PictureStyle& style);
+             const std::vector<Line>& loops, const PictureStyle& style, const hmf_control* control = nullptr);
 
 } // namespace cli

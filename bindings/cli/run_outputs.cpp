@@ -153,7 +153,7 @@ void Run::draw(const double* uv, double period) {
         for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) picture.quads.push_back(mesh.get());
         const Potential potential =
             style_.pattern == Pattern::stripes ? local_potential(f_, period) : Potential{{}, {}, period};
-        write_png(r_.image, render(f_, potential, picture, lines, style_));
+        write_png(r_.image, render(f_, potential, picture, lines, style_, control_), control_);
     });
 }
 

@@ -80,8 +80,8 @@ void write_history(const std::string& path, const std::vector<const hmf_report*>
     output.close();
 }
 
-void write_png(const std::string& path, const Image& image) {
-    const std::string bytes = png_of(image);
+void write_png(const std::string& path, const Image& image, const hmf_control* control) {
+    const std::string bytes = png_of(image, Workers(control));
     Output output(path);
     std::fwrite(bytes.data(), 1, bytes.size(), output.file());
     output.close();

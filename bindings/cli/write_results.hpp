@@ -19,7 +19,7 @@ void write_report(const std::string& path, const readers::Json& report);
 void write_loops(const std::string& path, const hmf_loop_set& loops, const std::vector<double>& weights);
 // One report for each component; NULL: it has none.  Of several components each line says which.
 void write_history(const std::string& path, const std::vector<const hmf_report*>& reports);
-void write_png(const std::string& path, const Image& image);
+void write_png(const std::string& path, const Image& image, const hmf_control* control);
 // digits: of a coordinate; 17 give the same bits again.
 void write_mesh_obj(const std::string& path, const TriangleMesh& mesh, int digits = 9);
 

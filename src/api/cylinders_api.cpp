@@ -1,5 +1,5 @@
 // uses.h: cylinders.
-#include "../leaves/cylinder_measures.hpp"
+#include "../cylinders/cylinder_measures.hpp"
 #include "../leaves/front_cylinders.hpp"
 #include "../solve/to_minimum.hpp"
 #include "read_loop_set.hpp"

@@ -1,6 +1,7 @@
 #include "foliation_object.hpp"
 
 #include "../foliation/coarser_unit.hpp"
+#include "read_values.hpp"
 #include "shared_flat.hpp"
 
 #include <algorithm>
@@ -8,14 +9,6 @@
 #include <new>
 
 namespace hmf {
-
-constexpr int weight_bits = 48;
-
-double unit_of_weights(double largest) {
-    int exponent = 0;
-    std::frexp(largest, &exponent); // largest = m * 2^exponent, 0.5 <= m < 1
-    return std::ldexp(1.0, exponent - weight_bits);
-}
 
 hmf_status refuse_poles(uint64_t poles, Call& call) {
     if (poles == 0) return HMF_OK;
@@ -115,97 +108,6 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     });
     h.references.fetch_add(1, std::memory_order_relaxed);
     *out = object;
-    return HMF_OK;
-}
-
-// Values of the front of a double, and the same on its back.
-static hmf_status mirror_values(const hmf_hierarchy& h, const double* values, Array<double>& both, Call& call) {
-    if (!both.allocate(call.memory, h.input.edge_count)) return call.out_of_memory();
-    const size_t m = h.surface_triangles;
-    for (size_t e = 0; e < h.surface_edges; ++e) both[e] = values[e];
-    for (size_t t = 0; t < m; ++t)
-        for (size_t s = 0; s < 3; ++s)
-            both[h.triangle_edges[3 * (m + t) + 2 - s]] = values[h.triangle_edges[3 * t + s]];
-    return HMF_OK;
-}
-
-hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles, Call& call) {
-    Foliation& f = state.foliation;
-    if (!values)
-        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "values is NULL. Give one value per edge of the level.");
-    if (check_count(count, f.mesh.edge_count, "values", call)) return call.status();
-    // The lowest bit that any value uses, and the largest value.
-    double largest = 0;
-    int lowest = INT32_MAX;
-    for (size_t e = 0; e < count; ++e) {
-        const double x = values[e];
-        if (!(x >= 0) || x > 1e300)
-            return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_EDGE, e,
-                             "The value of edge %llu is %g. Values are finite and not negative.",
-                             static_cast<unsigned long long>(e), x);
-        largest = std::max(largest, x);
-        if (x == 0) continue;
-        int exponent = 0;
-        const double mantissa = std::frexp(x, &exponent);
-        uint64_t bits = static_cast<uint64_t>(std::ldexp(mantissa, 53));
-        int zeros = 0;
-        while (!(bits & 1)) {
-            bits >>= 1;
-            ++zeros;
-        }
-        if (exponent - 53 + zeros < lowest) lowest = exponent - 53 + zeros;
-    }
-    if (largest == 0)
-        return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_EDGE, 0,
-                         "All values are zero. A foliation has at least one positive value.");
-    int exponent = 0;
-    std::frexp(largest, &exponent);
-    // Values with few bits get a finer unit.  Others, results of the library as a
-    // rule, keep theirs, so that no bit is lost by passing them on and on; if
-    // positions in the tree (half of a sum of three values) are then no
-    // integers, one bit more is needed.
-    constexpr int full = 40;
-    const bool few = exponent - lowest < full;
-    int unit_exponent = few ? exponent - weight_bits : lowest;
-    const auto fits = [&] { return exponent - unit_exponent <= 53; };
-    const auto read = [&] {
-        unit = std::ldexp(1.0, unit_exponent);
-        for (size_t e = 0; e < count; ++e)
-            f.value[internal_edge(*state.hierarchy, state.level, e)] = static_cast<int64_t>(values[e] / unit);
-    };
-    if (fits()) read();
-    if (!few && fits()) {
-        int64_t odd = 0;
-        for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) odd |= f.corner2(h) & 1;
-        if (odd) {
-            --unit_exponent;
-            if (fits()) read();
-        }
-    }
-    if (!fits())
-        return call.fail(HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_NONE, 0,
-                         "The values are not multiples of a common power of two within 52 bits. Pass values as the "
-                         "library returned them.");
-    if (!call.tick(0.4)) return call.was_cancelled();
-    for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h) {
-        const int64_t corner2 = f.corner2(h);
-        if (corner2 >= 0 && corner2 % 2 == 0) continue;
-        uint64_t edge = edge_of(f.mesh.next[h]);
-        if (state.level == 0)
-            for (uint64_t e = 0; e < count; ++e)
-                if (state.hierarchy->edge_internal[e] == edge) {
-                    edge = e;
-                    break;
-                }
-        return call.fail(
-            HMF_ERROR_VALUE_NOT_CLOSED, HMF_ELEMENT_EDGE, edge,
-            "The triangle inequality breaks at edge %llu. Pass values of this mesh as the library returned them.",
-            static_cast<unsigned long long>(edge));
-    }
-    if (!call.tick(0.5)) return call.was_cancelled();
-    const SingularityCount found = count_singularities(f, {}, &call);
-    if (call.cancelled()) return call.was_cancelled();
-    poles = found.poles;
     return HMF_OK;
 }
 

@@ -74,15 +74,7 @@ inline bool is_minimum(const hmf_foliation& foliation) {
 // all heights must be multiples of it.
 [[nodiscard]] hmf_status coarsen_unit(State& state, uint32_t bits, Call& call);
 
-// Values of the caller into a state on its level.  Finds the unit.  Validates:
-// finite, exact, triangle inequalities, parity; counts the poles.
-[[nodiscard]] hmf_status read_values(State& state, const double* values, size_t count, double& unit, uint64_t& poles,
-                                     Call& call);
-
 [[nodiscard]] hmf_status refuse_poles(uint64_t poles, Call& call);
-
-// Unit for weights whose largest is `largest`: it is below 2^48 units, so values up to 32 weights are exact doubles.
-double unit_of_weights(double largest);
 
 // Internal number of an edge of the caller.
 inline uint32_t internal_edge(const hmf_hierarchy& h, size_t level, size_t e) {

@@ -1,6 +1,6 @@
 // uses.h: quads.
-#include "../leaves/relax_quads.hpp"
-#include "../leaves/sized_quads.hpp"
+#include "../quads/relax_quads.hpp"
+#include "../quads/sized_quads.hpp"
 #include "result.hpp"
 #include "use_entry.hpp"
 

@@ -1,7 +1,7 @@
 // hmf.h: interpolate, energy, residuals, singularities.
 #include "../design/conformal_scale.hpp"
 #include "../hierarchy/caller_numbers.hpp"
-#include "../leaves/double_reflection.hpp"
+#include "../solve/double_reflection.hpp"
 #include "../solve/fraction.hpp"
 #include "foliation_object.hpp"
 

@@ -3,7 +3,8 @@
 #include "../hierarchy/caller_numbers.hpp"
 #include "../loops/double_loops.hpp"
 #include "../loops/surface_loops.hpp"
-#include "canonical_loops.hpp"
+#include "../cylinders/reference_loops.hpp"
+#include "read_values.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -126,7 +127,7 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     }
     if (!set) {
         out.level = own;
-        if (canonical_loops(h, own, HMF_LOOPS_CUT, call, out.loops)) return call.status();
+        if (reference_loops(h, own, HMF_LOOPS_CUT, call, out.loops)) return call.status();
         return read_weights(h.is_double(), given, out, call);
     }
     hmf_loop_set all;

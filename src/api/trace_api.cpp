@@ -1,6 +1,6 @@
 // uses.h: trace.
-#include "../leaves/front_lines.hpp"
-#include "../leaves/trace.hpp"
+#include "../lines/front_lines.hpp"
+#include "../lines/trace.hpp"
 #include "../solve/to_minimum.hpp"
 #include "result.hpp"
 #include "use_entry.hpp"

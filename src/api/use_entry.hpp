@@ -5,7 +5,7 @@
 
 #include "../hierarchy/caller_numbers.hpp"
 #include "../leaves/cylinders.hpp"
-#include "../leaves/double_reflection.hpp"
+#include "../solve/double_reflection.hpp"
 #include "shared_flat.hpp"
 
 namespace hmf {

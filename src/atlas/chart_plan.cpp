@@ -144,9 +144,11 @@ Done ChartPlan::cut_long_parts() {
         const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
         if (!(length > LONG * size)) continue;
         const double count = std::min(std::ceil(length / size), MOST_PARTS);
-        for (double k = count - 1; k > 0; --k)
-            if (!cut_part(i, in_u, (in_u ? box.u0 : box.v0) + k / count * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
+        for (int k = static_cast<int>(count) - 1; k > 0; --k) {
+            const double at = static_cast<double>(k) / count;
+            if (!cut_part(i, in_u, (in_u ? box.u0 : box.v0) + at * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
                 return false;
+        }
     }
     return true;
 }
@@ -210,8 +212,7 @@ hmf_status ChartPlan::cut_charts(double& cost) {
 
 // Joins pieces to charts, more or less eagerly, and cuts charts where the square then becomes smaller.
 hmf_status ChartPlan::run() {
-    if (charts.start(pieces_.mesh, pieces_.position, pieces_.bundle, pieces_.strips, pieces_.triangle, call_))
-        return call_.status();
+    if (charts.start(pieces_.mesh, pieces_.bundle, pieces_.strips, pieces_.triangle, call_)) return call_.status();
     const double size = std::sqrt(pieces_.whole);
     constexpr double eager[] = {0.003, 0.01, 0.015, 0.02, 0.03, 0.04, 0.08};
     double best = 0, best_cost = HUGE_VAL;

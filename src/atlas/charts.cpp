@@ -14,13 +14,35 @@ void Box::add(const Box& other) {
     v1 = std::max(v1, other.v1);
 }
 
-hmf_status Charts::start(const Mesh& mesh, const double*, const SignBundle& bundle, const Strips& strips,
-                         double triangle, Call& call) {
+namespace {
+
+// Adds up neighbours in a sorted list that are the same but for what is added.
+template <class T, class Same, class Add>
+void merge_same(Array<T>& list, Same same, Add add) {
+    size_t kept = 0;
+    for (const T& x : list) {
+        if (kept > 0 && same(list[kept - 1], x)) add(list[kept - 1], x);
+        else list[kept++] = x;
+    }
+    while (list.size() > kept) list.pop();
+}
+
+} // namespace
+
+hmf_status Charts::start(const Mesh& mesh, const SignBundle& bundle, const Strips& strips, double triangle,
+                         Call& call) {
     triangle_ = triangle;
     const uint32_t n = strips.piece_count();
     if (!box.allocate(call.memory, n) || !of_piece.allocate(call.memory, n) || !motion.allocate(call.memory, n)
         || !first_.allocate(call.memory, n) || !next_.allocate(call.memory, n) || !chart_box_.allocate(call.memory, n))
         return call.out_of_memory();
+    contacts_.start(call.memory);
+    candidates_.start(call.memory);
+    find_boxes(strips);
+    return find_contacts(mesh, bundle, strips, call);
+}
+
+void Charts::find_boxes(const Strips& strips) {
     for (size_t c = 0; c + 1 < strips.list.size(); ++c) {
         const Strip& strip = strips.list[c];
         const uint32_t begin = strip.first_piece, end = strips.list[c + 1].first_piece;
@@ -30,8 +52,9 @@ hmf_status Charts::start(const Mesh& mesh, const double*, const SignBundle& bund
                       static_cast<double>(strip.high), static_cast<double>(to)};
         }
     }
-    contacts_.start(call.memory);
-    candidates_.start(call.memory);
+}
+
+hmf_status Charts::find_contacts(const Mesh& mesh, const SignBundle& bundle, const Strips& strips, Call& call) {
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         if (e % 65536 == 0 && !call.tick(0.87)) return call.was_cancelled();
         uint32_t h = 2 * e, t = 2 * e + 1;
@@ -46,26 +69,18 @@ hmf_status Charts::start(const Mesh& mesh, const double*, const SignBundle& bund
     }
     if (!call.tick(0.87)) return call.was_cancelled();
     heap_sort(contacts_.data(), contacts_.size(), [](const Contact& a, const Contact& b) {
-        return a.p != b.p                     ? a.p < b.p
-             : a.q != b.q                     ? a.q < b.q
-             : a.motion.sign != b.motion.sign ? a.motion.sign < b.motion.sign
-             : a.motion.u != b.motion.u       ? a.motion.u < b.motion.u
-                                              : a.motion.v < b.motion.v;
+        return a.p != b.p ? a.p < b.p : a.q != b.q ? a.q < b.q : a.motion < b.motion;
     });
-    size_t kept = 0;
-    for (const Contact& c : contacts_) {
-        if (kept > 0 && contacts_[kept - 1].p == c.p && contacts_[kept - 1].q == c.q
-            && contacts_[kept - 1].motion == c.motion) {
-            contacts_[kept - 1].u += c.u;
-            contacts_[kept - 1].v += c.v;
-        } else contacts_[kept++] = c;
-    }
-    while (contacts_.size() > kept) contacts_.pop();
+    merge_same(
+        contacts_, [](const Contact& a, const Contact& b) { return a.p == b.p && a.q == b.q && a.motion == b.motion; },
+        [](Contact& sum, const Contact& c) {
+            sum.u += c.u;
+            sum.v += c.v;
+        });
     return HMF_OK;
 }
 
-Box Charts::box_in_chart(uint32_t piece, const Motion& m) const {
-    const Box& b = box[piece];
+Box Charts::moved(const Box& b, const Motion& m) {
     const double s = static_cast<double>(m.sign), u = static_cast<double>(m.u), v = static_cast<double>(m.v);
     return m.sign > 0 ? Box{b.u0 + u, b.v0 + v, b.u1 + u, b.v1 + v}
                       : Box{s * b.u1 + u, s * b.v1 + v, s * b.u0 + u, s * b.v0 + v};
@@ -129,93 +144,107 @@ bool Charts::fits(const Candidate& c) const {
     return true;
 }
 
-hmf_status Charts::join(const JoinWish& wish, Call& call) {
-    const uint32_t n = static_cast<uint32_t>(box.size());
+// Each piece is a chart.  The area of all boxes.
+double Charts::start_with_pieces() {
     double whole = 0;
-    for (uint32_t p = 0; p < n; ++p) {
+    for (uint32_t p = 0; p < box.size(); ++p) {
         of_piece[p] = first_[p] = p;
         next_[p] = NONE;
         motion[p] = {};
         chart_box_[p] = box[p];
         whole += box[p].area();
     }
-    // In rounds: the best first, each chart once a round.
-    Array<uint32_t> done;
+    return whole;
+}
+
+// The ways in which two charts can be joined, each with the length along which they meet.
+Done Charts::list_candidates() {
+    candidates_.clear();
+    for (const Contact& c : contacts_) {
+        Candidate found{of_piece[c.p], of_piece[c.q], motion[c.p].after(c.motion).after(motion[c.q].inverse()),
+                        std::sqrt(static_cast<double>(c.u) * static_cast<double>(c.u)
+                                  + static_cast<double>(c.v) * static_cast<double>(c.v)),
+                        0};
+        if (found.a == found.b) continue;
+        if (found.a > found.b) std::swap(found.a, found.b), found.motion = found.motion.inverse();
+        if (!candidates_.push(found)) return false;
+    }
+    heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
+        return a.a != b.a              ? a.a < b.a
+             : a.b != b.b              ? a.b < b.b
+             : !(a.motion == b.motion) ? a.motion < b.motion
+                                       : a.gain < b.gain;
+    });
+    merge_same(
+        candidates_,
+        [](const Candidate& a, const Candidate& b) { return a.a == b.a && a.b == b.b && a.motion == b.motion; },
+        [](Candidate& sum, const Candidate& c) { sum.gain += c.gain; });
+    return true;
+}
+
+// Those that save more seam than they waste room, the best first.
+void Charts::keep_worthwhile(const JoinWish& wish, double whole) {
+    size_t kept = 0;
+    for (Candidate c : candidates_) {
+        Box both = moved(chart_box_[c.b], c.motion);
+        both.add(chart_box_[c.a]);
+        if (both.u1 - both.u0 > wish.longest || both.v1 - both.v0 > wish.longest) continue;
+        const double waste = both.area() - chart_box_[c.a].area() - chart_box_[c.b].area();
+        c.score = wish.bonus * whole + wish.rim * c.gain - waste;
+        if (c.score > 0) candidates_[kept++] = c;
+    }
+    while (candidates_.size() > kept) candidates_.pop();
+    heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
+        return a.score != b.score ? a.score > b.score : a.a != b.a ? a.a < b.a : a.b < b.b;
+    });
+}
+
+// Chart b becomes a part of a.
+void Charts::merge(const Candidate& c) {
+    uint32_t last = NONE;
+    for (uint32_t q = first_[c.b]; q != NONE; q = next_[q]) {
+        motion[q] = c.motion.after(motion[q]);
+        of_piece[q] = c.a;
+        last = q;
+    }
+    next_[last] = first_[c.a];
+    first_[c.a] = first_[c.b];
+    first_[c.b] = NONE;
+    chart_box_[c.a] = box_in_chart(first_[c.a], motion[first_[c.a]]);
+    for (uint32_t q = first_[c.a]; q != NONE; q = next_[q]) chart_box_[c.a].add(box_in_chart(q, motion[q]));
+}
+
+// Numbers without gaps.
+Done Charts::number_charts(Call& call) {
+    Array<uint32_t> number;
+    if (!number.allocate_filled(call.memory, of_piece.size(), NONE)) return false;
+    count = 0;
+    for (const uint32_t chart : of_piece)
+        if (number[chart] == NONE) number[chart] = count++;
+    for (uint32_t& chart : of_piece) chart = number[chart];
+    return true;
+}
+
+// In rounds: the best first, each chart once a round.
+hmf_status Charts::join(const JoinWish& wish, Call& call) {
+    const uint32_t n = static_cast<uint32_t>(box.size());
+    const double whole = start_with_pieces();
+    Array<uint32_t> done; // the last round in which a chart was joined
     if (!done.allocate_filled(call.memory, n, 0)) return call.out_of_memory();
-    for (uint32_t round = 1; round <= n; ++round) {
+    bool any = true;
+    for (uint32_t round = 1; round <= n && any; ++round) {
         if (!call.tick(0.88)) return call.was_cancelled();
-        candidates_.clear();
-        for (const Contact& c : contacts_) {
-            Candidate found{of_piece[c.p], of_piece[c.q], motion[c.p].after(c.motion).after(motion[c.q].inverse()),
-                            std::sqrt(static_cast<double>(c.u) * static_cast<double>(c.u)
-                                      + static_cast<double>(c.v) * static_cast<double>(c.v)),
-                            0};
-            if (found.a == found.b) continue;
-            if (found.a > found.b) std::swap(found.a, found.b), found.motion = found.motion.inverse();
-            if (!candidates_.push(found)) return call.out_of_memory();
-        }
-        heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
-            return a.a != b.a                     ? a.a < b.a
-                 : a.b != b.b                     ? a.b < b.b
-                 : a.motion.sign != b.motion.sign ? a.motion.sign < b.motion.sign
-                 : a.motion.u != b.motion.u       ? a.motion.u < b.motion.u
-                 : a.motion.v != b.motion.v       ? a.motion.v < b.motion.v
-                                                  : a.gain < b.gain;
-        });
-        size_t kept = 0;
-        for (const Candidate& c : candidates_) {
-            if (kept > 0 && candidates_[kept - 1].a == c.a && candidates_[kept - 1].b == c.b
-                && candidates_[kept - 1].motion == c.motion)
-                candidates_[kept - 1].gain += c.gain;
-            else candidates_[kept++] = c;
-        }
-        while (candidates_.size() > kept) candidates_.pop();
-        kept = 0;
-        for (Candidate c : candidates_) {
-            const double s = static_cast<double>(c.motion.sign), u = static_cast<double>(c.motion.u),
-                         v = static_cast<double>(c.motion.v);
-            const Box& b = chart_box_[c.b];
-            Box both = c.motion.sign > 0 ? Box{b.u0 + u, b.v0 + v, b.u1 + u, b.v1 + v}
-                                         : Box{s * b.u1 + u, s * b.v1 + v, s * b.u0 + u, s * b.v0 + v};
-            both.add(chart_box_[c.a]);
-            if (both.u1 - both.u0 > wish.longest || both.v1 - both.v0 > wish.longest) continue;
-            const double waste = both.area() - chart_box_[c.a].area() - chart_box_[c.b].area();
-            c.score = wish.bonus * whole + wish.rim * c.gain - waste;
-            if (c.score > 0) candidates_[kept++] = c;
-        }
-        while (candidates_.size() > kept) candidates_.pop();
-        heap_sort(candidates_.data(), candidates_.size(), [](const Candidate& a, const Candidate& b) {
-            return a.score != b.score ? a.score > b.score : a.a != b.a ? a.a < b.a : a.b < b.b;
-        });
-        bool any = false;
+        if (!list_candidates()) return call.out_of_memory();
+        keep_worthwhile(wish, whole);
+        any = false;
         for (const Candidate& c : candidates_) {
             if (done[c.a] == round || done[c.b] == round || !fits(c)) continue;
             done[c.a] = done[c.b] = round;
             any = true;
-            uint32_t last = NONE;
-            for (uint32_t q = first_[c.b]; q != NONE; q = next_[q]) {
-                motion[q] = c.motion.after(motion[q]);
-                of_piece[q] = c.a;
-                last = q;
-            }
-            next_[last] = first_[c.a];
-            first_[c.a] = first_[c.b];
-            first_[c.b] = NONE;
-            chart_box_[c.a] = box_in_chart(first_[c.a], motion[first_[c.a]]);
-            for (uint32_t q = first_[c.a]; q != NONE; q = next_[q]) chart_box_[c.a].add(box_in_chart(q, motion[q]));
+            merge(c);
         }
-        if (!any) break;
     }
-    // Numbers without gaps.
-    Array<uint32_t> number;
-    if (!number.allocate_filled(call.memory, n, NONE)) return call.out_of_memory();
-    count = 0;
-    for (uint32_t p = 0; p < n; ++p) {
-        uint32_t& c = number[of_piece[p]];
-        if (c == NONE) c = count++;
-    }
-    for (uint32_t p = 0; p < n; ++p) of_piece[p] = number[of_piece[p]];
-    return HMF_OK;
+    return number_charts(call) ? HMF_OK : call.out_of_memory();
 }
 
 } // namespace hmf

@@ -13,6 +13,10 @@ struct Motion {
     Motion inverse() const { return {sign, -sign * u, -sign * v}; }
 };
 inline bool operator==(const Motion& a, const Motion& b) { return a.sign == b.sign && a.u == b.u && a.v == b.v; }
+// Some order of all motions.
+inline bool operator<(const Motion& a, const Motion& b) {
+    return a.sign != b.sign ? a.sign < b.sign : a.u != b.u ? a.u < b.u : a.v < b.v;
+}
 
 // A rectangle with sides along u and v.
 struct Box {
@@ -34,9 +38,9 @@ public:
     Array<Box> box;           // of each piece in its strip
     uint32_t count = 0;
 
-    // Where pieces meet; once, before join.
-    [[nodiscard]] hmf_status start(const Mesh& mesh, const double* position, const SignBundle& bundle,
-                                   const Strips& strips, double triangle, Call& call);
+    // Where pieces meet; once, before join.  triangle: length of a side.
+    [[nodiscard]] hmf_status start(const Mesh& mesh, const SignBundle& bundle, const Strips& strips, double triangle,
+                                   Call& call);
     [[nodiscard]] hmf_status join(const JoinWish& wish, Call& call);
 
 private:
@@ -51,7 +55,16 @@ private:
         Motion motion; // from b to a
         double gain, score;
     };
-    Box box_in_chart(uint32_t piece, const Motion& m) const;
+    void find_boxes(const Strips& strips);
+    [[nodiscard]] hmf_status find_contacts(const Mesh& mesh, const SignBundle& bundle, const Strips& strips,
+                                           Call& call);
+    double start_with_pieces();
+    Done list_candidates();
+    void keep_worthwhile(const JoinWish& wish, double whole);
+    void merge(const Candidate& c);
+    Done number_charts(Call& call);
+    Box box_in_chart(uint32_t piece, const Motion& m) const { return moved(box[piece], m); }
+    static Box moved(const Box& b, const Motion& m);
     double glued(uint32_t p, uint32_t q, const Motion& q_to_p, bool along_v) const;
     double covered(const Candidate& c, const Box& slot) const;
     bool fits(const Candidate& c) const;

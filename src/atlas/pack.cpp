@@ -196,82 +196,94 @@ void Packer::sort(State& state, int key, bool upright) const {
               [&](uint32_t a, uint32_t b) { return size(a) != size(b) ? size(a) > size(b) : a < b; });
 }
 
-hmf_status Packer::search(uint64_t effort, Call& call) {
+// Room for everything, and the widths that the search begins with.
+hmf_status Packer::prepare(State& state, Widths& width, Call& call) {
     const uint32_t n = count();
-    State state;
     if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
         || !turn_upside_down())
         return call.out_of_memory();
-    uint32_t all = 1, widest = 1;
     size_t most_intervals = 0;
-    double whole = area_;
+    width.row = width.least = 1;
     for (const Item& item : items_) {
-        const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns);
-        all += std::max(item.side[0].columns, item.side[1].columns) + 1;
-        widest = std::max(widest, narrow);
-        most_intervals += std::max(item.side[0].columns, item.side[1].columns);
+        const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns),
+                       wide = std::max(item.side[0].columns, item.side[1].columns);
+        width.row += wide + 1;
+        width.least = std::max(width.least, narrow);
+        most_intervals += wide;
     }
-    // A width that all orders are tried with, until one fits; one row of all fits at last.
-    uint32_t width = std::max(widest, static_cast<uint32_t>(std::sqrt(whole) / column_));
-    all = std::max(all, width);
+    width.now = std::max(width.least, static_cast<uint32_t>(std::sqrt(area_) / column_));
+    width.row = std::max(width.row, width.now);
     intervals_.start(*memory_);
-    if (!column_first_.allocate(*memory_, all) || !intervals_.reserve(most_intervals)) return call.out_of_memory();
-    bool found = false;
+    return column_first_.allocate(*memory_, width.row) && intervals_.reserve(most_intervals) ? HMF_OK
+                                                                                             : call.out_of_memory();
+}
+
+// A width that all orders are tried with, until one fits; one row of all fits at last.
+hmf_status Packer::find_first(uint64_t effort, State& state, Widths& width, Call& call) {
+    const uint32_t n = count();
     const int kinds = n < 100 ? 6 : 1;
-    while (!found) {
-        for (int kind = 0; kind < kinds && !found; ++kind) {
+    for (;;) {
+        for (int kind = 0; kind < kinds; ++kind) {
             if (!call.tick(0.9)) return call.was_cancelled();
             sort(state, kind % 3, kind / 3 == 0);
-            found = let_down(state, width, 0, nullptr) == 0;
+            if (let_down(state, width.now, 0, nullptr) == 0) return HMF_OK;
         }
-        if (!found) {
-            if (width >= all)
-                return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,
-                                 "The charts cannot be packed. Please report it.");
-            width = std::min(all, width + 1 + width / (steps_ > 10 * effort + 10000000 ? 4 : n < 100 ? 100 : 20));
-        }
+        if (width.now >= width.row)
+            return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "The charts cannot be packed. Please report it.");
+        const uint32_t part = steps_ > 10 * effort + 10000000 ? 4 : n < 100 ? 100 : 20;
+        width.now = std::min(width.row, width.now + 1 + width.now / part);
     }
-    if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
-    uint64_t random = 0x9e3779b97f4a7c15u;
-    const auto below = [&](uint32_t limit) {
-        random = random * 6364136223846793005u + 1442695040888963407u;
-        return static_cast<uint32_t>((random >> 33) % limit);
+}
+
+// Two shapes change places, or one is turned, or both.  Often one that did not fit comes earlier.
+void Packer::change(State& state, uint32_t missed) {
+    const auto below = [this](uint32_t limit) {
+        random_ = random_ * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<uint32_t>((random_ >> 33) % limit);
     };
-    // A worse one is accepted as well, less and less so.
-    uint32_t best_width = width;
+    const uint32_t n = count();
+    const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
+    if (what != 0) std::swap(state.order[a], state.order[b]);
+    if (what == 1) return;
+    uint8_t& turns = state.turns[state.order[a]];
+    turns = static_cast<uint8_t>((turns + 1 + below(3)) % 4);
+}
+
+// Simulated annealing at ever smaller widths: a worse state is accepted as well, less and less so.
+hmf_status Packer::narrow(uint64_t effort, State& state, Widths& width, Call& call) {
+    if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
+    random_ = 0x9e3779b97f4a7c15u;
     bool fresh = true;       // as it is, at a new width
     double least = HUGE_VAL; // area that did not fit at the width that is tried
     uint32_t missed = 0;     // of current_
-    for (uint32_t i = 0; steps_ < effort && i < TRIES + TRIES_EACH * n && best_width > widest; ++i) {
+    for (uint32_t i = 0; steps_ < effort && i < TRIES + TRIES_EACH * count() && width.now > width.least; ++i) {
         if (!call.tick(0.9)) return call.was_cancelled();
-        const uint32_t narrower = best_width - 1;
         if (!state.copy(current_, *memory_)) return call.out_of_memory();
-        if (!fresh) {
-            // Often one that did not fit comes earlier.
-            const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
-            if (what != 0) std::swap(state.order[a], state.order[b]);
-            if (what != 1) {
-                uint8_t& turns = state.turns[state.order[a]];
-                turns = static_cast<uint8_t>((turns + 1 + below(3)) % 4);
-            }
-        }
+        if (!fresh) change(state, missed);
         fresh = false;
         const double part = 1 - static_cast<double>(i % ROUND) / ROUND;
         const double most = least * (1 + 0.5 * part * part);
-        const double missing = let_down(state, narrower, most, nullptr);
+        const double missing = let_down(state, width.now - 1, most, nullptr);
         if (missing > most) continue;
         least = std::min(least, missing);
         missed = missed_;
         if (!current_.copy(state, *memory_)) return call.out_of_memory();
-        if (missing == 0) {
-            best_width = narrower;
-            if (!best_.copy(state, *memory_)) return call.out_of_memory();
-            least = HUGE_VAL;
-            fresh = true;
-        }
+        if (missing > 0) continue;
+        --width.now;
+        if (!best_.copy(state, *memory_)) return call.out_of_memory();
+        least = HUGE_VAL;
+        fresh = true;
     }
-    let_down(best_, best_width, HUGE_VAL, best_places_.data());
-    side_ = column_ * best_width;
+    return HMF_OK;
+}
+
+hmf_status Packer::search(uint64_t effort, Call& call) {
+    State state;
+    Widths width;
+    if (prepare(state, width, call) || find_first(effort, state, width, call) || narrow(effort, state, width, call))
+        return call.status();
+    let_down(best_, width.now, HUGE_VAL, best_places_.data());
+    side_ = column_ * width.now;
     return HMF_OK;
 }
 

@@ -69,9 +69,18 @@ private:
     double let_down(const State& state, uint32_t width, double most, Place* places);
     void sort(State& state, int key, bool upright) const;
 
+    // Of the square, in columns.
+    struct Widths {
+        uint32_t now = 1, least = 1, row = 1; // row: all shapes side by side
+    };
+    [[nodiscard]] hmf_status prepare(State& state, Widths& width, Call& call);
+    [[nodiscard]] hmf_status find_first(uint64_t effort, State& state, Widths& width, Call& call);
+    [[nodiscard]] hmf_status narrow(uint64_t effort, State& state, Widths& width, Call& call);
+    void change(State& state, uint32_t missed);
+
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
-    uint64_t steps_ = 0;
+    uint64_t steps_ = 0, random_ = 0;
     uint32_t missed_ = 0; // place in the order of a shape that did not fit
     Array<Item> items_;
     Array<double> bottom_, top_;

@@ -6,7 +6,7 @@
 #include "strips.hpp"
 
 #include "../base/heap_sort.hpp"
-#include "../leaves/cylinder_classes.hpp"
+#include "../leaves/cylinders.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -73,6 +73,7 @@ struct Totals {
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory, Call* call) {
     constexpr double least = 1e-14; // of the largest density
+    constexpr double flat = 1e-12;  // height of a triangle, in its longest side
     const auto go_on = [call] { return !call || call->tick(0, true); };
     const Parallel alone;
     const Parallel& parallel = call ? call->parallel : alone;
@@ -95,11 +96,19 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
             cross[c] = (p[1][x] - p[0][x]) * (p[2][y] - p[0][y]) - (p[1][y] - p[0][y]) * (p[2][x] - p[0][x]);
         }
         const double doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+        double longest = 0; // squared
+        for (size_t i = 0; i < 3; ++i) {
+            double side_squared = 0;
+            for (size_t c = 0; c < 3; ++c)
+                side_squared += (p[i][c] - p[(i + 1) % 3][c]) * (p[i][c] - p[(i + 1) % 3][c]);
+            longest = std::max(longest, side_squared);
+        }
         const uint32_t t = mesh.face[h];
+        area[t] = log_scale[t] = 0;
+        // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
+        if (!(doubled > flat * longest)) return;
         area[t] = doubled / 2;
-        log_scale[t] = 0;
         totals.area += doubled / 2;
-        if (!(doubled > 0)) return;
         double energy = 0;
         for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
             const double *a = p[(i + 2) % 3], *b = p[i], *c = p[(i + 1) % 3];

@@ -26,7 +26,7 @@ constexpr double PERSISTENCE = 0.3; // least, of a tip
 constexpr double DEPTH = 0.2;       // least, below the mean
 constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
 constexpr size_t MOST_TIPS = 24;
-constexpr double PRICE = 0.003;      // of a pole, in unevenness
+constexpr double PRICE = 0.012;      // of a pole, in unevenness
 constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
 // Of the disk between two poles: it covers the end of a limb.
@@ -34,40 +34,34 @@ constexpr EdgeDistances::DiskLimit CAP{8, 0.02, 2.4};
 
 } // namespace
 
-// Persistent minima of the smoothed scale that lie away from the tips there are.
-Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
-    const uint32_t n = mesh_.vertex_count;
-    Array<double> height, smooth;
-    Array<uint32_t> rising, part, lowest;
-    Array<uint8_t> passed, taken;
-    found.start(memory_);
-    if (!height.allocate(memory_, n) || !smooth.allocate(memory_, n) || !rising.allocate(memory_, n)
-        || !part.allocate(memory_, n) || !lowest.allocate(memory_, n) || !passed.allocate_filled(memory_, n, uint8_t{0})
-        || !taken.allocate_filled(memory_, n, uint8_t{0}))
-        return false;
-    double mean = 0;
-    for (uint32_t v = 0; v < n; ++v) {
-        height[v] = choice.scale[v];
-        mean += distances_.area(v) / distances_.whole_area() * height[v];
-    }
-    for (uint32_t v = 0; v < n; ++v) { // one step of smoothing
-        double area = distances_.area(v), sum = area * height[v];
+// The scale after one step of smoothing, and its mean.
+Done EvenSearch::smooth_scale(const Array<double>& scale, Array<double>& smooth, double& mean) {
+    if (!smooth.allocate(memory_, mesh_.vertex_count)) return false;
+    mean = 0;
+    for (uint32_t v = 0; v < mesh_.vertex_count; ++v) mean += distances_.area(v) / distances_.whole_area() * scale[v];
+    for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+        double area = distances_.area(v), sum = area * scale[v];
         for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
-            sum += distances_.area(w) * height[w];
+            sum += distances_.area(w) * scale[w];
             area += distances_.area(w);
         }
-        smooth[v] = area > 0 ? sum / area : height[v];
+        smooth[v] = area > 0 ? sum / area : scale[v];
     }
-    // Rings round the tips there are.
+    return true;
+}
+
+// Vertices within two rings of some tips and their poles.
+Done EvenSearch::find_taken(const Array<Tip>& tips, Array<uint8_t>& taken) {
     Array<uint32_t> queue;
     queue.start(memory_);
+    if (!taken.allocate_filled(memory_, mesh_.vertex_count, uint8_t{0})) return false;
     const auto take = [&](uint32_t v) -> Done {
         if (v == NONE || taken[v]) return true;
         taken[v] = 1;
         return queue.push(v);
     };
-    for (const Tip& tip : choice.tips)
+    for (const Tip& tip : tips)
         if (!take(tip.vertex) || !take(tip.ends[0]) || !take(tip.ends[1])) return false;
     size_t begin = 0;
     for (int ring = 0; ring < 2; ++ring) {
@@ -78,29 +72,51 @@ Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
             }
         }
     }
-    const auto lower = [&smooth](uint32_t a, uint32_t b) {
-        return smooth[a] != smooth[b] ? smooth[a] < smooth[b] : a < b;
+    return true;
+}
+
+// The minima of a function on the vertices with their persistence: vertices are passed from low to high, and
+// where two parts meet, the higher of their minima ends.  visit(vertex, persistence).
+template <class Visit>
+Done EvenSearch::for_persistent_minima(const Array<double>& height, Visit visit) {
+    const uint32_t n = mesh_.vertex_count;
+    Array<uint32_t> rising, part, lowest;
+    Array<uint8_t> passed;
+    if (!rising.allocate(memory_, n) || !part.allocate(memory_, n) || !lowest.allocate(memory_, n)
+        || !passed.allocate_filled(memory_, n, uint8_t{0}))
+        return false;
+    const auto lower = [&height](uint32_t a, uint32_t b) {
+        return height[a] != height[b] ? height[a] < height[b] : a < b;
     };
     for (uint32_t v = 0; v < n; ++v) rising[v] = part[v] = lowest[v] = v;
     heap_sort(rising.data(), n, lower);
-    const auto add = [&](uint32_t v, double persistence) -> Done {
-        if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
-        return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
-    };
     for (const uint32_t v : rising) {
         passed[v] = 1;
         for (const uint32_t h : mesh_.around(v)) {
             const uint32_t w = mesh_.target(h);
             const uint32_t a = find_root(part.data(), v), b = find_root(part.data(), w);
-            if (passed[w] && a != b) {
-                const uint32_t x = lowest[a], y = lowest[b], ends = lower(x, y) ? y : x, stays = lower(x, y) ? x : y;
-                if (ends != v && !add(ends, smooth[v] - smooth[ends])) return false;
-                unite(part.data(), a, b);
-                lowest[find_root(part.data(), a)] = stays;
-            }
+            if (!passed[w] || a == b) continue;
+            const uint32_t x = lowest[a], y = lowest[b], ends = lower(x, y) ? y : x, stays = lower(x, y) ? x : y;
+            if (ends != v && !visit(ends, height[v] - height[ends])) return false;
+            unite(part.data(), a, b);
+            lowest[find_root(part.data(), a)] = stays;
         }
     }
-    if (!add(rising[0], HUGE_VAL)) return false;
+    return visit(rising[0], HUGE_VAL);
+}
+
+// Persistent minima of the smoothed scale that lie away from the tips there are, the deepest first.
+Done EvenSearch::find_tips(const EvenChoice& choice, Array<Tip>& found) {
+    Array<double> smooth;
+    Array<uint8_t> taken;
+    double mean = 0;
+    found.start(memory_);
+    if (!smooth_scale(choice.scale, smooth, mean) || !find_taken(choice.tips, taken)) return false;
+    const auto add = [&](uint32_t v, double persistence) -> Done {
+        if (persistence < PERSISTENCE || smooth[v] > mean - DEPTH || taken[v]) return true;
+        return found.push({v, mean - smooth[v], 0, false, {NONE, NONE}});
+    };
+    if (!for_persistent_minima(smooth, add)) return false;
     heap_sort(found.data(), found.size(),
               [](const Tip& a, const Tip& b) { return a.depth != b.depth ? a.depth > b.depth : a.vertex < b.vertex; });
     for (Tip& tip : found)
@@ -255,29 +271,36 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
     return HMF_OK;
 }
 
+// The deepest ones with poles, the others without, as many as there is room for.
+Done EvenSearch::add_tips(const Array<Tip>& found, size_t with_poles, size_t room, EvenChoice& choice) {
+    for (size_t i = 0; i < found.size() && i < room; ++i) {
+        Tip tip = found[i];
+        tip.poles = i >= with_poles ? 0 : tip.depth > TWO_POLES && tip.ends[0] != NONE ? 2 : 1;
+        if (!choice.tips.push(tip)) return false;
+    }
+    return true;
+}
+
 // Adds and removes poles.
 hmf_status EvenSearch::improve(EvenChoice& best) {
-    // All new tips at once, as often as that helps.
+    // All new tips at once, or the deepest half of them, a quarter..., as often as that helps.
     for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
-        EvenChoice next;
         Array<Tip> found;
-        if (!find_tips(best, found) || !copy(best, next)) return call_.out_of_memory();
-        for (Tip& tip : found) {
-            if (next.tips.size() == MOST_TIPS) break;
-            tip.poles = tip.depth > TWO_POLES && tip.ends[0] != NONE ? 2 : 1;
-            if (!next.tips.push(tip)) return call_.out_of_memory();
+        if (!find_tips(best, found)) return call_.out_of_memory();
+        const size_t room = MOST_TIPS - std::min(MOST_TIPS, best.tips.size());
+        if (found.size() < 1 || room < 1) break;
+        bool better = false;
+        for (size_t count = std::min(found.size(), room); count > 0 && !better && work < budget; count /= 2) {
+            EvenChoice next;
+            if (!copy(best, next) || !add_tips(found, count, room, next) || !list_marks(next))
+                return call_.out_of_memory();
+            if (evaluate(next, ROUNDS)) return call_.status();
+            better = gain(best, next) > 0;
+            if (better) best = static_cast<EvenChoice&&>(next);
         }
-        if (next.tips.size() == best.tips.size()) break;
-        if (!list_marks(next) || evaluate(next, ROUNDS)) return call_.status() ? call_.status() : call_.out_of_memory();
-        if (gain(best, next) <= 0) { // kept as tips without poles: each is tried below
-            for (size_t i = best.tips.size(); i < next.tips.size(); ++i) {
-                Tip tip = next.tips[i];
-                tip.poles = 0;
-                if (!best.tips.push(tip)) return call_.out_of_memory();
-            }
-            break;
-        }
-        best = static_cast<EvenChoice&&>(next);
+        if (better) continue;
+        if (!add_tips(found, 0, room, best)) return call_.out_of_memory(); // each is tried below
+        break;
     }
     // Another number of poles at one tip after the other.
     bool changed = true;

@@ -55,12 +55,17 @@ public:
     static double work_of(size_t loops) { return 1 + static_cast<double>(loops) / 8; } // of a solve
 
 private:
+    Done smooth_scale(const Array<double>& scale, Array<double>& smooth, double& mean);
+    Done find_taken(const Array<Tip>& tips, Array<uint8_t>& taken);
+    template <class Visit>
+    Done for_persistent_minima(const Array<double>& height, Visit visit);
     Done find_tips(const EvenChoice& choice, Array<Tip>& found);
     Done list_marks(EvenChoice& choice);
     Done copy(const EvenChoice& from, EvenChoice& to);
     double gain(const EvenChoice& before, const EvenChoice& after) const;
     void count(const MarkedTrial& trial);
     Done mark_four(EvenChoice& choice);
+    Done add_tips(const Array<Tip>& found, size_t with_poles, size_t room, EvenChoice& choice);
     hmf_status improve(EvenChoice& best);
     hmf_status measure_before(EvenChoice& plain);
     hmf_status first_choice(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>* ends,

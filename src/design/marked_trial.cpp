@@ -15,6 +15,7 @@
 #include "../mesh/weights.hpp"
 #include "../solve/twisted_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -23,8 +24,22 @@ namespace {
 
 constexpr int64_t LABELS = 4096;              // low bits of the weights in integers: the number of the loop
 constexpr int64_t LARGEST = int64_t{1} << 40; // weight in integers
+constexpr double LEAST_GUESS = 0.02;          // of a weight, where the largest is 1
 constexpr double LINEAR_ACCURACY = 1e-2;
 constexpr uint32_t LINEAR_ITERATIONS = 12;
+constexpr double STEEPEST = 8; // derivative that is believed
+
+// Twice the area of the face left of h.
+double twice_area(const Mesh& mesh, const double* position, uint32_t h) {
+    const double *p = position + size_t{3} * mesh.origin[h], *q = position + size_t{3} * mesh.target(h),
+                 *r = position + size_t{3} * mesh.origin[mesh.prev(h)];
+    double cross[3];
+    for (size_t c = 0; c < 3; ++c) {
+        const size_t x = (c + 1) % 3, y = (c + 2) % 3;
+        cross[c] = (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]);
+    }
+    return std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+}
 
 } // namespace
 
@@ -71,33 +86,23 @@ hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& mar
     return HMF_OK;
 }
 
-// The height of a cylinder that covers what is nearest to its loop: area / length.
-Done MarkedTrial::guess_weights() {
-    const size_t coarsest = h_.level_count - 1;
-    const Mesh& mesh = loop_mesh(h_, coarsest);
-    const double* position = h_.levels[coarsest].position;
-    Array<double> length, distance, area;
-    Array<uint32_t> nearest;
+// For each face the loop that is nearest along paths of faces.  side: a half-edge of each face.
+Done MarkedTrial::find_nearest_loops(const DualLength& dual, const Array<uint32_t>& side, Array<uint32_t>& nearest) {
+    const Mesh& mesh = loop_mesh(h_, h_.level_count - 1);
+    Array<double> distance;
     NearestFirst heap;
     heap.start(call_.memory);
-    const size_t n = loops_.count();
-    if (!length.allocate_filled(call_.memory, n, 0.0) || !area.allocate_filled(call_.memory, n, 0.0)
-        || !distance.allocate_filled(call_.memory, mesh.face_count, HUGE_VAL)
+    if (!distance.allocate_filled(call_.memory, mesh.face_count, HUGE_VAL)
         || !nearest.allocate_filled(call_.memory, mesh.face_count, NONE))
         return false;
-    const DualLength dual(mesh, position);
-    for (uint32_t c = 0; c < n; ++c)
+    for (uint32_t c = 0; c < loops_.count(); ++c)
         for (uint64_t i = loops_.offsets[c]; i < loops_.offsets[c + 1]; ++i) {
-            const uint32_t h = loops_.crossings[i], t = mesh.face[h];
-            length[c] += dual(edge_of(h));
+            const uint32_t t = mesh.face[loops_.crossings[i]];
             if (nearest[t] != NONE) continue;
             nearest[t] = c;
             distance[t] = 0;
             if (!heap.push({0, t})) return false;
         }
-    Array<uint32_t> side; // a half-edge of each face
-    if (!side.allocate(call_.memory, mesh.face_count)) return false;
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side[mesh.face[h]] = h;
     while (!heap.empty()) {
         const NearestFirst::Entry top = heap.pop();
         if (top.distance > distance[top.item]) continue;
@@ -111,26 +116,34 @@ Done MarkedTrial::guess_weights() {
             if (!heap.push({d, t})) return false;
         }
     }
+    return true;
+}
+
+// The height of a cylinder that covers what is nearest to its loop: area / length.
+Done MarkedTrial::guess_weights() {
+    const size_t coarsest = h_.level_count - 1, n = loops_.count();
+    const Mesh& mesh = loop_mesh(h_, coarsest);
+    const double* position = h_.levels[coarsest].position;
+    const DualLength dual(mesh, position);
+    Array<double> length, area; // area: twice
+    Array<uint32_t> side, nearest;
+    if (!length.allocate_filled(call_.memory, n, 0.0) || !area.allocate_filled(call_.memory, n, 0.0)
+        || !side.allocate(call_.memory, mesh.face_count))
+        return false;
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) side[mesh.face[h]] = h;
+    if (!find_nearest_loops(dual, side, nearest)) return false;
+
+    for (size_t c = 0; c < n; ++c)
+        for (uint64_t i = loops_.offsets[c]; i < loops_.offsets[c + 1]; ++i)
+            length[c] += dual(edge_of(loops_.crossings[i]));
+    for (uint32_t t = 0; t < mesh.face_count; ++t)
+        if (nearest[t] != NONE) area[nearest[t]] += twice_area(mesh, position, side[t]);
     double largest = 0;
-    for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        const uint32_t h = side[t];
-        const double *p = position + size_t{3} * mesh.origin[h], *q = position + size_t{3} * mesh.target(h),
-                     *r = position + size_t{3} * mesh.origin[mesh.prev(h)];
-        double cross[3];
-        for (size_t c = 0; c < 3; ++c) {
-            const size_t x = (c + 1) % 3, y = (c + 2) % 3;
-            cross[c] = (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]);
-        }
-        if (nearest[t] != NONE)
-            area[nearest[t]] += std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-    }
     for (size_t c = 0; c < n; ++c) {
         weights[c] = length[c] > 0 ? area[c] / length[c] : 0;
-        if (weights[c] > largest) largest = weights[c];
+        largest = std::max(largest, weights[c]);
     }
-    for (double& w : weights) w = largest > 0 ? w / largest : 1;
-    for (double& w : weights)
-        if (w < 0.02) w = 0.02;
+    for (double& w : weights) w = largest > 0 ? std::max(w / largest, LEAST_GUESS) : 1;
     return true;
 }
 
@@ -208,45 +221,44 @@ hmf_status MarkedTrial::count_crossings(Array<uint32_t>& offsets, Array<uint32_t
     return HMF_OK;
 }
 
-hmf_status MarkedTrial::derive(bool& known) {
-    known = false;
-    if (!usable_) return HMF_OK;
-    state_.load(0, Triangulation::intrinsic);
-    Foliation& f = state_.foliation;
-    const Mesh &mesh = f.mesh, &input = h_.input;
-    std::memcpy(f.value, solved_.data(), mesh.edge_count * sizeof(int64_t));
-    Array<uint32_t> offsets, edges;
-    bool counted = false;
-    if (count_crossings(offsets, edges, counted) || !usable_) return outer_.status();
-    if (!counted) return HMF_OK;
-
-    const double* weight = h_.levels[0].weight;
-    const size_t loops = weights.size(), faces = input.face_count;
-    Rings rings;
-    Star star;
+// The equations at the solution.
+struct MarkedTrial::Linearised {
+    Rings rings; // the model refers to them
     TwistedModel model;
     SignedMultigrid multigrid;
-    Array<double> right, change;
-    if (!rings.build(mesh, weight, call_.memory) || !star.allocate(call_.memory, rings.max_degree)
-        || !model.allocate(mesh, call_.memory) || !right.allocate(call_.memory, mesh.vertex_count)
-        || !change.allocate(call_.memory, mesh.edge_count) || !derivative_.allocate(call_.memory, loops * faces)
-        || !smooth_.allocate_filled(call_.memory, faces, uint8_t{0}))
-        return failed(call_);
-    if (!model.look(f, rings, weight, star, call_)) return failed(call_);
-    model.assemble(f, rings, weight, call_);
-    if (call_.cancelled() || !multigrid.setup(model.matrix(), call_.memory, &call_)) return failed(call_);
+    Array<double> right;
+    Array<double> change; // of the value of each edge, for one unit of a weight
+};
 
-    // Triangles that both triangulations have: cot F / (2 energy) of each side.  Tripods hold zeros.
-    struct Piece {
-        uint32_t face, edge[3];
-        double pull[3];
-    };
-    Array<Piece> pieces;
-    pieces.start(call_.memory);
-    if (!pieces.reserve(faces)) return failed(call_);
+// A triangle that both triangulations have: cot F / (2 energy) of each side.
+struct MarkedTrial::SmoothTriangle {
+    uint32_t face, edge[3];
+    double pull[3];
+};
+
+// The solution is in state_, on the intrinsic side.
+Done MarkedTrial::linearise(Linearised& at) {
+    Foliation& f = state_.foliation;
+    const Mesh& mesh = f.mesh;
+    const double* weight = h_.levels[0].weight;
+    Star star;
+    if (!at.rings.build(mesh, weight, call_.memory) || !star.allocate(call_.memory, at.rings.max_degree)
+        || !at.model.allocate(mesh, call_.memory) || !at.right.allocate(call_.memory, mesh.vertex_count)
+        || !at.change.allocate(call_.memory, mesh.edge_count) || !at.model.look(f, at.rings, weight, star, call_))
+        return false;
+    at.model.assemble(f, at.rings, weight, call_);
+    return !call_.cancelled() && at.multigrid.setup(at.model.matrix(), call_.memory, &call_);
+}
+
+// Those that are no tripods, which hold zeros.
+Done MarkedTrial::list_smooth_triangles(Array<SmoothTriangle>& out) {
+    const Foliation& f = state_.foliation;
+    const Mesh &mesh = f.mesh, &input = h_.input;
+    out.start(call_.memory);
+    if (!out.reserve(input.face_count)) return false;
     for_each_face(input, 0, 2 * input.edge_count, [&](uint32_t h, uint32_t g, uint32_t k) {
         const uint32_t side[3] = {h, g, k};
-        Piece piece{input.face[h], {edge_of(h), edge_of(g), edge_of(k)}, {0, 0, 0}};
+        SmoothTriangle triangle{input.face[h], {edge_of(h), edge_of(g), edge_of(k)}, {0, 0, 0}};
         double energy = 0;
         bool tripod = true;
         for (size_t i = 0; i < 3; ++i) {
@@ -255,44 +267,76 @@ hmf_status MarkedTrial::derive(bool& known) {
             for (size_t x = 0; x < 3; ++x)
                 at[x] = h_.levels[0].position + size_t{3} * input.origin[side[(i + 2 + x) % 3]];
             const double F = static_cast<double>(f.at(side[i]));
-            piece.pull[i] = cotangent(at[0], at[1], at[2]) * F;
-            energy += 0.5 * piece.pull[i] * F;
+            triangle.pull[i] = cotangent(at[0], at[1], at[2]) * F;
+            energy += 0.5 * triangle.pull[i] * F;
             tripod = tripod && f.corner2(side[i]) > 0;
         }
         if (tripod || !(energy > 0)) return;
-        for (double& x : piece.pull) x *= 0.5 / energy;
-        pieces.add(piece);
+        for (double& x : triangle.pull) x *= 0.5 / energy;
+        out.add(triangle);
     });
+    return true;
+}
+
+// at.change, where the weight grows of the cylinder whose leaf crosses these edges.
+Done MarkedTrial::change_values(const uint32_t* crossed, size_t count, Linearised& at) {
+    const Mesh& mesh = state_.foliation.mesh;
+    const double* weight = h_.levels[0].weight;
+    TwistedModel& model = at.model;
+    for (double& x : at.change) x = 0;
+    for (double& x : at.right) x = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t e = crossed[i];
+        at.change[e] += 1;
+        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) at.right[mesh.origin[h]] += model.sign[h] * weight[e];
+    }
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (model.rests[v]) at.right[v] = 0;
+        model.d[v] = 0;
+    }
+    at.multigrid.solve(model.matrix(), at.right.data(), model.d.data(), LINEAR_ACCURACY, LINEAR_ITERATIONS, call_);
+    if (call_.cancelled()) return false;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e)
+        at.change[e] -=
+            model.sign[2 * e] * model.d[mesh.origin[2 * e]] + model.sign[2 * e + 1] * model.d[mesh.origin[2 * e + 1]];
+    return true;
+}
+
+// From the change of the values for a unit of weight c to that of the scale, by the logarithm of the weight.
+void MarkedTrial::set_derivative(size_t c, const Array<double>& change, const Array<SmoothTriangle>& triangles) {
+    const double by = static_cast<double>(integer_weights_[c]) * factor_; // the weight in units of the values
+    const size_t faces = h_.input.face_count;
+    double* const out = derivative_.data() + c * faces;
+    for (size_t t = 0; t < faces; ++t) out[t] = 0;
+    for (const SmoothTriangle& t : triangles) {
+        const double slope =
+            t.pull[0] * change[t.edge[0]] + t.pull[1] * change[t.edge[1]] + t.pull[2] * change[t.edge[2]];
+        const double d = slope * by;
+        if (!(d > -STEEPEST && d < STEEPEST)) continue;
+        smooth_[t.face] = 1;
+        out[t.face] = d;
+    }
+}
+
+hmf_status MarkedTrial::derive(bool& known) {
+    known = false;
+    if (!usable_) return HMF_OK;
+    state_.load(0, Triangulation::intrinsic);
+    std::memcpy(state_.foliation.value, solved_.data(), solved_.size() * sizeof(int64_t));
+    Array<uint32_t> offsets, edges;
+    bool counted = false;
+    if (count_crossings(offsets, edges, counted) || !usable_) return outer_.status();
+    if (!counted) return HMF_OK;
+
+    const size_t loops = weights.size(), faces = h_.input.face_count;
+    Linearised at;
+    Array<SmoothTriangle> triangles;
+    if (!derivative_.allocate(call_.memory, loops * faces) || !smooth_.allocate_filled(call_.memory, faces, uint8_t{0})
+        || !linearise(at) || !list_smooth_triangles(triangles))
+        return failed(call_);
     for (size_t c = 0; c < loops; ++c) {
-        // Values change by this for one unit of weight: on the leaf first.
-        for (double& x : change) x = 0;
-        for (double& x : right) x = 0;
-        for (uint32_t i = offsets[c]; i < offsets[c + 1]; ++i) {
-            const uint32_t e = edges[i];
-            change[e] += 1;
-            for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) right[mesh.origin[h]] += model.sign[h] * weight[e];
-        }
-        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-            if (model.rests[v]) right[v] = 0;
-            model.d[v] = 0;
-        }
-        multigrid.solve(model.matrix(), right.data(), model.d.data(), LINEAR_ACCURACY, LINEAR_ITERATIONS, call_);
-        if (call_.cancelled()) return failed(call_);
-        for (uint32_t e = 0; e < mesh.edge_count; ++e)
-            change[e] -= model.sign[2 * e] * model.d[mesh.origin[2 * e]]
-                       + model.sign[2 * e + 1] * model.d[mesh.origin[2 * e + 1]];
-        // The weight in units of the values: the derivative by its logarithm.
-        const double by = static_cast<double>(integer_weights_[c]) * factor_;
-        double* const out = derivative_.data() + c * faces;
-        for (size_t t = 0; t < faces; ++t) out[t] = 0;
-        for (const Piece& p : pieces) {
-            const double slope =
-                p.pull[0] * change[p.edge[0]] + p.pull[1] * change[p.edge[1]] + p.pull[2] * change[p.edge[2]];
-            const double d = slope * by;
-            if (!(d > -8 && d < 8)) continue;
-            smooth_[p.face] = 1;
-            out[p.face] = d;
-        }
+        if (!change_values(edges.data() + offsets[c], offsets[c + 1] - offsets[c], at)) return failed(call_);
+        set_derivative(c, at.change, triangles);
     }
     known = true;
     return HMF_OK;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../leaves/cylinders.hpp"
-#include "../base/nearest_first.hpp"
+#include "../loops/dual_length.hpp"
 #include "../loops/loops.hpp"
 #include "../solve/solve.hpp"
 #include "conformal_scale.hpp"
@@ -52,8 +52,16 @@ public:
 private:
     // A failure inside: memory and cancellation end the search, others this trial.
     hmf_status failed(Call& inner);
+    Done find_nearest_loops(const DualLength& dual, const Array<uint32_t>& side, Array<uint32_t>& nearest);
     Done guess_weights();
     hmf_status count_crossings(Array<uint32_t>& offsets, Array<uint32_t>& edges, bool& known);
+
+    struct Linearised;
+    struct SmoothTriangle;
+    Done linearise(Linearised& at);
+    Done list_smooth_triangles(Array<SmoothTriangle>& out);
+    Done change_values(const uint32_t* crossed, size_t count, Linearised& at);
+    void set_derivative(size_t loop, const Array<double>& change, const Array<SmoothTriangle>& triangles);
 
     static int32_t pass_on(void* user, double fraction);
     // The progress of the search, seen from a trial.

@@ -85,6 +85,8 @@ private:
     hmf_status load_double(size_t vertex_count, const uint32_t* triangles, size_t triangle_count,
                            const Array<uint32_t>& boundary);
     hmf_status check_genus();
+    Done begin_level(uint32_t vertex_count, uint32_t edge_count, uint32_t face_count);
+    hmf_status make_coarser(uint64_t target, uint32_t minimum);
     hmf_status coarsen();
     hmf_status keep_geometry(Level& level, double fraction);
     hmf_status number();
@@ -230,56 +232,65 @@ hmf_status Builder::keep_geometry(Level& level, double fraction) {
     return status;
 }
 
+// The next level, without its geometry.
+Done Builder::begin_level(uint32_t vertex_count, uint32_t edge_count, uint32_t face_count) {
+    Level level;
+    level.mesh.marked_count = h_.input.marked_count;
+    level.mesh.vertex_count = vertex_count;
+    level.mesh.edge_count = edge_count;
+    level.mesh.face_count = face_count;
+    return levels_.push(level);
+}
+
+// From the finest level so far to a coarser one of about `target` edges: collapses, numbers, flips.
+hmf_status Builder::make_coarser(uint64_t target, uint32_t minimum) {
+    const double total = edge_count_;
+    const double from = 0.6 - 0.4 * work_.mesh.edge_count / total, to = 0.6 - 0.4 * static_cast<double>(target) / total,
+                 middle = 0.5 * (from + to);
+    Level& finer = levels_.back();
+    const uint32_t edges_before = work_.mesh.edge_count;
+    finer.collapse_begin = collapse_count_;
+    finer.run_begin = runs_.size();
+    hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum, h_.collapses,
+                                       collapse_count_, runs_, call_, from, middle);
+    if (status) return status;
+    finer.run_end = runs_.size();
+    finer.collapse_end = collapse_count_;
+    if (work_.mesh.edge_count == edges_before) return HMF_OK;
+    Numbering numbering;
+    if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
+        || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
+        || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
+        return call_.out_of_memory();
+    number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering,
+                 call_.parallel);
+    compact(work_, numbering);
+    finer.flip_begin = flips_.size();
+    status = delaunay_flips(work_, flips_, call_, middle);
+    if (status) return status;
+    finer.flip_end = flips_.size();
+    if (!begin_level(work_.mesh.vertex_count, work_.mesh.edge_count, work_.mesh.face_count))
+        return call_.out_of_memory();
+    return keep_geometry(levels_.back(), to);
+}
+
 hmf_status Builder::coarsen() {
     const Schedule schedule(options_, h_.genus);
     levels_.start(h_.memory);
     flips_.start(h_.memory);
     runs_.start(h_.memory);
     numberings_.start(h_.memory);
-    Level level;
-    level.mesh.marked_count = h_.input.marked_count;
-    level.mesh.vertex_count = vertex_count_;
-    level.mesh.edge_count = edge_count_;
-    level.mesh.face_count = face_count_;
-    if (!levels_.push(level)) return call_.out_of_memory();
     const uint32_t minimum =
         schedule.vertices < vertex_count_ ? static_cast<uint32_t>(schedule.vertices) : vertex_count_;
-    if (!(h_.collapses = h_.arena.take<Collapse>(vertex_count_ - minimum))) return call_.out_of_memory();
-    const double total = edge_count_;
+    if (!begin_level(vertex_count_, edge_count_, face_count_)
+        || !(h_.collapses = h_.arena.take<Collapse>(vertex_count_ - minimum)))
+        return call_.out_of_memory();
     while (levels_.size() < MAX_LEVELS) {
-        const uint32_t edges_before = work_.mesh.edge_count;
-        const uint64_t target = schedule.next(edges_before);
+        const size_t levels_before = levels_.size();
+        const uint64_t target = schedule.next(work_.mesh.edge_count);
         if (target == 0) break;
-        const double from = 0.6 - 0.4 * edges_before / total, to = 0.6 - 0.4 * static_cast<double>(target) / total;
-        Level& finer = levels_.back();
-        finer.collapse_begin = collapse_count_;
-        finer.run_begin = runs_.size();
-        hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum,
-                                           h_.collapses, collapse_count_, runs_, call_, from, 0.5 * (from + to));
-        if (status) return status;
-        finer.run_end = runs_.size();
-        finer.collapse_end = collapse_count_;
-        if (work_.mesh.edge_count == edges_before) break;
-        Numbering numbering;
-        if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
-            || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
-            || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
-            return call_.out_of_memory();
-        number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering,
-                     call_.parallel);
-        compact(work_, numbering);
-        finer.flip_begin = flips_.size();
-        status = delaunay_flips(work_, flips_, call_, 0.5 * (from + to));
-        if (status) return status;
-        finer.flip_end = flips_.size();
-        level = Level{};
-        level.mesh.marked_count = h_.input.marked_count;
-        level.mesh.vertex_count = work_.mesh.vertex_count;
-        level.mesh.edge_count = work_.mesh.edge_count;
-        level.mesh.face_count = work_.mesh.face_count;
-        status = keep_geometry(level, to);
-        if (status) return status;
-        if (!levels_.push(level)) return call_.out_of_memory();
+        if (const hmf_status status = make_coarser(target, minimum)) return status;
+        if (levels_.size() == levels_before) break;
         if (work_.mesh.edge_count > target + 3 && work_.mesh.vertex_count > minimum) break; // stuck
     }
     if (levels_.size() > 1) { // the coarsest level has its final numbers

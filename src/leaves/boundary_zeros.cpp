@@ -17,6 +17,15 @@ struct CriticalGraph::Piece {
     uint32_t sector;
 };
 
+// Which place each vertex of a cluster belongs to.
+struct CriticalGraph::Places {
+    SparseMap root;       // of vertices
+    SparseMap zero;       // of those roots that are places
+    bool is_ring = false; // the cluster has two circles
+    // The zero at the origin of h, or absent.
+    uint32_t at(const Foliation& f, uint32_t h) const { return zero.find(root.find(f.mesh.origin[h])); }
+};
+
 // The cluster in f.members: a disk, or a ring round a boundary curve without marked vertices, which would keep its two
 // circles apart. A ring across boundaries, the double of a way from one to another, goes round a part of the surface.
 bool CriticalGraph::can_be_taken_apart(const Foliation& f, int64_t euler) const {
@@ -61,31 +70,50 @@ Done CriticalGraph::find_roots(const Foliation& f, SparseMap& root, bool& any) {
     return true;
 }
 
-// Those of the circle that h lies on.  On a disk the way from a place to itself goes round
+// Marked vertices of the boundary, and the roots of prongs: each is a new zero.
+Done CriticalGraph::find_places(const Foliation& f, int32_t index, Places& places) {
+    const auto add_place = [&](uint32_t v) -> Done {
+        if (places.zero.find(v) != SparseMap::absent) return true;
+        return places.zero.set(v, static_cast<uint32_t>(zeros.size())) && zeros.push({false, v, index, 1});
+    };
+    for (const uint32_t v : f.members)
+        if (on_boundary[v] && f.mesh.is_marked(v) && !add_place(v)) return false;
+    const auto read = [&](uint32_t g, uint32_t, bool closed) -> Done {
+        return at_vertex_.set(g, BETWEEN) && (!closed || add_place(places.root.find(f.mesh.origin[g])));
+    };
+    uint32_t circles = 0;
+    for (const uint32_t v : f.members)
+        for (const uint32_t h : f.mesh.around(v)) {
+            if (f.at(h) == 0 || at_vertex_.find(h) != NONE) continue;
+            ++circles;
+            if (!for_circle(f, h, read)) return false;
+        }
+    places.is_ring = circles == 2;
+    return true;
+}
+
+// The pieces of the circle that h lies on.  On a disk the way from a place to itself goes round
 // vertices without prongs, which belong to its sector; on a ring it is an arc.
-Done CriticalGraph::read_pieces(const Foliation& f, uint32_t h, const SparseMap& root, const SparseMap& place,
-                                bool is_ring, Array<Piece>& pieces) {
-    const auto place_of = [&](uint32_t g) { return place.find(root.find(f.mesh.origin[g])); };
+Done CriticalGraph::read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Piece>& pieces) {
     // From behind a closed corner, or from where a place begins.
-    uint32_t start = NONE, entry = NONE, g = h;
-    do {
-        bool closed = false;
-        const uint32_t ahead = next_round(f, g, closed);
+    uint32_t start = NONE, entry = NONE;
+    const auto find_start = [&](uint32_t g, uint32_t ahead, bool closed) -> Done {
         if (closed && start == NONE) start = ahead;
-        if (place_of(ahead) != place_of(g) && place_of(ahead) != SparseMap::absent && entry == NONE) entry = ahead;
-        g = ahead;
-    } while (g != h);
+        const uint32_t zero = places.at(f, ahead);
+        if (zero != places.at(f, g) && zero != SparseMap::absent && entry == NONE) entry = ahead;
+        return true;
+    };
+    if (!for_circle(f, h, find_start)) return false;
     // On a ring the sectors of a place come together, those of one circle before those of the other.
-    if (entry != NONE && (start == NONE || is_ring)) start = entry;
+    if (entry != NONE && (start == NONE || places.is_ring)) start = entry;
     if (start == NONE) start = h;
     const size_t first = pieces.size();
     bool joined = false; // to the piece before: no closed corner between
     uint32_t previous = NONE;
-    g = start;
-    do {
-        const uint32_t zero = place_of(g);
+    const auto add_to_pieces = [&](uint32_t g, uint32_t, bool closed) -> Done {
+        const uint32_t zero = places.at(f, g);
         Piece* const before = joined ? &pieces.back() : nullptr;
-        const bool extends = before && before->zero == zero && (!is_ring || before->last == previous);
+        const bool extends = before && before->zero == zero && (!places.is_ring || before->last == previous);
         if (zero == SparseMap::absent) {
             if (!at_vertex_.set(g, BETWEEN)) return false;
         } else if (extends) before->last = g;
@@ -93,13 +121,13 @@ Done CriticalGraph::read_pieces(const Foliation& f, uint32_t h, const SparseMap&
             if (!pieces.push({zero, g, g, NONE})) return false;
             joined = true;
         }
-        bool closed = false;
         previous = g;
-        g = next_round(f, g, closed);
         joined = joined && !closed;
-    } while (g != start);
+        return true;
+    };
+    if (!for_circle(f, start, add_to_pieces)) return false;
     // Without a closed corner the last one may go on in the first.
-    if (joined && entry != NONE && start == entry && pieces.size() > first + 1 && !is_ring
+    if (joined && entry != NONE && start == entry && pieces.size() > first + 1 && !places.is_ring
         && pieces.back().zero == pieces[first].zero) {
         pieces[first].first = pieces.back().first;
         pieces.pop();
@@ -107,56 +135,25 @@ Done CriticalGraph::read_pieces(const Foliation& f, uint32_t h, const SparseMap&
     return true;
 }
 
-Done CriticalGraph::add_zeros_on_boundary(Foliation& f, int32_t index, bool& done) {
-    Memory& memory = *memory_;
-    const uint32_t before = static_cast<uint32_t>(zeros.size());
-    SparseMap root, place; // of vertices; the zero of a root
-    Array<Piece> pieces;
-    bool any = false, is_ring = false;
-    pieces.start(memory);
-    if (!root.start(memory) || !place.start(memory) || !find_roots(f, root, any)) return false;
-    if (!any) return true;
-    const auto add_place = [&](uint32_t v) -> Done {
-        if (place.find(v) != SparseMap::absent) return true;
-        return place.set(v, static_cast<uint32_t>(zeros.size())) && zeros.push({false, v, index, 1});
-    };
-    uint32_t circles = 0;
-    for (const uint32_t v : f.members)
-        if (on_boundary[v] && f.mesh.is_marked(v) && !add_place(v)) return false;
-    for (const uint32_t v : f.members)
-        for (const uint32_t h : f.mesh.around(v)) {
-            if (f.at(h) == 0 || at_vertex_.find(h) != NONE) continue;
-            ++circles;
-            uint32_t g = h;
-            do {
-                bool closed = false;
-                if (!at_vertex_.set(g, BETWEEN)) return false;
-                const uint32_t ahead = next_round(f, g, closed);
-                if (closed && !add_place(root.find(f.mesh.origin[g]))) return false;
-                g = ahead;
-            } while (g != h);
-        }
-    is_ring = circles == 2;
-    done = zeros.size() > before;
-    if (!done) return true;
+Done CriticalGraph::read_circles(const Foliation& f, const Places& places, Array<Piece>& pieces) {
+    SparseMap read; // half-edges of circles that have been read
+    pieces.start(*memory_);
+    if (!read.start(*memory_)) return false;
     circle_.clear();
     for (const uint32_t v : f.members)
         for (const uint32_t h : f.mesh.around(v))
             if (f.at(h) > 0 && at_vertex_.find(h) == BETWEEN && !circle_.push(h)) return false;
-    // One half-edge of each circle: marked as read by a place of their own.
-    SparseMap read;
-    if (!read.start(memory)) return false;
     for (const uint32_t h : circle_) {
         if (read.find(h) != SparseMap::absent) continue;
-        if (!read_pieces(f, h, root, place, is_ring, pieces)) return false;
-        uint32_t g = h;
-        do {
-            bool closed = false;
-            if (!read.set(g, 0)) return false;
-            g = next_round(f, g, closed);
-        } while (g != h);
+        if (!read_circle(f, h, places, pieces)
+            || !for_circle(f, h, [&](uint32_t g, uint32_t, bool) { return read.set(g, 0); }))
+            return false;
     }
-    // The sectors of a place come in the order of the circles.
+    return true;
+}
+
+// One for each piece.
+Done CriticalGraph::add_sectors_of_pieces(const Foliation& f, Array<Piece>& pieces) {
     for (Piece& piece : pieces) {
         piece.sector = static_cast<uint32_t>(sectors.size());
         if (!sectors.push({piece.zero, piece.sector, piece.sector, piece.last, NONE, NONE})) return false;
@@ -167,24 +164,41 @@ Done CriticalGraph::add_zeros_on_boundary(Foliation& f, int32_t index, bool& don
             g = next_round(f, g, closed);
         }
     }
-    for (uint32_t z = before; z < zeros.size(); ++z) {
-        uint32_t first = NONE, last = NONE;
-        int32_t prongs = 0;
-        for (const Piece& piece : pieces) {
-            if (piece.zero != z) continue;
-            ++prongs;
-            if (first == NONE) first = piece.sector;
-            else {
-                sectors[last].next = piece.sector;
-                sectors[piece.sector].previous = last;
-            }
-            last = piece.sector;
+    return true;
+}
+
+// The sectors of a zero in the order of the circles.
+void CriticalGraph::link_sectors(uint32_t zero, const Array<Piece>& pieces) {
+    uint32_t first = NONE, last = NONE;
+    int32_t prongs = 0;
+    for (const Piece& piece : pieces) {
+        if (piece.zero != zero) continue;
+        ++prongs;
+        if (first == NONE) first = piece.sector;
+        else {
+            sectors[last].next = piece.sector;
+            sectors[piece.sector].previous = last;
         }
-        if (first == NONE) continue; // marked, with zero edges alone
-        sectors[last].next = first;
-        sectors[first].previous = last;
-        zeros[z].index = 2 - prongs;
+        last = piece.sector;
     }
+    if (first == NONE) return; // marked, with zero edges alone
+    sectors[last].next = first;
+    sectors[first].previous = last;
+    zeros[zero].index = 2 - prongs;
+}
+
+Done CriticalGraph::add_zeros_on_boundary(Foliation& f, int32_t index, bool& done) {
+    const uint32_t before = static_cast<uint32_t>(zeros.size());
+    Places places;
+    Array<Piece> pieces;
+    bool any = false;
+    if (!places.root.start(*memory_) || !places.zero.start(*memory_) || !find_roots(f, places.root, any)) return false;
+    if (!any) return true;
+    if (!find_places(f, index, places)) return false;
+    done = zeros.size() > before;
+    if (!done) return true;
+    if (!read_circles(f, places, pieces) || !add_sectors_of_pieces(f, pieces)) return false;
+    for (uint32_t z = before; z < zeros.size(); ++z) link_sectors(z, pieces);
     return true;
 }
 

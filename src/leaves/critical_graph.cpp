@@ -163,16 +163,12 @@ Done CriticalGraph::add_sectors_of_pair(const Foliation& f, uint32_t zero, uint3
     const uint32_t before = static_cast<uint32_t>(sectors.size());
     if (from[0] == NONE || from[1] == NONE) return true;
     done = true;
-    bool closed = false;
-    uint32_t g = from[0];
-    do {
-        if (!at_vertex_.set(g, BETWEEN)) return false;
-        g = next_round(f, g, closed);
-    } while (g != from[0]);
+    const auto set_between = [&](uint32_t g, uint32_t, bool) { return at_vertex_.set(g, BETWEEN); };
+    if (!for_circle(f, from[0], set_between)) return false;
     for (uint32_t k = 0; k < 2; ++k) {
         const uint32_t s = before + k;
         if (!sectors.push({k == 0 ? zero : other_zero, s, s, NONE, NONE, NONE})) return false;
-        g = from[k];
+        uint32_t g = from[k];
         do {
             if (!at_vertex_.set(g, s)) return false;
             sectors[s].last = g;
@@ -193,23 +189,23 @@ Done CriticalGraph::add_sectors_of_vertex(const Foliation& f, uint32_t zero, uin
 // The circle that the half-edge lies on.
 Done CriticalGraph::add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h) {
     circle_.clear();
-    uint32_t g = h, count = 0;
+    uint32_t count = 0;
     size_t start = 0; // behind a closed corner
-    do {
-        bool closed = false;
+    const auto add = [&](uint32_t g, uint32_t, bool closed) -> Done {
         if (!circle_.push(g)) return false;
-        g = next_round(f, g, closed);
         if (closed) {
             ++count;
             start = circle_.size();
         }
-    } while (g != h);
+        return true;
+    };
+    if (!for_circle(f, h, add)) return false;
     const uint32_t before = static_cast<uint32_t>(sectors.size()), n = std::max(count, 1u);
     for (uint32_t s = 0; s < n; ++s)
         if (!sectors.push({zero, before + (s + 1) % n, before + (s + n - 1) % n, NONE, NONE, NONE})) return false;
     uint32_t s = before;
     for (size_t i = 0; i < circle_.size(); ++i) {
-        g = circle_[(start + i) % circle_.size()];
+        const uint32_t g = circle_[(start + i) % circle_.size()];
         if (!at_vertex_.set(g, s)) return false;
         sectors[s].last = g;
         bool closed = false;

@@ -137,11 +137,15 @@ private:
     [[nodiscard]] hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                                          const uint32_t* cluster, Call& call);
     struct Piece;
+    struct Places;
     bool can_be_taken_apart(const Foliation& f, int64_t euler) const;
     Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
     Done find_roots(const Foliation& f, SparseMap& root, bool& any);
-    Done read_pieces(const Foliation& f, uint32_t h, const SparseMap& root, const SparseMap& place, bool is_ring,
-                     Array<Piece>& pieces);
+    Done find_places(const Foliation& f, int32_t index, Places& places);
+    Done read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Piece>& pieces);
+    Done read_circles(const Foliation& f, const Places& places, Array<Piece>& pieces);
+    Done add_sectors_of_pieces(const Foliation& f, Array<Piece>& pieces);
+    void link_sectors(uint32_t zero, const Array<Piece>& pieces);
     Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
     Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
     Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);
@@ -169,6 +173,19 @@ inline uint32_t next_round(const Foliation& f, uint32_t g, bool& closed) {
     }
     closed = false;
     return twin(f.mesh.next[g]); // same neighbour, seen from the other end of the zero edge
+}
+
+// Once round such a circle, from h on: visit(half-edge, the next one, a closed corner lies between).
+template <class Visit>
+Done for_circle(const Foliation& f, uint32_t h, Visit visit) {
+    uint32_t g = h;
+    do {
+        bool closed = false;
+        const uint32_t ahead = next_round(f, g, closed);
+        if (!visit(g, ahead, closed)) return false;
+        g = ahead;
+    } while (g != h);
+    return true;
 }
 
 } // namespace hmf

@@ -179,6 +179,29 @@ Done Cylinders::find_vertices(const Foliation& f, Call& call) {
     return true;
 }
 
+hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found, Curves& out,
+                         Call& call) {
+    Array<Crossing> leaf;
+    leaf.start(call.memory);
+    out.offsets.start(call.memory);
+    out.crossings.start(call.memory);
+    if (!out.offsets.push(0)) return call.out_of_memory();
+    for (uint32_t i = 0; i < cylinders.list.size(); ++i) {
+        const uint32_t c = found ? (*found)[i] : i;
+        if (!call.tick(0)) return call.was_cancelled();
+        if (!closed_leaf(f, cylinders.leaf_at(f, c, cylinders.list[c].height | 1), cylinders.graph.crossing_limit(),
+                         leaf))
+            return call.memory.failure()
+                     ? call.out_of_memory()
+                     : call.fail(HMF_ERROR_VALUE_CLASS, HMF_ELEMENT_NONE, 0,
+                                 "A leaf crosses too many edges. Pass values as the library returned them for loops.");
+        for (const Crossing& crossing : leaf)
+            if (!out.crossings.push(crossing)) return call.out_of_memory();
+        if (!out.offsets.push(out.crossings.size())) return call.out_of_memory();
+    }
+    return HMF_OK;
+}
+
 hmf_status cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight, double* area,
                           Call& call) {
     for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;

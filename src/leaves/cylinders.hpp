@@ -76,6 +76,16 @@ private:
 // or more than limit crossings (then found is empty).
 bool closed_leaf(const Foliation& f, const Crossing& c, uint64_t limit, Array<Crossing>& found);
 
+// Closed curves of a level, one after the other.
+struct Curves {
+    Array<uint64_t> offsets; // count + 1
+    Array<Crossing> crossings;
+};
+
+// The middle leaves of the cylinders; found reorders them (NULL: as they are).
+[[nodiscard]] hmf_status middle_leaves(const Foliation& f, const Cylinders& cylinders, const Array<uint32_t>* found,
+                                       Curves& out, Call& call);
+
 // Areas of the cylinders in the flat metric, the sum of weight * F * (part of F
 // in the cylinder): together the energy.  Squared units; after find_vertices.
 [[nodiscard]] hmf_status cylinder_areas(const Foliation& f, const Cylinders& cylinders, const double* weight,

@@ -33,6 +33,11 @@ struct CutSurface {
     uint32_t half_edge(uint32_t half_segment) const {
         return 2 * segment_edge[half_segment >> 1] + (half_segment & 1u);
     }
+
+private:
+    Done cut_edges(const Mesh& mesh, const Multicurve& curves, Call& call);
+    void count_regions(const Mesh& mesh, const Multicurve& curves, const Array<uint32_t>& side);
+    void cut_face(const Mesh& mesh, const Multicurve& curves, uint32_t f, uint32_t side);
 };
 
 } // namespace hmf

@@ -8,70 +8,100 @@
 
 namespace hmf {
 
-Done Signatures::build(const CutSurface& cut, Call& call) {
-    Memory& memory = call.memory;
-    const uint32_t regions = cut.region_count, segments = cut.segment_count, points = cut.point_count;
-    Array<uint32_t> queue, parent, degree, last;
-    Array<uint8_t> in_tree; // of the regions
-    Array<uint64_t> value;
-    if (!of.allocate_filled(memory, segments, uint64_t{0}) || !reached.allocate(memory, regions)
-        || !rank.allocate_filled(memory, regions, NONE) || !queue.allocate(memory, std::max(regions, points))
-        || !parent.allocate(memory, points) || !degree.allocate_filled(memory, points, 0u)
-        || !last.allocate_filled(memory, points, 0u) || !in_tree.allocate_filled(memory, segments, uint8_t{0})
-        || !value.allocate_filled(memory, points, uint64_t{0}))
-        return false;
+namespace {
+
+constexpr size_t STRIDE = 65536; // regions and segments between two reports
+
+// The tree of the points, while words are given to the segments that are in none of both trees.
+struct PointTree {
+    Array<uint32_t> degree; // of each point, in the part that is left
+    Array<uint32_t> last;   // its segments, by exclusive or: once the degree is one, the segment that is left
+    Array<uint64_t> value;  // the cycles that end at the point, or behind it
+};
+
+// reached and rank.  in_tree: per segment.
+Done search_regions(const CutSurface& cut, Signatures& found, Array<uint32_t>& queue, Array<uint8_t>& in_tree,
+                    Call& call) {
     size_t begin = 0, end = 0;
-    reached[0] = NONE;
-    rank[0] = 0;
+    found.reached[0] = NONE;
+    found.rank[0] = 0;
     queue[end++] = 0;
     while (begin < end) {
-        if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+        if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t r = queue[begin++];
         for (uint32_t i = 0; i < 3; ++i) {
             const uint32_t link = cut.link[3 * size_t{r} + i];
             if (link == NONE) break;
             const uint32_t to = cut.region[link ^ 1u];
-            if (rank[to] != NONE) continue;
-            reached[to] = link;
-            rank[to] = static_cast<uint32_t>(end);
+            if (found.rank[to] != NONE) continue;
+            found.reached[to] = link;
+            found.rank[to] = static_cast<uint32_t>(end);
             in_tree[link >> 1] = 1;
             queue[end++] = to;
         }
     }
-    for (uint32_t p = 0; p < points; ++p) parent[p] = p;
+    return true;
+}
+
+// A spanning tree of the points from the segments that the other tree has not; those that are left get words.
+Done span_points(const CutSurface& cut, const Array<uint8_t>& in_tree, PointTree& tree, Array<uint64_t>& of,
+                 Call& call) {
+    Array<uint32_t> parent;
+    if (!parent.allocate(call.memory, cut.point_count)) return false;
+    for (uint32_t p = 0; p < cut.point_count; ++p) parent[p] = p;
     uint64_t seed = 0;
-    for (uint32_t s = 0; s < segments; ++s) {
-        if (s % 65536 == 0 && !call.tick(0, true)) return false;
+    for (uint32_t s = 0; s < cut.segment_count; ++s) {
+        if (s % STRIDE == 0 && !call.tick(0, true)) return false;
         if (in_tree[s]) continue;
         const uint32_t p = cut.point[2 * size_t{s}], q = cut.point[2 * size_t{s} + 1];
         if (unite(parent.data(), p, q)) {
-            ++degree[p];
-            ++degree[q];
-            last[p] ^= s; // once the degree is one, this is the segment left
-            last[q] ^= s;
+            ++tree.degree[p];
+            ++tree.degree[q];
+            tree.last[p] ^= s;
+            tree.last[q] ^= s;
         } else {
             of[s] = random_word(seed) | 1u;
-            value[p] ^= of[s];
-            value[q] ^= of[s];
+            tree.value[p] ^= of[s];
+            tree.value[q] ^= of[s];
         }
     }
-    // Strip leaves: a segment lies on the cycles that end behind it.
-    begin = end = 0;
-    for (uint32_t p = 0; p < points; ++p)
-        if (degree[p] == 1) queue[end++] = p;
+    return true;
+}
+
+// Strips leaves of the tree: a segment lies on the cycles that end behind it.
+Done sum_behind(const CutSurface& cut, PointTree& tree, Array<uint32_t>& queue, Array<uint64_t>& of, Call& call) {
+    size_t begin = 0, end = 0;
+    for (uint32_t p = 0; p < cut.point_count; ++p)
+        if (tree.degree[p] == 1) queue[end++] = p;
     while (begin < end) {
-        if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+        if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t p = queue[begin++];
-        if (degree[p] != 1) continue;
-        const uint32_t s = last[p];
+        if (tree.degree[p] != 1) continue;
+        const uint32_t s = tree.last[p];
         const uint32_t q = cut.point[2 * size_t{s}] == p ? cut.point[2 * size_t{s} + 1] : cut.point[2 * size_t{s}];
-        of[s] = value[p];
-        value[q] ^= value[p];
-        last[q] ^= s;
-        degree[p] = 0;
-        if (--degree[q] == 1) queue[end++] = q;
+        of[s] = tree.value[p];
+        tree.value[q] ^= tree.value[p];
+        tree.last[q] ^= s;
+        tree.degree[p] = 0;
+        if (--tree.degree[q] == 1) queue[end++] = q;
     }
     return true;
+}
+
+} // namespace
+
+Done Signatures::build(const CutSurface& cut, Call& call) {
+    Memory& memory = call.memory;
+    const uint32_t regions = cut.region_count, segments = cut.segment_count, points = cut.point_count;
+    Array<uint32_t> queue;
+    Array<uint8_t> in_tree; // of the regions
+    PointTree tree;
+    return of.allocate_filled(memory, segments, uint64_t{0}) && reached.allocate(memory, regions)
+        && rank.allocate_filled(memory, regions, NONE) && queue.allocate(memory, std::max(regions, points))
+        && tree.degree.allocate_filled(memory, points, 0u) && tree.last.allocate_filled(memory, points, 0u)
+        && in_tree.allocate_filled(memory, segments, uint8_t{0})
+        && tree.value.allocate_filled(memory, points, uint64_t{0}) && search_regions(cut, *this, queue, in_tree, call)
+        && span_points(cut, in_tree, tree, of, call) && sum_behind(cut, tree, queue, of, call);
 }
 
 Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call) {
@@ -99,7 +129,7 @@ Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole,
         queue[end++] = root;
         tree[root] = root; // no segment; never read
         while (begin < end) {
-            if (begin % 65536 == 0 && !call.tick(0, true)) return false;
+            if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
             const uint32_t p = queue[begin++];
             for (uint32_t i = first[p]; i < first[p + 1]; ++i) {
                 const uint32_t q = cut.point[at[i] ^ 1u];

@@ -30,6 +30,76 @@ struct Piece {
     uint32_t sides; // of edges at the boundary that are left
     uint32_t edge;  // these edges, by exclusive or: the edge itself if there is one
     bool inside;    // of a monogon
+    bool is_monogon() const { return sides == 1 && euler == 1; }
+};
+
+// The surface cut along the edges from a vertex to itself.
+class Pieces {
+public:
+    explicit Pieces(const Mesh& mesh) : mesh_(mesh) {}
+
+    Done cut(Memory& memory) {
+        if (!parent_.allocate(memory, mesh_.face_count)
+            || !piece_.allocate_filled(memory, mesh_.face_count, Piece{0, 0, 0, false})
+            || !self_edges_.allocate_filled(memory, mesh_.vertex_count, 0))
+            return false;
+        for (uint32_t f = 0; f < mesh_.face_count; ++f) parent_[f] = f;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            if (joins_itself(mesh_, e)) ++self_edges_[mesh_.origin[2 * e]];
+            else unite(parent_.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1]);
+        }
+        return true;
+    }
+
+    void count_euler() {
+        for (uint32_t f = 0; f < mesh_.face_count; ++f) ++at(f).euler;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e)
+            for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
+                Piece& p = at(mesh_.face[h]);
+                if (joins_itself(mesh_, e)) {
+                    ++p.sides;
+                    p.edge ^= e;
+                } else if (!(h & 1)) {
+                    --p.euler;
+                }
+            }
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v)
+            if (self_edges_[v] == 0 && !mesh_.is_marked(v)) ++at(mesh_.face[mesh_.out[v]]).euler;
+    }
+
+    // Each monogon is joined to the piece outside, which may become one.  bounds: per edge, 1 if it bounds one.
+    Done join_monogons(Array<uint8_t>& bounds, Memory& memory) {
+        Array<uint32_t> queue;
+        queue.start(memory);
+        for (uint32_t f = 0; f < mesh_.face_count; ++f)
+            if (parent_[f] == f && piece_[f].is_monogon() && !queue.push(f)) return false;
+        for (size_t i = 0; i < queue.size(); ++i) {
+            Piece& inner = piece_[queue[i]];
+            if (inner.sides != 1) continue; // the whole surface is left
+            const uint32_t e = inner.edge, v = mesh_.origin[2 * e];
+            const uint32_t left = root(mesh_.face[2 * e]);
+            const uint32_t other = left == queue[i] ? root(mesh_.face[2 * e + 1]) : left;
+            Piece& outer = piece_[other];
+            inner.inside = true;
+            bounds[e] = 1;
+            outer.euler += inner.euler - 1;
+            outer.edge ^= e;
+            --outer.sides;
+            if (--self_edges_[v] == 0 && !mesh_.is_marked(v)) ++outer.euler;
+            if (outer.is_monogon() && !queue.push(other)) return false;
+        }
+        return true;
+    }
+
+    Piece& at(uint32_t face) { return piece_[root(face)]; }
+
+private:
+    uint32_t root(uint32_t face) { return find_root(parent_.data(), face); }
+
+    const Mesh& mesh_;
+    Array<uint32_t> parent_;     // union-find of the faces
+    Array<Piece> piece_;         // at the root of its faces
+    Array<uint32_t> self_edges_; // edges to itself at each vertex that are left
 };
 
 } // namespace
@@ -38,56 +108,15 @@ Done Monogons::find(const Mesh& mesh, Memory& memory) {
     bool any = false;
     for (uint32_t e = 0; e < mesh.edge_count && !any; ++e) any = joins_itself(mesh, e);
     if (!any) return true;
-    Array<uint32_t> parent, self_edges, queue; // union-find of the faces; edges to itself at each vertex that are left
-    Array<Piece> piece;                        // at the root of its faces
-    if (!parent.allocate(memory, mesh.face_count)
-        || !piece.allocate_filled(memory, mesh.face_count, Piece{0, 0, 0, false})
-        || !self_edges.allocate_filled(memory, mesh.vertex_count, 0)
-        || !edge.allocate_filled(memory, mesh.edge_count, 0)
-        || !vertex.allocate_filled(memory, mesh.vertex_count, INSIDE))
-        return false;
+    Pieces pieces(mesh);
     edges.start(memory);
-    queue.start(memory);
-    for (uint32_t f = 0; f < mesh.face_count; ++f) parent[f] = f;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (joins_itself(mesh, e)) {
-            ++self_edges[mesh.origin[2 * e]];
-        } else {
-            unite(parent.data(), mesh.face[2 * e], mesh.face[2 * e + 1]);
-        }
-    }
-    for (uint32_t f = 0; f < mesh.face_count; ++f) ++piece[find_root(parent.data(), f)].euler;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e)
-        for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) {
-            Piece& p = piece[find_root(parent.data(), mesh.face[h])];
-            if (joins_itself(mesh, e)) {
-                ++p.sides;
-                p.edge ^= e;
-            } else if (!(h & 1)) {
-                --p.euler;
-            }
-        }
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
-        if (self_edges[v] == 0 && !mesh.is_marked(v)) ++piece[find_root(parent.data(), mesh.face[mesh.out[v]])].euler;
-    for (uint32_t f = 0; f < mesh.face_count; ++f)
-        if (parent[f] == f && piece[f].sides == 1 && piece[f].euler == 1 && !queue.push(f)) return false;
-    for (size_t i = 0; i < queue.size(); ++i) {
-        Piece& inner = piece[queue[i]];
-        if (inner.sides != 1) continue; // the whole surface is left
-        const uint32_t e = inner.edge, v = mesh.origin[2 * e];
-        const uint32_t left = find_root(parent.data(), mesh.face[2 * e]);
-        const uint32_t other = left == queue[i] ? find_root(parent.data(), mesh.face[2 * e + 1]) : left;
-        Piece& outer = piece[other];
-        inner.inside = true;
-        edge[e] = 1;
-        outer.euler += inner.euler - 1;
-        outer.edge ^= e;
-        --outer.sides;
-        if (--self_edges[v] == 0 && !mesh.is_marked(v)) ++outer.euler;
-        if (outer.sides == 1 && outer.euler == 1 && !queue.push(other)) return false;
-    }
+    if (!edge.allocate_filled(memory, mesh.edge_count, 0) || !vertex.allocate_filled(memory, mesh.vertex_count, INSIDE)
+        || !pieces.cut(memory))
+        return false;
+    pieces.count_euler();
+    if (!pieces.join_monogons(edge, memory)) return false;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        if (piece[find_root(parent.data(), mesh.face[h])].inside) edge[edge_of(h)] = 1;
+        if (pieces.at(mesh.face[h]).inside) edge[edge_of(h)] = 1;
         else vertex[mesh.origin[h]] &= static_cast<uint8_t>(~INSIDE);
     }
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {

@@ -1,0 +1,197 @@
+// What holds for each result, whatever it was made from.
+#pragma once
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "host.hpp"
+
+namespace fuzz {
+
+// Refused with a reason, or cone angles that add up.
+inline void expect_parameterization(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const auto map =
+        result_of<hmf_parameterization>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+                                        [&](auto out) { return hmf_parameterize(f, nullptr, nullptr, out, nullptr); });
+    if (!map) return;
+    for (size_t i = 0; i < 6 * map->triangle_count; ++i) FUZZ_ASSERT(std::isfinite(map->corner_uv[i]));
+    int64_t sum = 0;
+    for (size_t v = 0; v < map->vertex_count; ++v) sum += 2 - map->cone[v];
+    // A marked pole has an angle of pi.  With boundary half of the double is counted.
+    FUZZ_ASSERT(hmf_boundary_count(h) > 0 || sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
+}
+
+// Leaves close or join zeros, a quad mesh is closed and has the right genus.
+inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double largest, bool memory_is_short) {
+    hmf_trace_options options = sized<hmf_trace_options>();
+    options.critical = 1;
+    options.spacing = largest;
+    const auto traced = [&](auto out) { return hmf_trace(f, &options, nullptr, out, nullptr); };
+    if (const auto leaves = result_of<hmf_lines>({}, memory_is_short, traced))
+        for (size_t i = 0; i < leaves->line_count; ++i) {
+            const hmf_line& line = leaves->lines[i];
+            if (hmf_boundary_count(h) > 0) continue; // leaves end there
+            FUZZ_ASSERT(line.kind == HMF_LINE_CRITICAL ? line.begin == HMF_END_ZERO && line.end == HMF_END_ZERO
+                                                       : line.closed == 1);
+        }
+    options.leaves = HMF_LEAVES_CONJUGATE;
+    result_of<hmf_lines>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
+                         traced);
+    // With boundary cylinders are told apart by their loops, which are not given here.
+    result_of<hmf_cylinder_set>({HMF_ERROR_VALUE_NOT_HARMONIC,
+                                 hmf_boundary_count(h) > 0 ? HMF_ERROR_UNSUPPORTED : HMF_ERROR_VALUE_NOT_HARMONIC},
+                                memory_is_short,
+                                [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
+
+    const auto atlas = result_of<hmf_chart_set>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+                                                [&](auto out) { return hmf_atlas(f, nullptr, nullptr, out, nullptr); });
+    for (size_t t = 0; atlas && t < atlas->triangle_count; ++t) {
+        FUZZ_ASSERT(atlas->triangle_chart[t] < atlas->chart_count);
+        for (size_t i = 6 * t; i < 6 * t + 6; ++i) FUZZ_ASSERT(atlas->corner_uv[i] >= 0 && atlas->corner_uv[i] <= 1);
+    }
+    const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
+                                               [&](auto out) { return hmf_quads(f, nullptr, nullptr, out, nullptr); });
+    if (!mesh) return;
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) FUZZ_ASSERT(std::isfinite(mesh->positions[i]));
+    std::vector<std::pair<uint32_t, uint32_t>> sides;
+    for (size_t q = 0; q < mesh->quad_count; ++q)
+        for (size_t s = 0; s < 4; ++s) sides.push_back({mesh->quads[4 * q + s], mesh->quads[4 * q + (s + 1) % 4]});
+    std::sort(sides.begin(), sides.end());
+    int64_t outer = 0; // sides on the boundary
+    for (size_t i = 0; i < sides.size(); ++i) {
+        FUZZ_ASSERT(sides[i].first < mesh->vertex_count && (i == 0 || sides[i] != sides[i - 1]));
+        outer += !std::binary_search(sides.begin(), sides.end(), std::make_pair(sides[i].second, sides[i].first));
+    }
+    FUZZ_ASSERT(outer == 0 || hmf_boundary_count(h) > 0);
+    const int64_t edges = (static_cast<int64_t>(sides.size()) + outer) / 2;
+    FUZZ_ASSERT(static_cast<int64_t>(mesh->vertex_count) - edges + static_cast<int64_t>(mesh->quad_count)
+                == 2 - 2 * static_cast<int64_t>(hmf_genus(h)) - static_cast<int64_t>(hmf_boundary_count(h)));
+}
+
+inline void expect_closed(const hmf_hierarchy* h, const hmf_foliation* f) {
+    const size_t level = hmf_foliation_level(f);
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    size_t count = 0;
+    const double* const values = hmf_foliation_values(f, &count);
+    FUZZ_ASSERT(count == info.edge_count);
+    std::vector<uint32_t> side(3 * info.triangle_count);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, side.data(), side.size(), nullptr) == HMF_OK);
+    for (size_t t = 0; t < info.triangle_count; ++t)
+        for (size_t s = 0; s < 3; ++s)
+            FUZZ_ASSERT(values[side[3 * t + s]] >= 0
+                        && values[side[3 * t + s]]
+                               <= values[side[3 * t + (s + 1) % 3]] + values[side[3 * t + (s + 2) % 3]]);
+}
+
+// No pole but at marked vertices.
+inline void expect_singularities(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    const auto set = result_of<hmf_singularity_set>(
+        {}, memory_is_short, [&](auto out) { return hmf_singularities(f, nullptr, out, nullptr); });
+    if (!set) return;
+    int64_t sum = 0;
+    for (size_t i = 0; i < set->count; ++i) {
+        FUZZ_ASSERT(set->list[i].index < 0 || (set->list[i].index == 0 && marks_now > 0));
+        for (const double x : set->list[i].position) FUZZ_ASSERT(std::isfinite(x));
+        sum += set->list[i].index;
+    }
+    FUZZ_ASSERT(has_index_sum(h, sum));
+}
+
+// Exact triangle inequalities, no pole, 4 - 4 g; the values, read again, are
+// the same foliation.
+inline void expect_foliation(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    expect_closed(h, f);
+    expect_singularities(h, f, memory_is_short);
+    const size_t level = hmf_foliation_level(f);
+    size_t count = 0;
+    const double* const values = hmf_foliation_values(f, &count);
+    if (const auto read = result_of<hmf_foliation>({}, memory_is_short, [&](auto out) {
+            return hmf_foliation_create(h, level, values, count, nullptr, out, nullptr);
+        }))
+        FUZZ_ASSERT(std::equal(values, values + count, hmf_foliation_values(read.get(), nullptr)));
+    expect_parameterization(h, f, memory_is_short);
+    expect_leaves(h, f, *std::max_element(values, values + count), memory_is_short);
+}
+
+// Everything that a level tells; corners and edges fit together.
+inline void expect_level(const hmf_hierarchy* h, size_t level) {
+    hmf_level_info info{};
+    if (hmf_level_counts(h, level, &info, nullptr) == HMF_ERROR_LEVEL) {
+        FUZZ_ASSERT(level >= hmf_level_count(h));
+        return;
+    }
+    std::vector<uint32_t> ends(2 * info.edge_count), edges(3 * info.triangle_count), corners(3 * info.triangle_count);
+    std::vector<double> weights(info.edge_count), positions(3 * info.vertex_count);
+    hmf_error error{};
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size() - 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), 0, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size() - 1, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), 2, &error) == HMF_ERROR_CAPACITY);
+    FUZZ_ASSERT(hmf_level_edge_vertices(h, level, ends.data(), ends.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_edges(h, level, edges.data(), edges.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_triangle_vertices(h, level, corners.data(), corners.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
+    FUZZ_ASSERT(hmf_level_positions(h, level, positions.data(), positions.size(), nullptr) == HMF_OK);
+    for (size_t c = 0; c < corners.size(); ++c) {
+        const uint32_t a = corners[c], b = corners[c - c % 3 + (c + 1) % 3], e = edges[c];
+        FUZZ_ASSERT(a < info.vertex_count && e < info.edge_count);
+        FUZZ_ASSERT((ends[2 * e] == a && ends[2 * e + 1] == b) || (ends[2 * e] == b && ends[2 * e + 1] == a));
+    }
+    for (const double w : weights) FUZZ_ASSERT(std::isfinite(w) && (level == 0 || w > 0));
+    for (const double x : positions) FUZZ_ASSERT(std::isfinite(x));
+}
+
+// On a coarse level the energy is the sum of weight * value^2; residuals are shares.
+inline void expect_measures(const hmf_hierarchy* h, const hmf_foliation* f, bool memory_is_short) {
+    double energy = -1;
+    meter_now->begin_call();
+    if (hmf_energy(f, nullptr, &energy, nullptr) != HMF_OK) {
+        FUZZ_ASSERT(memory_is_short && energy == -1);
+        return;
+    }
+    const size_t level = hmf_foliation_level(f);
+    hmf_level_info info{};
+    FUZZ_ASSERT(hmf_level_counts(h, level, &info, nullptr) == HMF_OK);
+    if (level > 0) {
+        std::vector<double> weights(info.edge_count);
+        FUZZ_ASSERT(hmf_level_weights(h, level, weights.data(), weights.size(), nullptr) == HMF_OK);
+        const double* const values = hmf_foliation_values(f, nullptr);
+        const double share = hmf_boundary_count(h) > 0 ? 0.5 : 1; // of the double
+        double sum = 0;
+        for (size_t e = 0; e < weights.size(); ++e) sum += share * weights[e] * values[e] * values[e];
+        FUZZ_ASSERT(std::abs(sum - energy) <= 1e-9 * sum);
+    }
+    std::vector<double> residuals(info.vertex_count, -1);
+    meter_now->begin_call();
+    const hmf_status status = hmf_residuals(f, nullptr, residuals.data(), residuals.size(), nullptr);
+    FUZZ_ASSERT(status == HMF_OK || (memory_is_short && status / 100 == 2));
+    for (const double r : residuals) FUZZ_ASSERT(status == HMF_OK ? r >= 0 && r <= 1 + 1e-9 : r == -1);
+}
+
+// A call that gives a foliation even where it stops early.
+template <class Call>
+inline Owned<hmf_foliation> foliation_of(const hmf_hierarchy* h, const Stop& stop, bool memory_is_short, Call&& call) {
+    hmf_foliation* made = nullptr;
+    hmf_error error{};
+    meter_now->begin_call();
+    const hmf_status status = call(&made, &error);
+    Owned<hmf_foliation> f(made);
+    expect_status(status, error, {0, 1, memory_is_short ? 2 : 1});
+    FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);
+    FUZZ_ASSERT(status == HMF_CANCELLED || (made != nullptr) == (status < HMF_CANCELLED || status == HMF_LIMIT_CLASS));
+    if (!f) return f;
+    const hmf_report* report = hmf_foliation_report(made);
+    FUZZ_ASSERT(report && report->poles == 0 && report->bad_flips_left == 0);
+    // Sweeps may end by the energy; a stopped call may have arrived all the same.
+    const bool has_arrived = status == HMF_OK && report->method == HMF_METHOD_NEWTON;
+    FUZZ_ASSERT(report->converged ? report->residual_max >= 0 : !has_arrived);
+    FUZZ_ASSERT(report->class_state != HMF_CLASS_LOST);
+    expect_closed(h, made);
+    expect_singularities(h, made, memory_is_short);
+    return f;
+}
+
+} // namespace fuzz

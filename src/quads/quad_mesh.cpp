@@ -1,0 +1,104 @@
+// Quads by cylinders.  Every cylinder is a grid of rows (leaves at equal
+// distances) and columns; along the critical graph the grids share the points
+// that divide its arcs.  So the mesh is closed, oriented and manifold whatever
+// the numbers are, and a zero with k prongs has 2k edges, all others 4 (a marked
+// vertex with one prong: quad_poles.hpp).
+//
+//     Z---+---+---Z---+--       lower boundary leaf ->   (arcs, columns)
+//     |   |   |   |   |
+//     +---+---+---+---+--       row 1
+//     |   |   |   |   |
+//     +---Z---+---+---+--       <- upper boundary leaf
+//
+//     sizes    how many columns and rows                          quad_sizes, grid_sizes
+//     points   the vertices on the critical graph                 graph_points
+//     rows     those inside the cylinders, and the quads          cylinder_rows, front_rows
+//     poles    one quad over each                                 quad_poles
+#include "quad_mesh.hpp"
+
+#include "../lines/polyline.hpp"
+#include "cylinder_rows.hpp"
+#include "quad_poles.hpp"
+
+namespace hmf {
+
+namespace {
+
+hmf_status refuse_wide_zeros(const CriticalGraph& graph, Call& call) {
+    for (uint32_t z = 0; z < graph.zeros.size(); ++z)
+        if (graph.zeros[z].euler != 1)
+            return call.fail(
+                HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, z,
+                "Zero %u goes round a part of the surface that no leaf crosses, with a handle, boundaries or "
+                "marked vertices. Give loops that cross it.",
+                static_cast<unsigned>(z));
+    for (const Boundary& b : graph.boundaries)
+        if (b.arcs_begin == b.arcs_end && !graph.zeros.empty())
+            return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                             "A leaf goes round several marked vertices at one place, which no leaf tells apart. "
+                             "Give loops between them.");
+    return HMF_OK;
+}
+
+// Of a double with twice the step: the sum of both halves is what is wished.
+hmf_status find_sizes(const QuadInput& in, const GraphPoints& points, const Array<double>& length, const QuadWish& wish,
+                      QuadSizes& sizes, Call& call) {
+    const double ring_length = in.graph.zeros.empty() ? points.length(0) : 0;
+    if (sizes.start(in.cylinders, length, ring_length, wish.merge, call)) return call.status();
+    const double step = in.front ? 2 * wish.step : wish.step;
+    const int64_t count = in.front && wish.count > 0 ? wish.count / 2 + 1 : wish.count;
+    return count > 0 ? sizes.of_count(step, count, call) : sizes.of_step(step, call);
+}
+
+// The quads of these sizes.
+hmf_status build(const QuadInput& in, GraphPoints& points, CylinderRows& rows, QuadMesh& out, Call& call) {
+    out.start(call.memory);
+    if (!points.place()) return call.out_of_memory();
+    for (uint32_t c = 0; c < in.cylinders.list.size(); ++c)
+        if (rows.fill(c)) return call.status();
+    return HMF_OK;
+}
+
+} // namespace
+
+hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders, const FrontParts* front,
+                      const QuadWish& wish, QuadMesh& out, Call& call) {
+    const QuadInput in{f, position, cylinders, cylinders.graph, front, Conjugate(f, position)};
+    QuadSizes sizes;
+    GridSizes grid;
+    GraphPoints points(in, grid, out, call);
+    CylinderRows rows(in, grid, points, out, call);
+    Array<double> length; // of each side of an arc
+    if (refuse_wide_zeros(in.graph, call)) return call.status();
+    if (!grid.allocate(in, call.memory) || !points.measure(length)) return call.out_of_memory();
+    if (!call.tick(0)) return call.was_cancelled();
+    if (find_sizes(in, points, length, wish, sizes, call)) return call.status();
+    grid.take(in, sizes, wish);
+    if (build(in, points, rows, out, call)) return call.status();
+    if (f.mesh.marked_count == 0 || wish.keep_poles) return HMF_OK;
+    size_t left = 0;
+    if (!quads_over_poles(out, left, call)) return call.stopped();
+    if (left == 0 || !wish.merge) return HMF_OK;
+    // Two poles too near to each other, or to a boundary.
+    if (sizes.widen_at_poles(call)) return call.status();
+    grid.take(in, sizes, wish);
+    if (build(in, points, rows, out, call)) return call.status();
+    return quads_over_poles(out, left, call) ? HMF_OK : call.stopped();
+}
+
+hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders, FlatMetric& out,
+                       Call& call) {
+    const Conjugate conjugate(f, position);
+    out = {};
+    Curves middle;
+    if (middle_leaves(f, cylinders, nullptr, middle, call)) return call.status();
+    for (size_t c = 0; c < cylinders.list.size(); ++c) {
+        double v = 0;
+        for (uint64_t i = middle.offsets[c]; i < middle.offsets[c + 1]; ++i) v += conjugate.step(middle.crossings[i]);
+        out.flat_area += v * static_cast<double>(cylinders.list[c].height);
+    }
+    out.area = surface_area(f.mesh, position, call.parallel);
+    return HMF_OK;
+}
+
+} // namespace hmf

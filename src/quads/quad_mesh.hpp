@@ -1,0 +1,60 @@
+// A quad mesh along the leaves.
+#pragma once
+
+#include "../leaves/cylinders.hpp"
+#include "../leaves/front_parts.hpp"
+#include "quad_sizes.hpp"
+
+namespace hmf {
+
+// A vertex of the boundary of the surface, and one that slides along a sharp edge.
+constexpr uint8_t AT_BOUNDARY = 2, ON_CREASE = 3;
+
+struct QuadMesh {
+    Array<double> positions; // 3 per vertex; the zeros first, in their order
+    Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
+    Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
+    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; AT_BOUNDARY likewise; ON_CREASE
+
+    void start(Memory& memory) {
+        positions.start(memory);
+        quads.start(memory);
+        sides.start(memory);
+        held.start(memory);
+    }
+    // side: a half-edge of the mesh, left of which p lies.
+    Done add_vertex(const double* p, uint32_t side, uint8_t is_held = 0) {
+        return positions.push(p[0]) && positions.push(p[1]) && positions.push(p[2]) && sides.push(side)
+            && held.push(is_held);
+    }
+    Done add_quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+        return quads.push(a) && quads.push(b) && quads.push(c) && quads.push(d);
+    }
+    uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
+    size_t quad_count() const { return quads.size() / 4; }
+    void put(uint32_t v, const double* place, uint32_t side) {
+        for (size_t k = 0; k < 3; ++k) positions[size_t{3} * v + k] = place[k];
+        sides[v] = side;
+    }
+};
+
+struct QuadWish {
+    double step = 0;         // length of an edge in the flat metric, in units of f
+    int64_t count = 0;       // > 0: how many quads instead; the step is where the search begins
+    bool merge = false;      // critical leaves shorter than half an edge get no column
+    bool keep_poles = false; // poles stay vertices with two edges
+};
+
+// position: of the vertices of f.mesh.  Cylinders of the same f.  front: of a double, only
+// what lies in front; NULL: the surface is closed.
+[[nodiscard]] hmf_status make_quads(Foliation& f, const double* position, const Cylinders& cylinders,
+                                    const FrontParts* front, const QuadWish& wish, QuadMesh& out, Call& call);
+
+// Areas of the surface, in space and in the flat metric (squared units of f).
+struct FlatMetric {
+    double area = 0, flat_area = 0;
+};
+[[nodiscard]] hmf_status flat_metric(const Foliation& f, const double* position, const Cylinders& cylinders,
+                                     FlatMetric& out, Call& call);
+
+} // namespace hmf

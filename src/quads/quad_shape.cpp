@@ -1,0 +1,96 @@
+#include "quad_shape.hpp"
+
+#include "surface_walk.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// Of the triangle left of a half-edge, of length 1; 0 without area.
+Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
+    const Point a = point(position, mesh.origin[h]), b = point(position, mesh.target(h)),
+                c = point(position, mesh.origin[mesh.prev(h)]);
+    const Point normal = cross(b - a, c - a);
+    const double doubled = std::sqrt(dot(normal, normal));
+    return doubled > 0 ? (1 / doubled) * normal : Point{};
+}
+
+// Along which the corners of a quad with this normal are seen: it; where it looks inwards, against the
+// normals where its corners lie, and where the surface is nearest to its middle, the latter.
+Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner,
+           const Point& normal) {
+    constexpr double CLEARLY = 0.5; // of the sum of four
+    Point outwards, middle;
+    for (size_t k = 0; k < 4; ++k) {
+        outwards = outwards + normal_at(mesh, position, quads.sides[corner[k]]);
+        middle = middle + 0.25 * at(quads, corner[k]);
+    }
+    if (dot(normal, outwards) > CLEARLY) return normal;
+    const double p[3] = {middle.x, middle.y, middle.z};
+    double nearest[3];
+    outwards = normal_at(mesh, position, walk_to_nearest(mesh, position, quads.sides[corner[0]], p, nearest));
+    return dot(normal, outwards) < 0 ? outwards : normal;
+}
+
+double least_sine(const Point* p, const Point& n) {
+    double worst = 1;
+    for (int k = 0; k < 4; ++k) {
+        const Point e = p[(k + 1) % 4] - p[k], b = p[(k + 3) % 4] - p[k];
+        const double size = std::sqrt(dot(e, e) * dot(b, b));
+        const double sine = size > 0 ? dot(cross(e, b), n) / size : -1;
+        if (sine < worst) worst = sine;
+    }
+    return worst;
+}
+
+// Of the diagonals, of length 1; 0 where they are parallel.
+Point normal_of(const Point* p) {
+    const Point n = cross(p[2] - p[0], p[3] - p[1]);
+    const double length = std::sqrt(dot(n, n));
+    return length > 0 ? (1 / length) * n : Point{};
+}
+
+} // namespace
+
+double worst_corner(const QuadMesh& quads, size_t q) {
+    Point p[4];
+    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, quads.quads[4 * q + k]);
+    const Point n = normal_of(p);
+    return dot(n, n) > 0 ? least_sine(p, n) : -1;
+}
+
+double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q) {
+    const uint32_t* const corner = &quads.quads[4 * q];
+    Point p[4];
+    for (size_t k = 0; k < 4; ++k) p[k] = at(quads, corner[k]);
+    const Point n = normal_of(p);
+    return dot(n, n) > 0 ? least_sine(p, view(mesh, position, quads, corner, n)) : -1;
+}
+
+Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
+    const uint32_t n = quads.vertex_count();
+    Array<uint32_t> next;
+    if (!first_.allocate_filled(memory, size_t{n} + 1, 0u) || !quads_.allocate(memory, quads.quads.size())
+        || !next.allocate(memory, n))
+        return false;
+    for (const uint32_t v : quads.quads) ++first_[size_t{v} + 1];
+    for (uint32_t v = 0; v < n; ++v) {
+        first_[size_t{v} + 1] += first_[v];
+        next[v] = first_[v];
+    }
+    for (uint32_t i = 0; i < quads.quads.size(); ++i) quads_[next[quads.quads[i]]++] = i / 4;
+    return true;
+}
+
+double QuadStars::worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const {
+    double worst = 1;
+    for (const uint32_t* q = begin(v); q != end(v); ++q) {
+        const double corner = worst_corner_from_outside(mesh, position, quads, *q);
+        if (corner < worst) worst = corner;
+    }
+    return worst;
+}
+
+} // namespace hmf

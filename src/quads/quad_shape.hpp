@@ -1,0 +1,43 @@
+// The shape of single quads on a surface.
+#pragma once
+
+#include "quad_mesh.hpp"
+
+namespace hmf {
+
+struct Point {
+    double x = 0, y = 0, z = 0;
+};
+inline Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Point cross(const Point& a, const Point& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Point point(const double* positions, uint32_t v) {
+    const double* const p = positions + size_t{3} * v;
+    return {p[0], p[1], p[2]};
+}
+inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
+
+// The least sine of its corners, as seen along its normal (of the diagonals).
+double worst_corner(const QuadMesh& quads, size_t q);
+// As seen along the normal of the surface, where its own looks inwards: at most 0 there.
+double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q);
+
+// The quads round each vertex.
+class QuadStars {
+public:
+    Done build(const QuadMesh& quads, Memory& memory);
+    const uint32_t* begin(uint32_t v) const { return quads_.data() + first_[v]; }
+    const uint32_t* end(uint32_t v) const { return quads_.data() + first_[size_t{v} + 1]; }
+
+    // The least of the quads round v, from outside.
+    double worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const;
+
+private:
+    Array<uint32_t> first_, quads_;
+};
+
+} // namespace hmf

@@ -1,0 +1,323 @@
+// The square nearest to a quad p0 .. p3 with the middle c and the normal n of its
+// diagonals (least squares; R turns by 90 degrees about n):
+//
+//     p3 ---- p2        corners c + R^k d,  4 d = sum of R^-k (p_k - c)
+//      \      |                                 = (p0 - p2) - n x (p1 - p3)
+//       p0 -- p1
+//
+// A vertex goes to the mean of its corners in these squares (after the
+// shape-up steps of Bouaziz et al. 2012), so that angles and sides even out while
+// sizes stay: a grid of squares, conformal as the quads are, is at rest.
+#include "relax_quads.hpp"
+
+#include <cmath>
+
+#include "quad_shape.hpp"
+#include "sharp_edges.hpp"
+#include "surface_walk.hpp"
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t SLICE = 16384;    // vertices between ticks
+constexpr double WELL = 0.1;         // sine of a corner that needs no care
+constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
+constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
+
+class Relaxation {
+public:
+    Relaxation(const Mesh& mesh, const double* position, bool outwards, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), outwards_(outwards), quads_(quads), call_(call) {}
+
+    hmf_status run(int steps) {
+        if (!target_.allocate(call_.memory, quads_.vertex_count())
+            || !weight_.allocate_filled(call_.memory, quads_.vertex_count(), 0.0))
+            return call_.out_of_memory();
+        list_.start(call_.memory);
+        for (int k = 0; k < steps; ++k)
+            if (!step(quads_.quad_count())) return call_.was_cancelled();
+        return untangle();
+    }
+
+private:
+    // Of the quads on the list (empty: of all) and the vertices with a mark (empty: all).
+    Done step(size_t count) {
+        const auto quad = [&](size_t i) { return &quads_.quads[4 * (list_.empty() ? i : size_t{list_[i]})]; };
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = {};
+                weight_[corner[k]] = 0;
+            }
+        }
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
+            Point p[4];
+            for (int k = 0; k < 4; ++k) p[k] = at(quads_, corner[k]);
+            Point normal = cross(p[2] - p[0], p[3] - p[1]);
+            const double length = std::sqrt(dot(normal, normal));
+            if (!(length > 0)) continue;
+            normal = (1 / length) * normal;
+            const Point middle = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
+            const Point d = 0.25 * ((p[0] - p[2]) - cross(normal, p[1] - p[3])), e = cross(normal, d);
+            const Point square[4] = {middle + d, middle + e, middle - d, middle - e};
+            for (int k = 0; k < 4; ++k) {
+                target_[corner[k]] = target_[corner[k]] + square[k];
+                weight_[corner[k]] += 1;
+            }
+        }
+        for (size_t i = 0; i < count; ++i) {
+            if (i % SLICE == 0 && !call_.tick(0)) return false;
+            const uint32_t* const corner = quad(i);
+            for (int k = 0; k < 4; ++k) {
+                const uint32_t v = corner[k];
+                if (is_fixed(v) || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
+                move(v, (1 / weight_[v]) * target_[v]);
+                weight_[v] = 0; // once
+            }
+        }
+        return true;
+    }
+
+    double worst(size_t q) const {
+        return outwards_ ? worst_corner_from_outside(mesh_, position_, quads_, q) : worst_corner(quads_, q);
+    }
+
+    bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
+
+    void move(uint32_t v, const Point& to) {
+        const double p[3] = {to.x, to.y, to.z};
+        const auto walk = quads_.held[v] == ON_CREASE ? walk_along_sharp_edges : walk_to_nearest;
+        quads_.sides[v] = walk(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
+    }
+
+    // Where quads have a corner of nearly 180 degrees or more, some rings round them
+    // are relaxed further, and then vertices moved where that helps the worst corner.
+    // Each round that was not enough is followed by one with more rings and steps.
+    hmf_status untangle() {
+        Memory& memory = call_.memory;
+        const uint32_t n = quads_.vertex_count();
+        const size_t count = quads_.quad_count();
+        for (int round = 0; round < ROUNDS; ++round) {
+            bool any = false;
+            for (size_t q = 0; q < count && !any; ++q) {
+                if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
+                any = worst(q) < WELL;
+            }
+            if (!any) break;
+            Array<uint8_t> next;
+            if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
+            for (size_t q = 0; q < count; ++q)
+                if (worst(q) < WELL)
+                    for (size_t k = 0; k < 4; ++k) {
+                        region_[quads_.quads[4 * q + k]] = 1;
+                        uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
+                        if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
+                    }
+            list_.clear();
+            const int rings = RINGS * (round + 1);
+            for (int ring = 0; ring <= rings; ++ring) {
+                if (!call_.tick(0)) return call_.was_cancelled();
+                for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
+                for (size_t q = 0; q < count; ++q) {
+                    const uint32_t* const c = &quads_.quads[4 * q];
+                    if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
+                    if (ring < rings)
+                        for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
+                    else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
+                }
+                region_.swap(next);
+            }
+            for (int k = 0; k < STEPS_ROUND_BAD * (round + 1); ++k)
+                if (!step(list_.size())) return call_.was_cancelled();
+            if (improve_worst()) return call_.status();
+        }
+        return HMF_OK;
+    }
+
+    hmf_status improve_worst() {
+        Memory& memory = call_.memory;
+        Array<uint32_t> first, corners, filled; // the corners of each vertex, of quads on the list
+        const uint32_t n = quads_.vertex_count();
+        if (!first.allocate_filled(memory, size_t{n} + 1, 0u) || !corners.allocate(memory, 4 * list_.size())
+            || !filled.allocate_filled(memory, n, 0u))
+            return call_.out_of_memory();
+        for (const uint32_t q : list_)
+            for (size_t k = 0; k < 4; ++k) ++first[size_t{quads_.quads[4 * size_t{q} + k]} + 1];
+        for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+        for (const uint32_t q : list_)
+            for (uint32_t k = 0; k < 4; ++k) {
+                const uint32_t v = quads_.quads[4 * size_t{q} + k];
+                corners[first[v] + filled[v]++] = 4 * q + k;
+            }
+        for (int k = 0; k < IMPROVEMENTS; ++k) {
+            bool moved = false;
+            if (!call_.tick(0)) return call_.was_cancelled();
+            for (const uint32_t q : list_) {
+                if (worst(q) >= WELL) continue;
+                for (size_t c = 0; c < 4; ++c) {
+                    const uint32_t v = quads_.quads[4 * size_t{q} + c];
+                    if (region_[v] && !is_fixed(v)) moved |= improve(v, &corners[first[v]], filled[v]);
+                }
+            }
+            if (!moved) break;
+        }
+        return HMF_OK;
+    }
+
+    // Moves a vertex where that makes the worst corner of its quads best: to the mean
+    // of its neighbours, or some way to one of them or from it.
+    bool improve(uint32_t v, const uint32_t* corners, uint32_t count) {
+        const auto worst_here = [&] {
+            double w = 1;
+            for (uint32_t i = 0; i < count; ++i) {
+                const double x = worst(corners[i] / 4);
+                if (x < w) w = x;
+            }
+            return w;
+        };
+        const Point from = at(quads_, v);
+        const uint32_t side = quads_.sides[v];
+        double* const p = &quads_.positions[size_t{3} * v];
+        Point best = from, middle;
+        uint32_t best_side = side;
+        double best_worst = worst_here() + 1e-9;
+        const double before = best_worst;
+        const auto attempt = [&](const Point& to) {
+            move(v, to);
+            const double w = worst_here();
+            if (w > best_worst) {
+                best_worst = w;
+                best = at(quads_, v);
+                best_side = quads_.sides[v];
+            }
+            quads_.sides[v] = side;
+            p[0] = from.x;
+            p[1] = from.y;
+            p[2] = from.z;
+        };
+        for (uint32_t i = 0; i < count; ++i) {
+            const Point to = at(quads_, quads_.quads[size_t{corners[i]} / 4 * 4 + (corners[i] + 1) % 4]);
+            middle = middle + (1 / static_cast<double>(count)) * to;
+            for (const double t : {0.5, 0.2, 0.05, -0.05, -0.2, -0.5}) attempt(from + t * (to - from));
+        }
+        for (const double t : {1.0, 0.5, 0.25}) attempt(from + t * (middle - from));
+        p[0] = best.x;
+        p[1] = best.y;
+        p[2] = best.z;
+        quads_.sides[v] = best_side;
+        return best_worst > before;
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    const bool outwards_;
+    QuadMesh& quads_;
+    Call& call_;
+    Array<Point> target_;
+    Array<double> weight_;
+    Array<uint32_t> list_;  // quads round bad ones
+    Array<uint8_t> region_; // vertices that may move there
+};
+
+} // namespace
+
+hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, bool outwards, QuadMesh& quads,
+                       Call& call) {
+    return Relaxation(mesh, position, outwards, quads, call).run(steps);
+}
+
+hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {
+    Array<uint32_t> valence;
+    figures = {};
+    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
+    for (const uint32_t v : quads.quads) ++valence[v];
+    for (uint32_t v = 0; v < quads.vertex_count(); ++v)
+        figures.irregular += valence[v] != (quads.held[v] == AT_BOUNDARY ? 2 : 4);
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        figures.inverted += !(worst_corner(quads, q) > 0);
+    }
+    return HMF_OK;
+}
+
+// Every edge gets a vertex in its middle, every quad one in its own:
+//
+//     d---o---c
+//     |   |   |
+//     o---o---o
+//     |   |   |
+//     a---o---b
+hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
+    const uint32_t n = quads.vertex_count();
+    const size_t count = quads.quad_count();
+    struct Edge {
+        uint32_t other, middle;
+    };
+    Array<uint32_t> first, filled, fine;
+    Array<Edge> edges; // of each vertex those to vertices of larger numbers
+    if (!first.allocate_filled(call.memory, size_t{n} + 1, 0u) || !filled.allocate_filled(call.memory, n, 0u)
+        || !fine.allocate(call.memory, 16 * count))
+        return call.out_of_memory();
+    const auto lower = [](uint32_t a, uint32_t b) { return a < b ? a : b; };
+    for (size_t i = 0; i < 4 * count; ++i)
+        ++first[size_t{lower(quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
+    for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
+    if (!edges.allocate(call.memory, first[n])) return call.out_of_memory();
+    const auto add = [&](const double* p, uint32_t side) -> Done {
+        double nearest[3];
+        const uint32_t found = walk_to_nearest(mesh, position, side, p, nearest);
+        return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
+            && quads.sides.push(found) && quads.held.push(0);
+    };
+    // The last vertex, if the line on which one end lies passes near the middle.
+    const auto stay_on_crease = [&](const double* p, uint32_t low, uint32_t high) {
+        double nearest[3];
+        const uint32_t found = walk_along_sharp_edges(mesh, position, quads.sides[low], p, nearest);
+        const Point off = point(nearest, 0) - point(p, 0), side = at(quads, high) - at(quads, low);
+        if (dot(off, off) > NEAR_CREASE * NEAR_CREASE * dot(side, side)) return;
+        const uint32_t v = quads.vertex_count() - 1;
+        quads.put(v, nearest, found);
+        quads.held[v] = ON_CREASE;
+    };
+    const size_t vertices = n + 3 * count + 2;
+    if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
+        return call.out_of_memory();
+    for (size_t q = 0; q < count; ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
+        uint32_t middle[4];
+        double p[3] = {0, 0, 0};
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t a = quads.quads[4 * q + k], b = quads.quads[4 * q + (k + 1) % 4];
+            const uint32_t low = lower(a, b), high = a + b - low;
+            uint32_t i = first[low];
+            while (i < first[low] + filled[low] && edges[i].other != high) ++i;
+            if (i == first[low] + filled[low]) {
+                edges[i] = {high, quads.vertex_count()};
+                ++filled[low];
+                for (size_t c = 0; c < 3; ++c)
+                    p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
+                if (!add(p, quads.sides[low])) return call.out_of_memory();
+                if (quads.held[low] == ON_CREASE && quads.held[high] == ON_CREASE) stay_on_crease(p, low, high);
+            }
+            middle[k] = edges[i].middle;
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            p[c] = 0;
+            for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads.positions[size_t{3} * middle[k] + c];
+        }
+        const uint32_t centre = quads.vertex_count();
+        if (!add(p, quads.sides[middle[0]])) return call.out_of_memory();
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t quad[4] = {quads.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
+            // a-d and b-c lie on leaves, as before.
+            for (size_t c = 0; c < 4; ++c) fine[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
+        }
+    }
+    quads.quads.swap(fine);
+    return HMF_OK;
+}
+
+} // namespace hmf
