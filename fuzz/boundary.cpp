@@ -1,7 +1,8 @@
-// A surface with boundary, marked vertices, and arcs from boundary to boundary or loops of the library: the whole solve,
-// and the result through all levels down and up, which reverses the flips and splits of the double.  No pole and exact
-// triangle inequalities throughout, the index sum of the double, its class; quads whose boundary is that of the surface.
-// Disks that carry nothing are refused with a sentence.
+// A surface with boundary, marked vertices, and arcs from boundary to boundary or
+// loops of the library: the whole solve, and the result through all levels down and
+// up, which reverses the flips and splits of the double.  No pole and exact triangle
+// inequalities throughout, the index sum of the double, its class; quads whose
+// boundary is that of the surface.  Disks that carry nothing are refused with a sentence.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
