@@ -7,6 +7,8 @@
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -57,7 +59,7 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
     if (turn_outwards(mesh, position, quads, call)) return call.status();
     for (; halvings > 0; --halvings)
         if (refine_quads(mesh, position, quads, call)
-            || relax_quads(mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, false, quads, call))
+            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), false, quads, call))
             return call.status();
     return HMF_OK;
 }

@@ -120,88 +120,140 @@ double fold(const Mesh& mesh, const double* position, uint32_t h) {
     return one > 0 && two > 0 ? dot / std::sqrt(one * two) : 1;
 }
 
+class Snapping {
+public:
+    Snapping(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), front_(front), quads_(quads), call_(call) {}
+
+    hmf_status run(size_t& snapped) {
+        bool too_many = false;
+        if (!measure_sides()) return call_.stopped();
+        if (!sample_edges(too_many)) return call_.stopped();
+        if (too_many || samples_.empty()) return HMF_OK;
+        if (!find_nearest()) return call_.stopped();
+        choose();
+        snapped = move();
+        return HMF_OK;
+    }
+
+private:
+    const double* at(uint32_t v) const { return &quads_.positions[size_t{3} * v]; }
+    // The vertex after corner i of all quads, in its quad.
+    uint32_t next(size_t i) const { return quads_.quads[i / 4 * 4 + (i + 1) % 4]; }
+
+    // The mean side, of all and at each vertex.
+    Done measure_sides() {
+        const uint32_t n = quads_.vertex_count();
+        Array<uint32_t> degree;
+        if (!length_.allocate_filled(call_.memory, n, 0.0) || !degree.allocate_filled(call_.memory, n, 0u))
+            return false;
+        for (size_t i = 0; i < quads_.quads.size(); ++i) {
+            const uint32_t a = quads_.quads[i], b = next(i);
+            const double l = std::sqrt(square_distance(at(a), at(b)));
+            mean_ += l / static_cast<double>(quads_.quads.size());
+            length_[a] += l;
+            length_[b] += l;
+            ++degree[a];
+            ++degree[b];
+        }
+        for (uint32_t v = 0; v < n; ++v) length_[v] /= static_cast<double>(degree[v]);
+        return call_.tick(0);
+    }
+
+    // too_many: there are too many samples to go on.
+    Done sample_edges(bool& too_many) {
+        samples_.start(call_.memory);
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            const uint32_t h = 2 * e;
+            if (e % 16384 == 0 && !call_.tick(0)) return false;
+            if (front_ && (front_->on_boundary(h) || !front_->is_front[h])) continue;
+            if (fold(mesh_, position_, h) > SHARP) continue;
+            const double* const a = position_ + size_t{3} * mesh_.origin[h];
+            const double* const b = position_ + size_t{3} * mesh_.target(h);
+            const double parts =
+                std::floor(static_cast<double>(SAMPLES_PER_SIDE) * std::sqrt(square_distance(a, b)) / mean_) + 1;
+            too_many = static_cast<double>(samples_.size()) + parts > static_cast<double>(MOST_SAMPLES);
+            if (too_many) return true;
+            for (uint32_t i = 0; i + 0.5 < parts; ++i) {
+                Sample s{{}, h};
+                for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * ((i + 0.5) / parts);
+                if (!samples_.push(s)) return false;
+            }
+        }
+        return true;
+    }
+
+    Done find_nearest() {
+        const uint32_t n = quads_.vertex_count();
+        Grid grid;
+        if (!nearest_.allocate_filled(call_.memory, n, NONE) || !snaps_.allocate_filled(call_.memory, n, 0)
+            || !grid.build(samples_, mean_, call_.memory))
+            return false;
+        for (uint32_t v = 0; v < n; ++v) {
+            if (v % 1024 == 0 && !call_.tick(0)) return false;
+            if (!quads_.held[v]) nearest_[v] = grid.nearest(samples_, at(v), REACH * length_[v]);
+        }
+        return true;
+    }
+
+    // Those that a side joins along a sharp edge.
+    void choose() {
+        for (size_t i = 0; i < quads_.quads.size(); ++i) {
+            const uint32_t a = quads_.quads[i], b = next(i);
+            if (nearest_[a] == NONE || nearest_[b] == NONE) continue;
+            // Between the places where they would be.
+            const double *const from = samples_[nearest_[a]].at, *const to = samples_[nearest_[b]].at;
+            const double size = std::sqrt(square_distance(from, to));
+            double side[3];
+            for (int k = 0; k < 3; ++k) side[k] = to[k] - from[k];
+            if (size < 0.5 * std::sqrt(square_distance(at(a), at(b))) || !runs_along(a, side, size)
+                || !runs_along(b, side, size))
+                continue;
+            snaps_[a] = snaps_[b] = 1;
+        }
+    }
+
+    // A side in the direction of the edge that is nearest to v.
+    bool runs_along(uint32_t v, const double* side, double size) const {
+        const uint32_t h = samples_[nearest_[v]].half_edge;
+        const double* const a = position_ + size_t{3} * mesh_.origin[h];
+        const double* const b = position_ + size_t{3} * mesh_.target(h);
+        double dot = 0;
+        for (int k = 0; k < 3; ++k) dot += (b[k] - a[k]) * side[k];
+        return std::fabs(dot) >= ALONG * size * std::sqrt(square_distance(a, b));
+    }
+
+    size_t move() {
+        size_t moved = 0;
+        for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
+            if (!snaps_[v]) continue;
+            const Sample& s = samples_[nearest_[v]];
+            for (size_t k = 0; k < 3; ++k) quads_.positions[size_t{3} * v + k] = s.at[k];
+            quads_.sides[v] = s.half_edge;
+            quads_.held[v] = 1;
+            ++moved;
+        }
+        return moved;
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    const Reflection* front_; // of a double, or NULL
+    QuadMesh& quads_;
+    Call& call_;
+    double mean_ = 0;         // of the sides
+    Array<double> length_;    // mean side at a vertex
+    Array<Sample> samples_;   // of the sharp edges
+    Array<uint32_t> nearest_; // per vertex: the nearest sample, or NONE
+    Array<uint8_t> snaps_;    // per vertex
+};
+
 } // namespace
 
 hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads,
                                size_t& snapped, Call& call) {
-    Memory& memory = call.memory;
-    const uint32_t n = quads.vertex_count();
     snapped = 0;
-    Array<double> length; // mean side at a vertex
-    Array<uint32_t> degree, sample_of;
-    Array<uint8_t> snaps;
-    if (!length.allocate_filled(memory, n, 0.0) || !degree.allocate_filled(memory, n, 0u)
-        || !sample_of.allocate_filled(memory, n, NONE) || !snaps.allocate_filled(memory, n, 0))
-        return call.out_of_memory();
-    const auto at = [&](uint32_t v) { return &quads.positions[size_t{3} * v]; };
-    double largest = 0, mean = 0;
-    for (size_t i = 0; i < quads.quads.size(); ++i) {
-        const uint32_t a = quads.quads[i], b = quads.quads[i / 4 * 4 + (i + 1) % 4];
-        const double l = std::sqrt(square_distance(at(a), at(b)));
-        mean += l / static_cast<double>(quads.quads.size());
-        length[a] += l;
-        length[b] += l;
-        ++degree[a];
-        ++degree[b];
-    }
-    for (uint32_t v = 0; v < n; ++v) {
-        length[v] /= static_cast<double>(degree[v]);
-        largest = std::max(largest, length[v]);
-    }
-    if (!call.tick(0)) return call.was_cancelled();
-    Array<Sample> samples;
-    samples.start(memory);
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const uint32_t h = 2 * e;
-        if (e % 16384 == 0 && !call.tick(0)) return call.was_cancelled();
-        if (front && (front->on_boundary(h) || !front->is_front[h])) continue;
-        if (fold(mesh, position, h) > SHARP) continue;
-        const double* const a = position + size_t{3} * mesh.origin[h];
-        const double* const b = position + size_t{3} * mesh.target(h);
-        const double parts =
-            std::floor(static_cast<double>(SAMPLES_PER_SIDE) * std::sqrt(square_distance(a, b)) / mean) + 1;
-        if (static_cast<double>(samples.size()) + parts > static_cast<double>(MOST_SAMPLES)) return HMF_OK;
-        for (uint32_t i = 0; i + 0.5 < parts; ++i) {
-            Sample s{{}, h};
-            for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * ((i + 0.5) / parts);
-            if (!samples.push(s)) return call.out_of_memory();
-        }
-    }
-    if (samples.empty()) return HMF_OK;
-    Grid grid;
-    if (!grid.build(samples, mean, memory)) return call.out_of_memory();
-    for (uint32_t v = 0; v < n; ++v) {
-        if (v % 1024 == 0 && !call.tick(0)) return call.was_cancelled();
-        if (!quads.held[v]) sample_of[v] = grid.nearest(samples, at(v), REACH * length[v]);
-    }
-    const auto along = [&](uint32_t v, const double* side, double size) {
-        const uint32_t h = samples[sample_of[v]].half_edge;
-        const double* const a = position + size_t{3} * mesh.origin[h];
-        const double* const b = position + size_t{3} * mesh.target(h);
-        double dot = 0;
-        for (int k = 0; k < 3; ++k) dot += (b[k] - a[k]) * side[k];
-        return std::fabs(dot) >= ALONG * size * std::sqrt(square_distance(a, b));
-    };
-    for (size_t i = 0; i < quads.quads.size(); ++i) {
-        const uint32_t a = quads.quads[i], b = quads.quads[i / 4 * 4 + (i + 1) % 4];
-        if (sample_of[a] == NONE || sample_of[b] == NONE) continue;
-        // Between the places where they would be.
-        double side[3];
-        const double size = std::sqrt(square_distance(samples[sample_of[a]].at, samples[sample_of[b]].at));
-        for (int k = 0; k < 3; ++k) side[k] = samples[sample_of[b]].at[k] - samples[sample_of[a]].at[k];
-        if (size < 0.5 * std::sqrt(square_distance(at(a), at(b))) || !along(a, side, size) || !along(b, side, size))
-            continue;
-        snaps[a] = snaps[b] = 1;
-    }
-    for (uint32_t v = 0; v < n; ++v) {
-        if (!snaps[v]) continue;
-        const Sample& s = samples[sample_of[v]];
-        for (size_t k = 0; k < 3; ++k) quads.positions[size_t{3} * v + k] = s.at[k];
-        quads.sides[v] = s.half_edge;
-        quads.held[v] = 1;
-        ++snapped;
-    }
-    return HMF_OK;
+    return Snapping(mesh, position, front, quads, call).run(snapped);
 }
 
 } // namespace hmf
