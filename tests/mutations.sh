@@ -53,7 +53,7 @@ src/api/read_values.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
 # Solve
 src/solve/cascade.cpp  s/status == HMF_LIMIT_TIME || call.finishing()/call.finishing()/  test_resources  ProgressOf.Nothing*
 src/solve/cascade.cpp  s/if (work.call.out_of_time()) return HMF_LIMIT_TIME;//  test_resources  ProgressOf.Nothing*
-src/mesh/weights.cpp  s/sum\[edge_of(ij)\] += corners.cot_k/sum[edge_of(ij)] += corners.cot_i/  test_levels  Levels.WeightsOfCoarseLevels
+src/mesh/weights.cpp  s/sums.set(ij, corners.cot_k)/sums.set(ij, corners.cot_i)/  test_levels  Levels.WeightsOfCoarseLevels
 src/mesh/weights.cpp  s/: w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;/: w;/  test_hierarchy  Weights.*
 src/mesh/weights.cpp  s/!(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR/w < 0 ? COARSE_WEIGHT_FLOOR/  test_hierarchy  Weights.*
 
@@ -66,6 +66,43 @@ src/parameterize/seams.cpp  s/^        mark_path(mesh_.origin\[2 \* edge\]);//  
 src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
 src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
 src/quads/quad_sizes.cpp  s/return MOST_ROWS_NEEDED - 1/return MOST_ROWS_NEEDED - 2/  test_leaves  LeavesContract.NoTwoEdges*
+src/quads/quad_rulers.hpp  s/constexpr double FLATTEST = 1e-12;/constexpr double FLATTEST = 0;/  test_quads  Quads.TrianglesThatAreFlatUpToRounding
+
+# Components
+src/mesh/components.cpp  s/^        met = low;//  test_components  Components.AreDividedWithTheirOrder
+src/mesh/components.cpp  s/ + number\[i\]\] = static_cast<uint32_t>(i);/ + number[i]] = number[i];/  test_components  Components.AreDividedWithTheirOrder
+src/mesh/components.cpp  s/vertex\[c + s\] >= vertex_count/vertex[c + s] > vertex_count/  test_components  Components.ErrorsOfTheCall
+src/api/components_api.cpp  s/ELEMENT_TRIANGLE) c.index = .*/ELEMENT_TRIANGLE) {}/  test_components  Components.SayWhatEachIs
+src/api/components_api.cpp  s/ELEMENT_VERTEX) c.index = .*/ELEMENT_VERTEX) {}/  test_components  Components.SayWhatEachIs
+src/api/components_api.cpp  s/ || c.status == HMF_ERROR_MESH_GENUS) {/) {/  test_components  Components.SayWhatEachIs
+src/api/components_api.cpp  s/first += c.marked_count;//  test_components  Components.MarksGoToTheirComponents
+src/api/components_api.cpp  s/ = all_.vertex_number\[options_.marked_vertices\[n\]\];/ = options_.marked_vertices[n];/  test_components  Components.MarksGoToTheirComponents
+src/api/components_api.cpp  s/all_.vertices\[c.first_vertex + v\]))/v))/  test_components  Components.MarksAreSuggestedForEach
+src/api/components_api.cpp  s/position_stride), all_.vertices\[n\]),/position_stride), n),/  test_components  Components.AreSolvedAsIfAlone
+src/api/components_api.cpp  s/block.array(set, set.part_positions, .*/set.part_positions = nullptr;/  test_components  Components.OneIsTheMesh
+include/hmf/hmf.hpp  s/all.values\[edges\[e\]\] = own\[e\]/all.values[e] = own[e]/  test_hpp  Hpp.ComponentsAreSolvedInOneCall
+include/hmf/hmf.hpp  s/done += share;//  test_hpp  Hpp.ComponentsAreSolvedInOneCall
+include/hmf/hmf.hpp  s/build.marked_vertices = marked_vertices(k);/build.marked_vertices = {};/  test_hpp  Hpp.ComponentsAreSolvedInOneCall
+include/hmf/hmf.hpp  s/elements.push_back(number\[element\])/elements.push_back(element)/  test_hpp  Hpp.LoopsGoToTheirComponents
+include/hmf/hmf.hpp  s/parts\[on\].add(elements, whole.weights\[c\])/parts[on].add(elements)/  test_hpp  Hpp.LoopsGoToTheirComponents
+include/hmf/hmf.hpp  s/(on != HMF_NONE \&\& k != on)/(false)/  test_hpp  Hpp.LoopsGoToTheirComponents
+
+# Blocks of a pass do not depend on each other
+src/foliation/foliation.hpp  s/inside\[vertex\] == block \&\& members_now/members_now/  test_parallel  Parallel.SameBitsOfSolveOnRandomProblems
+src/foliation/sweep.cpp  s/if (task.foliation.outside) waiting_/if (false) waiting_/  test_parallel  Parallel.SameBitsOfSolveOnRandomProblems
+src/hierarchy/simplify.cpp  s/ | work_.at_border\[mesh_.origin\[2 \* e + 1\]\];/;/  test_parallel  Parallel.SameBitsOfTheBuild
+src/hierarchy/simplify.cpp  s/return (v ^ w) >> work_.block_shift != 0;/return false;/  test_parallel  Parallel.SameBitsOfTheBuild
+src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_parallel  Parallel.SameBitsOfTheBuild
+src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
+src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.BlocksAreThoseOfTheProblem
+src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= work.count || last >= work.count) return;/  test_parallel  Parallel.BlocksAreThoseOfTheProblem
+
+# Design, boundary, weights
+src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  EvenDesign.TrialsShareLoops
+src/design/marked_trial.cpp  s/if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();//  test_design  EvenDesign.TrialsShareLoops
+src/api/solve_result.cpp  s/options.method != HMF_METHOD_PAPER \&\& make_symmetric/options.method == HMF_METHOD_NEWTON \&\& make_symmetric/  test_boundary  Boundary.MethodsAgree
+src/mesh/intrinsic.cpp  s/: w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP/: w > INTRINSIC_WEIGHT_CAP ? w/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds
+src/mesh/intrinsic.cpp  s/const double w = 0.5 \* sum\[e\];/const double w = sum[e];/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds
 END
 }
 
@@ -87,9 +124,9 @@ build() { # program ...
     cmake --build "$folder/build" -j "$jobs" --target "$@" > "$folder/build.log" 2>&1
 }
 
-# To the first failure; a defect may also let a case run on and on.
+# To the first failure; a defect may also let a case run on and on, or wait.
 run() { # program, cases
-    timeout 60 "$folder/build/tests/$1" --gtest_fail_fast --gtest_filter="$2" > "$folder/run.log" 2>&1
+    (ulimit -t 60 && timeout 600 "$folder/build/tests/$1" --gtest_fail_fast --gtest_filter="$2") > "$folder/run.log" 2>&1
 }
 
 # The case that failed, or that was running when the program died or its time ended.

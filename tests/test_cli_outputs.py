@@ -8,6 +8,7 @@ import struct
 import subprocess
 import sys
 import time
+import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "support"))
 import tool_case  # noqa: E402
@@ -396,6 +397,17 @@ class Leaves(Case):
             self.assertIn(s["kind"], ("vertex", "triangle", "cluster"))
             if s["kind"] == "vertex":
                 self.assertEqual(tuple(s["position"]), points[s["element"]])
+
+    @unittest.skipUnless(os.path.isdir(os.environ.get("HMF_MESHES", "")), "skipped: no folder HMF_MESHES")
+    def test_fine_quads_of_real_meshes(self):
+        """Sizes at which rows of quads no longer fitted together, and one that nothing could hold."""
+        def mesh(name):
+            return os.path.join(os.environ["HMF_MESHES"], name + ".obj")
+        for name, size, count in (("eight_1.5k", 0.014, 5e3), ("eight_1.5k", 0.008, 1e4), ("dtorus_6.1k", 0.003, 1e5)):
+            self.run_tool("solve", mesh(name), "--quads", self.path("q.obj"), "--size", str(size), "--report", self.path("r.json"))
+            self.assertGreater(json.loads(self.read("r.json"))["quads"], count, name)
+        done = self.refused(3, "solve", mesh("torus_4.6k"), "--quads", self.path("q.obj"), "--size", "1e-5", says=["quads of this size", "larger --size"])
+        self.assertNotIn("(option", done.stderr)
 
     def test_refusals(self):
         for option in ("--spacing", "--size"):

@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "support"))
 import tool_case  # noqa: E402
@@ -92,7 +91,7 @@ class Solve(Case):
         meridian = " ".join(str(j) for j in range(m))
         report = self.path("r.json")
         energies = []
-        for text in (meridian, "# the seam\n\nv: " + meridian.replace(" ", ",") + "  # and its end\n"):
+        for text in (meridian, meridian + " 0", "# the seam\n\nv: " + meridian.replace(" ", ",") + "  # and its end\n"):
             self.run_tool("solve", self.mesh, "--loops", self.write("loops.txt", text), "--report", report)
             energies.append(json.loads(self.read("r.json").decode())["energy"])
         # The strip of triangles beside that meridian.
@@ -219,15 +218,24 @@ class Solve(Case):
         self.assertIn("best foliation", done.stderr)
 
     def test_interrupt_still_writes(self):
+        """Control-C while the bar on the terminal says that it solves."""
         points, quads = torus(240, 150)
         mesh = self.write("large.obj", obj_text(points, triangles_of(quads)))
+        terminal, its_end = os.openpty()
         tool = subprocess.Popen([tool_case.TOOL, "solve", mesh, "--method", "single-level", "--tolerance", "1e-15", "--values", self.path("v.csv")],
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        time.sleep(1.5)
-        tool.send_signal(signal.SIGINT)
-        _, errors = tool.communicate(timeout=60)
-        self.assertEqual(tool.returncode, 4, errors.decode())
-        self.assertIn("interrupted", errors.decode())
+                                stdout=subprocess.DEVNULL, stderr=its_end)
+        os.close(its_end)
+        said = b""
+        try:
+            while part := os.read(terminal, 4096):
+                was_solving, said = b"\rsolve" in said.replace(b"\033[K", b""), said + part
+                if not was_solving and b"\rsolve" in said.replace(b"\033[K", b""):
+                    tool.send_signal(signal.SIGINT)
+        except OSError:
+            pass  # the other end is closed
+        os.close(terminal)
+        self.assertEqual(tool.wait(timeout=600), 4, said.decode())
+        self.assertIn("interrupted", said.decode())
         self.assertEqual(len(self.read("v.csv").splitlines()), 3 * len(points))
 
 

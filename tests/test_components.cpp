@@ -78,6 +78,16 @@ TriMesh turned_strip() {
     return mesh;
 }
 
+// Two octahedra that share a vertex, the first of the one.
+TriMesh pinched() {
+    TriMesh mesh = octahedron();
+    const TriMesh other = mesh;
+    for (size_t v = 1; v < other.vertex_count(); ++v)
+        for (size_t c = 0; c < 3; ++c) mesh.positions.push_back((c == 0 ? 2 : 0) - other.positions[3 * v + c]);
+    for (const uint32_t v : other.triangles) mesh.triangles.push_back(v == 0 ? 0 : v + 5);
+    return mesh;
+}
+
 TriMesh without_triangle(TriMesh mesh) {
     mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 3);
     return mesh;
@@ -134,7 +144,8 @@ TEST(Components, SayWhatEachIs) {
     TriMesh flat = octahedron();
     for (size_t c = 0; c < 3; ++c) flat.positions[6 + c] = flat.positions[c];
     const std::vector<TriMesh> parts = {torus(12, 9, 3, 1), octahedron(), without_triangle(plate(3)),
-                                        turned_strip(),     flat,         without_triangle(octahedron())};
+                                        turned_strip(),     flat,         without_triangle(octahedron()),
+                                        pinched()};
     const Mixture whole = mix(parts);
     const auto set = divide(whole.mesh);
     ASSERT_EQ(set->count, parts.size());
@@ -143,8 +154,9 @@ TEST(Components, SayWhatEachIs) {
                                    HMF_OK,
                                    HMF_ERROR_MESH_ORIENTATION,
                                    HMF_ERROR_MESH_DEGENERATE,
-                                   HMF_ERROR_MESH_GENUS};
-    const uint64_t genus[] = {1, 0, 3, 0, 0, 0}, boundaries[] = {0, 0, 1, 0, 0, 1};
+                                   HMF_ERROR_MESH_GENUS,
+                                   HMF_ERROR_MESH_NON_MANIFOLD_VERTEX};
+    const uint64_t genus[] = {1, 0, 3, 0, 0, 0, 0}, boundaries[] = {0, 0, 1, 0, 0, 1, 0};
     for (size_t k = 0; k < parts.size(); ++k) {
         const hmf_component& c = set->list[k];
         EXPECT_EQ(c.status, expected[k]) << k;
@@ -161,6 +173,10 @@ TEST(Components, SayWhatEachIs) {
         if (c.element == HMF_ELEMENT_TRIANGLE) {
             EXPECT_EQ(set->triangle_component[c.index], k);
             EXPECT_EQ(set->triangle_part[c.index], error.index);
+        }
+        if (c.element == HMF_ELEMENT_VERTEX) {
+            EXPECT_EQ(set->vertex_component[c.index], k);
+            EXPECT_EQ(set->vertex_part[c.index], error.index);
         }
     }
 }

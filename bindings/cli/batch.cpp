@@ -128,9 +128,9 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             children.start(meshes[next++], how);
         for (const Ended& child : children.wait()) {
             Json result = parsed(child.report);
+            // What was interrupted is tried again the next time, also what ended before it could listen.
+            if (was_interrupted() && (!result.is_object() || status_in(result) == EXIT_LIMIT)) continue;
             if (!result.is_object()) result = parsed(report_of_failure(child.mesh, EXIT_RESOURCES, child.how));
-            // What was interrupted is tried again the next time.
-            if (was_interrupted() && status_in(result) == EXIT_LIMIT) continue;
             const std::string line = result.dump() + "\n";
             written =
                 std::fwrite(line.data(), 1, line.size(), file) == line.size() && std::fflush(file) == 0 && written;

@@ -11,8 +11,7 @@ static const char* element_name(int32_t element) {
     case HMF_ELEMENT_TRIANGLE: return "triangle";
     case HMF_ELEMENT_LOOP: return "loop";
     case HMF_ELEMENT_LEVEL: return "level";
-    case HMF_ELEMENT_OPTION: return "option";
-    default: return nullptr;
+    default: return nullptr; // also of options: their numbers are those of the C interface
     }
 }
 

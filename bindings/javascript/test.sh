@@ -80,26 +80,26 @@ group() { # name, seconds, command ...
 skip() { echo "skip javascript-$1 (skipped: $2)"; }
 
 echo "ok javascript-build"
-group results 120 node --test test/results.test.js
-group errors 120 node --test test/errors.test.js
-group parameterize 120 node --test test/parameterize.test.js
-group trace 120 node --test test/trace.test.js
-group quads 120 node --test test/quads.test.js
-group memory 120 node --test test/memory.test.js
-group load 120 node --test test/load.test.js
-group drift 120 node --test test/drift.test.js
+group results 1200 node --test test/results.test.js
+group errors 1200 node --test test/errors.test.js
+group parameterize 1200 node --test test/parameterize.test.js
+group trace 1200 node --test test/trace.test.js
+group quads 1200 node --test test/quads.test.js
+group memory 1200 node --test test/memory.test.js
+group load 1200 node --test test/load.test.js
+group drift 1200 node --test test/drift.test.js
 
 if [ ! -d node_modules/typescript ] || [ ! -d node_modules/playwright-core ]; then
     npm ci --no-audit --no-fund > "$work/npm.log" 2>&1
 fi
 if [ -d node_modules/typescript ] && [ -d node_modules/playwright-core ]; then
-    group types 120 node_modules/.bin/tsc --project test/types/tsconfig.json
-    group readme 240 node --test test/readme.test.js
+    group types 1200 node_modules/.bin/tsc --project test/types/tsconfig.json
+    group readme 2400 node --test test/readme.test.js
     find_chromium() { command -v chromium || command -v chromium-browser || command -v google-chrome; }
     find_chromium > /dev/null || ensure_debian chromium
     if HMF_CHROMIUM=$(find_chromium); then
         export HMF_CHROMIUM
-        group browser 240 node --test test/browser.test.js
+        group browser 2400 node --test test/browser.test.js
     else
         skip browser "no Chromium, and it could not be installed"
     fi

@@ -144,9 +144,11 @@ Done ChartPlan::cut_long_parts() {
         const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
         if (!(length > LONG * size)) continue;
         const double count = std::min(std::ceil(length / size), MOST_PARTS);
-        for (double k = count - 1; k > 0; --k)
-            if (!cut_part(i, in_u, (in_u ? box.u0 : box.v0) + k / count * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
+        for (int k = static_cast<int>(count) - 1; k > 0; --k) {
+            const double at = static_cast<double>(k) / count;
+            if (!cut_part(i, in_u, (in_u ? box.u0 : box.v0) + at * (in_u ? box.u1 - box.u0 : box.v1 - box.v0)))
                 return false;
+        }
     }
     return true;
 }

@@ -4,7 +4,8 @@
 //
 //     | block 0 | block 1 | block 2 | ...      a task takes the next block that is free
 //
-// A block writes what no other block of the pass reads or writes.  Sums are
+// Tasks with an odd number take them from the end: so the order of a pass depends on the host, and a block that is not
+// independent of the others shows in tests without a race.  A block writes what no other block of the pass reads or writes.  Sums are
 // taken within each block and then over the blocks, in order.  Without a
 // callback the same blocks run one after the other.  Tasks do not allocate,
 // report or look at the clock: that is done between the passes.
@@ -92,14 +93,17 @@ private:
     struct Work {
         F& f;
         uint32_t count;
-        std::atomic<uint32_t> next;
+        std::atomic<uint64_t> taken; // from the beginning, and from the end in the upper half
 
         static void take(void* context, uint32_t slot) {
             Work& work = *static_cast<Work*>(context);
+            const bool from_end = slot % 2 != 0;
             for (;;) {
-                const uint32_t block = work.next.fetch_add(1, std::memory_order_relaxed);
-                if (block >= work.count) return;
-                work.f(block, slot);
+                const uint64_t before =
+                    work.taken.fetch_add(from_end ? uint64_t{1} << 32 : 1, std::memory_order_relaxed);
+                const uint32_t first = static_cast<uint32_t>(before), last = static_cast<uint32_t>(before >> 32);
+                if (first + last >= work.count) return;
+                work.f(from_end ? work.count - 1 - last : first, slot);
             }
         }
     };

@@ -61,6 +61,7 @@ struct Quadric {
 
 // The mesh while it is coarsened.  Inside a level, removed elements stay in
 // place: an edge has face NONE then, a vertex has out NONE.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): of the compiler, where it moves the queues
 struct WorkMesh {
     Mesh mesh;                                           // counts: of what is left; arrays owned elsewhere
     double* position = nullptr;                          // owned elsewhere

@@ -12,9 +12,9 @@
 //      loop c  (   annulus   )  loop d      c and d are freely homotopic,
 //                                           unless c = d (on a torus)
 #include "../base/disjoint_sets.hpp"
-#include "cut_surface.hpp"
-#include "disjoint.hpp"
 #include "../base/heap_sort.hpp"
+#include "disjoint.hpp"
+#include "multicurve.hpp"
 
 namespace hmf {
 
@@ -102,31 +102,120 @@ hmf_status name_crossing(const Mesh& mesh, const Loops& loops, Multicurve& curve
                      static_cast<Long>(d));
 }
 
-// Disks and annuli among the pieces that the curves leave.
-hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<uint32_t>& loop_of, Call& call) {
-    Memory& memory = call.memory;
-    CutSurface cut;
-    Array<uint32_t> parent, component_of, border, marks;
-    Array<int64_t> euler;
-    const size_t n = loop_of.size();
-    if (!cut.build(mesh, curves, false, call) || !parent.allocate(memory, cut.region_count)
-        || !component_of.allocate(memory, n) || !border.allocate_filled(memory, cut.region_count, NONE)
-        || !euler.allocate_filled(memory, cut.region_count, int64_t{0})
-        || !marks.allocate_filled(memory, cut.region_count, 0u))
-        return call.stopped();
-    if (!call.tick(0, true)) return call.was_cancelled();
-    for (uint32_t r = 0; r < cut.region_count; ++r) parent[r] = r;
-    for (size_t s = 0; s < cut.segment_count; ++s) unite(parent.data(), cut.region[2 * s], cut.region[2 * s + 1]);
-    for (uint32_t r = 0; r < cut.region_count; ++r) ++euler[find_root(parent.data(), r)];
-    for (size_t s = 0; s < cut.segment_count; ++s) --euler[find_root(parent.data(), cut.region[2 * s])];
-    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
-        // The segment that begins at the vertex is the first or last of its edge.
-        const uint32_t h = mesh.out[v], e = edge_of(h);
-        const uint32_t piece =
-            find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + (h & 1u ? curves.count[e] : 0)}]);
-        ++euler[piece];
-        marks[piece] += mesh.is_marked(v);
+// The pieces that the curves leave.  Vertices are in one piece with those at the other ends of
+// edges that no curve crosses; so only where a curve runs there is more to look at:
+//
+//     o---|---|---o      a segment at the end of an edge is in the piece of the vertex
+//                        there, one between two crossings has a number of its own
+class Pieces {
+public:
+    Pieces(const Mesh& mesh, const Multicurve& curves) : mesh_(mesh), curves_(curves) {}
+
+    struct Piece {
+        int64_t six_euler = 0;  // six times its Euler characteristic, without its boundary
+        uint32_t marks = 0;     // marked vertices inside
+        uint32_t border = NONE; // a loop that it lies at
+    };
+    Done build(Call& call) {
+        if (!join(call) || !call.tick(0, true)) return false;
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < piece_.size(); ++i) piece_[i] = piece_[i] == i ? count++ : piece_[piece_[i]];
+        if (!pieces_.allocate_filled(call.memory, count, Piece{})) return false;
+        count_cells();
+        return true;
     }
+    // Of segment q of edge e, counted from the origin of half-edge 2e.
+    Piece& beside(uint32_t e, uint32_t q) { return pieces_[piece_[segment(e, q)]]; }
+
+private:
+    uint32_t segment(uint32_t e, uint32_t q) const {
+        return q == 0                ? mesh_.origin[2 * e]
+             : q == curves_.count[e] ? mesh_.origin[2 * e + 1]
+                                     : mesh_.vertex_count + curves_.first[e] + q - 1;
+    }
+    // The same, counted from the origin of half-edge h.
+    uint32_t segment_from(uint32_t h, uint32_t q) const {
+        return segment(edge_of(h), h & 1u ? curves_.count[edge_of(h)] - q : q);
+    }
+
+    // face(h) for the sides h of each triangle that a curve runs through.
+    template <class Face>
+    void for_cut_faces(Face face) const {
+        for (const uint32_t e : curves_.edges)
+            for (uint32_t first = 2 * e; first < 2 * e + 2; ++first) {
+                const uint32_t h[3] = {first, mesh_.next[first], mesh_.prev(first)};
+                const auto earlier = [&](uint32_t g) { return g < first && curves_.count[edge_of(g)] > 0; };
+                if (!earlier(h[1]) && !earlier(h[2])) face(h);
+            }
+    }
+
+    // region(a, b, c) for the parts of these triangles, with a segment on each of their sides: round the
+    // corners, where c is a, and in the middle.
+    template <class Region>
+    void for_regions(Region region) const {
+        for_cut_faces([&](const uint32_t* h) {
+            uint32_t middle[3];
+            for (uint32_t i = 0; i < 3; ++i) {
+                const uint32_t before = h[(i + 2) % 3], after = h[(i + 1) % 3], n = curves_.count[edge_of(before)];
+                const uint64_t twice = uint64_t{n} + curves_.count[edge_of(h[i])] - curves_.count[edge_of(after)];
+                const uint32_t arcs = static_cast<uint32_t>(twice / 2);
+                for (uint32_t q = 0; q < arcs; ++q) {
+                    const uint32_t a = segment_from(h[i], q);
+                    region(a, segment_from(before, n - q), a);
+                }
+                middle[i] = segment_from(h[i], arcs);
+            }
+            region(middle[0], middle[1], middle[2]);
+        });
+    }
+
+    Done join(Call& call) {
+        constexpr uint32_t stride = 1u << 16; // edges between two reports
+        if (!piece_.allocate(call.memory, mesh_.vertex_count + curves_.total)) return false;
+        uint32_t* const parent = piece_.data();
+        for (uint32_t i = 0; i < piece_.size(); ++i) parent[i] = i;
+        for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+            if (e % stride == 0 && !call.tick(0, true)) return false;
+            if (curves_.count[e] == 0) unite(parent, mesh_.origin[2 * e], mesh_.origin[2 * e + 1]);
+        }
+        for_regions([=](uint32_t a, uint32_t b, uint32_t c) {
+            unite(parent, a, b);
+            unite(parent, b, c);
+        });
+        return true;
+    }
+
+    // Without curves half an edge at each of its ends, and a third of a triangle at each of its corners;
+    // then what is cut.
+    void count_cells() {
+        const auto add = [this](uint32_t i, int64_t six) { pieces_[piece_[i]].six_euler += six; };
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            add(v, 6);
+            pieces_[piece_[v]].marks += mesh_.is_marked(v);
+        }
+        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h) add(mesh_.origin[h], 2 - 3);
+        for (const uint32_t e : curves_.edges) {
+            for (uint32_t h = 2 * e; h < 2 * e + 2; ++h) add(mesh_.origin[h], 3);
+            for (uint32_t q = 0; q <= curves_.count[e]; ++q) add(segment(e, q), -6);
+        }
+        for_regions([&](uint32_t a, uint32_t, uint32_t) { add(a, 6); });
+        for_cut_faces([&](const uint32_t* h) {
+            for (uint32_t i = 0; i < 3; ++i) add(mesh_.origin[h[i]], -2);
+        });
+    }
+
+    const Mesh& mesh_;
+    const Multicurve& curves_;
+    Array<uint32_t> piece_; // of each vertex, then of the segments between two crossings
+    Array<Piece> pieces_;
+};
+
+// Disks and annuli among the pieces.
+hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<uint32_t>& loop_of, Call& call) {
+    Pieces pieces(mesh, curves);
+    Array<uint32_t> component_of;
+    const size_t n = loop_of.size();
+    if (!component_of.allocate(call.memory, n) || !pieces.build(call)) return call.stopped();
     if (!call.tick(0, true)) return call.was_cancelled();
     for (size_t k = 0; k < n; ++k) component_of[loop_of[k]] = static_cast<uint32_t>(k);
     for (int round = 0; round < 2; ++round) // disks first
@@ -135,27 +224,26 @@ hmf_status check_pieces(const Mesh& mesh, const Multicurve& curves, const Array<
             const uint32_t e = edge_of(crossed);
             const uint32_t j = curves.begin[component_of[c]] - curves.first[e];
             for (uint32_t side = 0; side < 2; ++side) {
-                const uint32_t piece =
-                    find_root(parent.data(), cut.region[2 * size_t{cut.segment_first[e] + j + side}]);
-                if (round == 0 && euler[piece] == 1 && marks[piece] == 0)
+                Pieces::Piece& piece = pieces.beside(e, j + side);
+                if (round == 0 && piece.six_euler == 6 && piece.marks == 0)
                     return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
                                      mesh.marked_count == 0
                                          ? "Loop %llu bounds a disk. Give one that goes round a handle."
                                          : "Loop %llu bounds a disk without marked vertices. Give one that goes round "
                                            "a handle or at least two marked vertices.",
                                      static_cast<Long>(c));
-                if (round == 0 && euler[piece] == 1 && marks[piece] == 1)
+                if (round == 0 && piece.six_euler == 6 && piece.marks == 1)
                     return call.fail(HMF_ERROR_LOOP_TRIVIAL, HMF_ELEMENT_LOOP, c,
                                      "Loop %llu goes round a single marked vertex. Give one that goes round a handle "
                                      "or at least two marked vertices.",
                                      static_cast<Long>(c));
-                if (round == 0 || euler[piece] != 0 || marks[piece] != 0) continue;
-                if (border[piece] == NONE) border[piece] = static_cast<uint32_t>(c);
-                else if (border[piece] != c)
+                if (round == 0 || piece.six_euler != 0 || piece.marks != 0) continue;
+                if (piece.border == NONE) piece.border = static_cast<uint32_t>(c);
+                else if (piece.border != c)
                     return call.fail(
                         HMF_ERROR_LOOP_PARALLEL, HMF_ELEMENT_LOOP, c,
                         "Loops %llu and %llu are freely homotopic. Give one of them, with the sum of their weights.",
-                        static_cast<Long>(border[piece]), static_cast<Long>(c));
+                        static_cast<Long>(piece.border), static_cast<Long>(c));
             }
         }
     return HMF_OK;

@@ -178,10 +178,11 @@ uint32_t GraphPoints::vertex_on_arc(uint32_t a, int64_t i) const {
 double GraphPoints::on_arc(uint32_t a, int64_t i) const {
     const int64_t n = sizes_.columns[a];
     if (in_.is_half(a) && n > 0) {
-        const double middle = v_[in_.front->arc_middle[a]], half = static_cast<double>(n / 2);
+        const int64_t half = n / 2;
+        const double middle = v_[in_.front->arc_middle[a]], parts = static_cast<double>(half);
         if (2 * i == n) return middle;
-        return 2 * i < n ? from_[a] + (middle - from_[a]) * static_cast<double>(i) / half
-                         : middle + (to_[a] - middle) * static_cast<double>(i - n / 2) / half;
+        return 2 * i < n ? from_[a] + (middle - from_[a]) * static_cast<double>(i) / parts
+                         : middle + (to_[a] - middle) * static_cast<double>(i - half) / parts;
     }
     return from_[a] + (to_[a] - from_[a]) * static_cast<double>(i) / static_cast<double>(n);
 }

@@ -148,7 +148,8 @@ uint32_t core_to_join(const SignedMatrix& matrix, const Array<double>& kernel, u
     double best_size = -1;
     for (uint32_t c = 0; c < count; ++c) {
         double sum = 0;
-        for (uint32_t d = 0; d < count; ++d) sum += candidate[d] == candidate[c] ? vote[d] : 0;
+        for (uint32_t d = 0; d < count; ++d)
+            sum += candidate[d] == candidate[c] ? vote[d] : 0; // NOLINT(clang-analyzer-core*): set below count
         if (std::fabs(sum) <= best_size) continue;
         best_size = std::fabs(sum);
         best = 2 * candidate[c] + (sum < 0);

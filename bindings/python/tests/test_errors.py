@@ -269,7 +269,7 @@ def test_a_thousand_failing_calls_leave_no_memory() -> None:
     # Otherwise malloc keeps what was freed for later, up to 32 MB.
     environment = os.environ | {"MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "65536"}
     command = [sys.executable, "-c", program]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, env=environment)
     assert done.returncode == 0, done.stderr
     # One leaked hierarchy alone is 200 kB, two hundred of them 40 MB.
     assert int(done.stdout) < 2_000_000

@@ -58,7 +58,7 @@ plotter.screenshot(sys.argv[1])
 
 def run(program: str, *arguments: str) -> None:
     command = [sys.executable, "-c", PROGRAM + program, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200)
     assert done.returncode == 0, done.stderr
 
 

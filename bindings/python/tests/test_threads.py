@@ -64,7 +64,7 @@ def test_the_hierarchy_outlives_its_name() -> None:
 
 def test_the_example() -> None:
     example = Path(__file__).resolve().parents[1] / "examples" / "batch.py"
-    done = subprocess.run([sys.executable, str(example)], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, str(example)], capture_output=True, text=True, timeout=1200)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("->") == 24
 

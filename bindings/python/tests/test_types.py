@@ -29,9 +29,9 @@ def test_strict(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     (tmp_path / "program.py").write_text(PROGRAM)
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache")]
-    done = subprocess.run([*command, "-p", "foliations"], capture_output=True, text=True, cwd=tmp_path, timeout=300)
+    done = subprocess.run([*command, "-p", "foliations"], capture_output=True, text=True, cwd=tmp_path, timeout=1200)
     assert done.returncode == 0, done.stdout + done.stderr
-    done = subprocess.run([*command, "program.py"], capture_output=True, text=True, cwd=tmp_path, timeout=300)
+    done = subprocess.run([*command, "program.py"], capture_output=True, text=True, cwd=tmp_path, timeout=1200)
     output = done.stdout
     assert output.count("error:") == 1, output
     assert 'program.py:12: error: Argument "method"' in output
