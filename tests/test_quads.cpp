@@ -258,8 +258,8 @@ TEST(Quads, Refusals) {
     }
 }
 
-// A vertex on the line between two others of its triangle, up to rounding: the area is nothing but rounding, and what it
-// measures must not decide how rows are joined.  With other rounding the quads are the same.
+// A vertex on the line between two others of its triangle, up to rounding: the area is nothing but rounding, and what
+// it measures must not decide how rows are joined.  With other rounding the quads are the same.
 TEST(Quads, TrianglesThatAreFlatUpToRounding) {
     hmf_build_options build{};
     build.struct_size = sizeof build;

@@ -1,5 +1,5 @@
-// Bands of rows are filtered (each byte minus what the rule of Paeth expects) and deflated on their own; each is a chunk
-// of the file.
+// Bands of rows are filtered (each byte minus what the rule of Paeth expects) and deflated on their own; each is a
+// chunk of the file.
 #include "png.hpp"
 
 #include <algorithm>
