@@ -92,10 +92,11 @@ src/foliation/foliation.hpp  s/inside\[vertex\] == block \&\& members_now/member
 src/foliation/sweep.cpp  s/if (task.foliation.outside) waiting_/if (false) waiting_/  test_parallel  Parallel.SameBitsOfSolveOnRandomProblems
 src/hierarchy/simplify.cpp  s/ | work_.at_border\[mesh_.origin\[2 \* e + 1\]\];/;/  test_parallel  Parallel.SameBitsOfTheBuild
 src/hierarchy/simplify.cpp  s/return (v ^ w) >> work_.block_shift != 0;/return false;/  test_parallel  Parallel.SameBitsOfTheBuild
-src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_parallel  Parallel.SameBitsOfTheBuild
-src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
+src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_hierarchy  Hierarchy.BordersOfBlocksAreKnown
+src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SweepMatrix.*
+src/solve/signed_aggregation.cpp  s/^\( *choice\[i\] = \)\(a.of\[i\] == undecided ? core_to_join(matrix, kernel, static_cast<uint32_t>(i), a)\) : undecided;/\1\2 : undecided; if (choice[i] != undecided) a.of[i] = choice[i] \/ 2;/  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
 src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.BlocksAreThoseOfTheProblem
-src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= work.count || last >= work.count) return;/  test_parallel  Parallel.BlocksAreThoseOfTheProblem
+src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= work.count || last >= work.count) return;/  test_parallel  Parallel.SlotsAreOwned
 
 # Design, boundary, weights
 src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  EvenDesign.TrialsShareLoops

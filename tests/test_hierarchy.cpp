@@ -1,6 +1,8 @@
 // The hierarchy from the inside: validation, exact reversal, numbering,
 // Delaunay property, memory, cancellation.
 #include "../src/hierarchy/hierarchy.hpp"
+#include "../src/hierarchy/simplify.hpp"
+#include "../src/mesh/mesh_copy.hpp"
 #include "../src/mesh/spatial_order.hpp"
 #include "../src/mesh/weights.hpp"
 #include "support/meshes.hpp"
@@ -255,6 +257,40 @@ TEST(Hierarchy, CoarsestLevelIsOfTheSizeAsked) {
     EXPECT_GE(vertices, 100u);
     EXPECT_LE(vertices, 135u);
     EXPECT_GT(built.h.level_count, 3u);
+}
+
+// Blocks collapse edges at the same time, so each vertex with a neighbour in another block has to be known, also where a
+// collapse at a border has just made it one.
+TEST(Hierarchy, BordersOfBlocksAreKnown) {
+    const Built built(test::with_random_flips(test::torus(150, 120, 3, 1), 4000, 0.2, 5));
+    ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+    Memory memory(nullptr, nullptr, nullptr, 0);
+    Call call(memory, nullptr, nullptr, nullptr);
+    const Mesh& mesh = built.h.input;
+    MeshCopy copy;
+    WorkMesh work;
+    Array<Collapse> log;
+    Array<CollapseRun> runs;
+    runs.start(memory);
+    ASSERT_TRUE(copy.allocate(mesh, memory) && work.allocate(memory, copy.of(mesh), false)
+                && log.allocate(memory, mesh.vertex_count));
+    ASSERT_GE(work.block_count, 4u);
+    std::vector<double> positions(built.h.levels[0].position, built.h.levels[0].position + 3 * mesh.vertex_count);
+    work.position = positions.data();
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) work.degree[v] = work.mesh.degree(v);
+    size_t count = 0;
+    ASSERT_EQ(collapse_level(work, HMF_COLLAPSE_MIDPOINT, mesh.edge_count / 2, 4, log.data(), count, runs, call, 0, 1),
+              HMF_OK);
+    ASSERT_GT(count, mesh.vertex_count / 3);
+    uint32_t crossing = 0;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        if (work.removed(e)) continue;
+        const uint32_t v = work.mesh.origin[2 * e], w = work.mesh.origin[2 * e + 1];
+        if (v >> work.block_shift == w >> work.block_shift) continue;
+        ++crossing;
+        ASSERT_TRUE(work.at_border[v] && work.at_border[w]) << v << ", " << w;
+    }
+    EXPECT_GT(crossing, 0u);
 }
 
 TEST(Hierarchy, StridedPositions) {

@@ -6,7 +6,7 @@ namespace cli {
 Options quads_options(SolveRequest& r) {
     r.loops = "even";
     r.count = 5000;
-    r.relax = 20;
+    r.relax = 40;
     r.merges = true;
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),

@@ -268,11 +268,12 @@ typedef struct hmf_quad_mesh {
  *
  * With a count the edge length is searched for, then rows are added or taken
  * away; the number of quads is as near as the grids allow, and at least what each
- * cylinder needs.  relax evens out angles and sides (about 20 steps do): the sides
+ * cylinder needs.  relax evens out angles and sides (about 40 steps do): the sides
  * lie on leaves no longer, but vertices stay on the surface; where a row or column
- * runs along edges sharper than 40 degrees, its vertices move onto them, and where
- * the surface sticks out of the quads by half a side or more, a vertex reaches for
- * its tip.
+ * runs along edges sharper than 40 degrees, its vertices move onto them and slide
+ * along them from then on, the vertex nearest to a corner of such edges goes there,
+ * and where the surface sticks out of the quads by half a side or more, a vertex
+ * reaches for its tip.
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
  * row by row where leaves run along it, and where they meet it column by column;

@@ -29,7 +29,7 @@ constexpr double PERSISTENCE = 0.3; // least, of a tip
 constexpr double DEPTH = 0.2;       // least, below the mean
 constexpr double TWO_POLES = 2.0;   // depth from which on two poles are tried first
 constexpr size_t MOST_TIPS = 24;
-constexpr double PRICE = 0.003;      // of a pole, in unevenness
+constexpr double PRICE = 0.012;      // of a pole, in unevenness
 constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
 // Of the disk between two poles: it covers the end of a limb.
@@ -271,29 +271,36 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
     return HMF_OK;
 }
 
+// The deepest ones with poles, the others without, as many as there is room for.
+Done EvenSearch::add_tips(const Array<Tip>& found, size_t with_poles, size_t room, EvenChoice& choice) {
+    for (size_t i = 0; i < found.size() && i < room; ++i) {
+        Tip tip = found[i];
+        tip.poles = i >= with_poles ? 0 : tip.depth > TWO_POLES && tip.ends[0] != NONE ? 2 : 1;
+        if (!choice.tips.push(tip)) return false;
+    }
+    return true;
+}
+
 // Adds and removes poles.
 hmf_status EvenSearch::improve(EvenChoice& best) {
-    // All new tips at once, as often as that helps.
+    // All new tips at once, or the deepest half of them, a quarter..., as often as that helps.
     for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
-        EvenChoice next;
         Array<Tip> found;
-        if (!find_tips(best, found) || !copy(best, next)) return call_.out_of_memory();
-        for (Tip& tip : found) {
-            if (next.tips.size() == MOST_TIPS) break;
-            tip.poles = tip.depth > TWO_POLES && tip.ends[0] != NONE ? 2 : 1;
-            if (!next.tips.push(tip)) return call_.out_of_memory();
+        if (!find_tips(best, found)) return call_.out_of_memory();
+        const size_t room = MOST_TIPS - std::min(MOST_TIPS, best.tips.size());
+        if (found.size() < 1 || room < 1) break;
+        bool better = false;
+        for (size_t count = std::min(found.size(), room); count > 0 && !better && work < budget; count /= 2) {
+            EvenChoice next;
+            if (!copy(best, next) || !add_tips(found, count, room, next) || !list_marks(next))
+                return call_.out_of_memory();
+            if (evaluate(next, ROUNDS)) return call_.status();
+            better = gain(best, next) > 0;
+            if (better) best = static_cast<EvenChoice&&>(next);
         }
-        if (next.tips.size() == best.tips.size()) break;
-        if (!list_marks(next) || evaluate(next, ROUNDS)) return call_.status() ? call_.status() : call_.out_of_memory();
-        if (gain(best, next) <= 0) { // kept as tips without poles: each is tried below
-            for (size_t i = best.tips.size(); i < next.tips.size(); ++i) {
-                Tip tip = next.tips[i];
-                tip.poles = 0;
-                if (!best.tips.push(tip)) return call_.out_of_memory();
-            }
-            break;
-        }
-        best = static_cast<EvenChoice&&>(next);
+        if (better) continue;
+        if (!add_tips(found, 0, room, best)) return call_.out_of_memory(); // each is tried below
+        break;
     }
     // Another number of poles at one tip after the other.
     bool changed = true;

@@ -65,6 +65,7 @@ private:
     double gain(const EvenChoice& before, const EvenChoice& after) const;
     void count(const MarkedTrial& trial);
     Done mark_four(EvenChoice& choice);
+    Done add_tips(const Array<Tip>& found, size_t with_poles, size_t room, EvenChoice& choice);
     hmf_status improve(EvenChoice& best);
     hmf_status measure_before(EvenChoice& plain);
     hmf_status first_choice(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>* ends,

@@ -1,19 +1,23 @@
-// In turns: vertices that reach for tips and snap to sharp edges are held, and the
-// others are relaxed round them.  Quads cut in four look outwards where the whole one did,
-// but at creases, where to turn them out takes long and does not always work.
+// In turns: vertices reach for tips, where they are held, or snap to sharp edges, along which they
+// slide from then on, and the others are relaxed round them.  A vertex leaves its sharp edge again where
+// that costs a corner too much.  Quads cut in four look outwards where the whole one did,
+// but at creases, where to turn them out takes long and does not always work.  Where a quad stays
+// inverted all is done again without sharp edges, and the better of both kept.
 #include "fit_quads.hpp"
 
+#include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
 
-#include <algorithm>
+#include <utility>
 
 namespace hmf {
 
 namespace {
 
-constexpr int ROUNDS = 3;         // of reaching for tips; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
+constexpr int ROUNDS = 3; // of reaching and snapping; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
+constexpr double TOO_FLAT = 0.5;  // sine of a corner of a quad on a sharp edge
 constexpr int STEPS_ON_FINER = 4; // of relaxation
 
 template <class T>
@@ -21,6 +25,20 @@ Done copy(const Array<T>& from, Array<T>& to, Memory& memory) {
     if (!to.allocate(memory, from.size())) return false;
     for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
     return true;
+}
+
+// Where a corner on one is too flat or too sharp; whether there was one.
+bool leave_sharp_edges(QuadMesh& quads) {
+    bool any = false;
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (!(worst_corner(quads, q) < TOO_FLAT)) continue;
+        for (size_t k = 0; k < 4; ++k) {
+            uint8_t& held = quads.held[quads.quads[4 * q + k]];
+            any |= held == ON_CREASE;
+            if (held == ON_CREASE) held = 0;
+        }
+    }
+    return any;
 }
 
 // Quads that look inwards are turned out, if no other quad gets inverted by that.
@@ -43,24 +61,42 @@ hmf_status turn_outwards(const Mesh& mesh, const double* position, QuadMesh& qua
     return HMF_OK;
 }
 
-} // namespace
-
-hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-                     QuadMesh& quads, Call& call) {
+hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+               bool to_sharp_edges, QuadMesh& quads, Call& call) {
     if (relax_quads(mesh, position, steps, false, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
         if (reach_tips(mesh, position, front, quads, reached, call)
-            || (round == 0 && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
+            || (to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
             return call.status();
         if (reached + snapped == 0) break;
         if (relax_quads(mesh, position, steps, false, quads, call)) return call.status();
     }
-    if (turn_outwards(mesh, position, quads, call)) return call.status();
+    if ((leave_sharp_edges(quads) && relax_quads(mesh, position, steps, false, quads, call))
+        || turn_outwards(mesh, position, quads, call))
+        return call.status();
     for (; halvings > 0; --halvings)
         if (refine_quads(mesh, position, quads, call)
-            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), false, quads, call))
+            || relax_quads(mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, false, quads, call))
             return call.status();
+    return HMF_OK;
+}
+
+} // namespace
+
+hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+                     QuadMesh& quads, Call& call) {
+    QuadMesh free; // of sharp edges
+    QuadFigures figures, without;
+    if (!copy(quads.positions, free.positions, call.memory) || !copy(quads.quads, free.quads, call.memory)
+        || !copy(quads.sides, free.sides, call.memory) || !copy(quads.held, free.held, call.memory))
+        return call.out_of_memory();
+    if (fit(mesh, position, front, steps, halvings, true, quads, call) || quad_figures(quads, figures, call))
+        return call.status();
+    if (figures.inverted == 0) return HMF_OK;
+    if (fit(mesh, position, front, steps, halvings, false, free, call) || quad_figures(free, without, call))
+        return call.status();
+    if (without.inverted < figures.inverted) std::swap(quads, free);
     return HMF_OK;
 }
 

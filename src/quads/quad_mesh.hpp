@@ -7,14 +7,14 @@
 
 namespace hmf {
 
-// A vertex of the boundary of the surface.
-constexpr uint8_t AT_BOUNDARY = 2;
+// A vertex of the boundary of the surface, and one that slides along a sharp edge.
+constexpr uint8_t AT_BOUNDARY = 2, ON_CREASE = 3;
 
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
     Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
-    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; AT_BOUNDARY likewise
+    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; AT_BOUNDARY likewise; ON_CREASE
 
     void start(Memory& memory) {
         positions.start(memory);
@@ -32,6 +32,10 @@ struct QuadMesh {
     }
     uint32_t vertex_count() const { return static_cast<uint32_t>(sides.size()); }
     size_t quad_count() const { return quads.size() / 4; }
+    void put(uint32_t v, const double* place, uint32_t side) {
+        for (size_t k = 0; k < 3; ++k) positions[size_t{3} * v + k] = place[k];
+        sides[v] = side;
+    }
 };
 
 struct QuadWish {

@@ -84,4 +84,13 @@ Done QuadStars::build(const QuadMesh& quads, Memory& memory) {
     return true;
 }
 
+double QuadStars::worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const {
+    double worst = 1;
+    for (const uint32_t* q = begin(v); q != end(v); ++q) {
+        const double corner = worst_corner_from_outside(mesh, position, quads, *q);
+        if (corner < worst) worst = corner;
+    }
+    return worst;
+}
+
 } // namespace hmf

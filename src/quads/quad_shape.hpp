@@ -33,6 +33,9 @@ public:
     const uint32_t* begin(uint32_t v) const { return quads_.data() + first_[v]; }
     const uint32_t* end(uint32_t v) const { return quads_.data() + first_[size_t{v} + 1]; }
 
+    // The least of the quads round v, from outside.
+    double worst_corner(const Mesh& mesh, const double* position, const QuadMesh& quads, uint32_t v) const;
+
 private:
     Array<uint32_t> first_, quads_;
 };

@@ -14,6 +14,7 @@
 #include "quad_shape.hpp"
 #include "surface_walk.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -22,6 +23,7 @@ namespace {
 
 constexpr double FAR = 0.5;           // in mean sides of the quads: what is cut off less stays so
 constexpr double LEAST_CORNER = 0.45; // sine, of the quads round a vertex that moves
+constexpr double LONGEST = 2;         // side of these, in the longest before
 
 struct FarVertex {
     uint32_t vertex, quad; // of the surface, and the quad nearest to it
@@ -134,14 +136,14 @@ private:
             double best_corner = LEAST_CORNER;
             for (size_t k = 0; k < 4; ++k) {
                 const uint32_t v = quads_.quads[4 * size_t{tip.quad} + k];
-                if (quads_.held[v] || near[v]) continue;
+                if ((quads_.held[v] && quads_.held[v] != ON_CREASE) || near[v]) continue;
                 const double worst = worst_after(v, tip.vertex);
                 if (!(worst > best_corner)) continue;
                 best_corner = worst;
                 best = v;
             }
             if (best == NONE) continue;
-            put(best, point(position_, tip.vertex), side_at(tip.vertex));
+            quads_.put(best, position_ + size_t{3} * tip.vertex, side_at(tip.vertex));
             quads_.held[best] = 1;
             ++moved;
             for (const uint32_t* q = stars_.begin(best); q != stars_.end(best); ++q)
@@ -150,31 +152,32 @@ private:
         return true;
     }
 
+    // The worst corner if v went to the vertex x of the surface; 0 if a side got far too long.
     double worst_after(uint32_t v, uint32_t x) {
-        const Point from = at(quads_, v);
+        const double back[3] = {at(quads_, v).x, at(quads_, v).y, at(quads_, v).z};
         const uint32_t side = quads_.sides[v];
-        double worst = 1;
-        put(v, point(position_, x), side_at(x));
-        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
-            const double corner = worst_corner_from_outside(mesh_, position_, quads_, *q);
-            if (corner < worst) worst = corner;
-        }
-        put(v, from, side);
+        const double most = LONGEST * longest_side(v);
+        quads_.put(v, position_ + size_t{3} * x, side_at(x));
+        const double worst = longest_side(v) > most ? 0 : stars_.worst_corner(mesh_, position_, quads_, v);
+        quads_.put(v, back, side);
         return worst;
+    }
+
+    // Of the quads round a vertex.
+    double longest_side(uint32_t v) const {
+        double longest = 0;
+        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
+            for (size_t k = 0; k < 4; ++k) {
+                const uint32_t* const corner = &quads_.quads[4 * size_t{*q}];
+                longest = std::max(longest, length(at(quads_, corner[k]) - at(quads_, corner[(k + 1) % 4])));
+            }
+        return longest;
     }
 
     uint32_t side_at(uint32_t x) const {
         for (const uint32_t h : mesh_.around(x))
             if (!front_ || front_->is_front[h]) return h;
         return mesh_.out[x];
-    }
-
-    void put(uint32_t v, const Point& p, uint32_t side) {
-        double* const to = &quads_.positions[size_t{3} * v];
-        to[0] = p.x;
-        to[1] = p.y;
-        to[2] = p.z;
-        quads_.sides[v] = side;
     }
 
     static double length(const Point& a) { return std::sqrt(dot(a, a)); }

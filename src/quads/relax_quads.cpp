@@ -13,14 +13,16 @@
 #include <cmath>
 
 #include "quad_shape.hpp"
+#include "sharp_edges.hpp"
 #include "surface_walk.hpp"
 
 namespace hmf {
 
 namespace {
 
-constexpr uint32_t SLICE = 16384; // vertices between ticks
-constexpr double WELL = 0.1;      // sine of a corner that needs no care
+constexpr uint32_t SLICE = 16384;    // vertices between ticks
+constexpr double WELL = 0.1;         // sine of a corner that needs no care
+constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
 constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
 
 class Relaxation {
@@ -71,7 +73,7 @@ private:
             const uint32_t* const corner = quad(i);
             for (int k = 0; k < 4; ++k) {
                 const uint32_t v = corner[k];
-                if (quads_.held[v] || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
+                if (is_fixed(v) || !(weight_[v] > 0) || (!region_.empty() && !region_[v])) continue;
                 move(v, (1 / weight_[v]) * target_[v]);
                 weight_[v] = 0; // once
             }
@@ -83,9 +85,12 @@ private:
         return outwards_ ? worst_corner_from_outside(mesh_, position_, quads_, q) : worst_corner(quads_, q);
     }
 
+    bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
+
     void move(uint32_t v, const Point& to) {
         const double p[3] = {to.x, to.y, to.z};
-        quads_.sides[v] = walk_to_nearest(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
+        const auto walk = quads_.held[v] == ON_CREASE ? walk_along_sharp_edges : walk_to_nearest;
+        quads_.sides[v] = walk(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
     }
 
     // Where quads have a corner of nearly 180 degrees or more, some rings round them
@@ -154,7 +159,7 @@ private:
                 if (worst(q) >= WELL) continue;
                 for (size_t c = 0; c < 4; ++c) {
                     const uint32_t v = quads_.quads[4 * size_t{q} + c];
-                    if (region_[v] && !quads_.held[v]) moved |= improve(v, &corners[first[v]], filled[v]);
+                    if (region_[v] && !is_fixed(v)) moved |= improve(v, &corners[first[v]], filled[v]);
                 }
             }
             if (!moved) break;
@@ -267,6 +272,16 @@ hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quad
         return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
             && quads.sides.push(found) && quads.held.push(0);
     };
+    // The last vertex, if the line on which one end lies passes near the middle.
+    const auto stay_on_crease = [&](const double* p, uint32_t low, uint32_t high) {
+        double nearest[3];
+        const uint32_t found = walk_along_sharp_edges(mesh, position, quads.sides[low], p, nearest);
+        const Point off = point(nearest, 0) - point(p, 0), side = at(quads, high) - at(quads, low);
+        if (dot(off, off) > NEAR_CREASE * NEAR_CREASE * dot(side, side)) return;
+        const uint32_t v = quads.vertex_count() - 1;
+        quads.put(v, nearest, found);
+        quads.held[v] = ON_CREASE;
+    };
     const size_t vertices = n + 3 * count + 2;
     if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
         return call.out_of_memory();
@@ -285,6 +300,7 @@ hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quad
                 for (size_t c = 0; c < 3; ++c)
                     p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
                 if (!add(p, quads.sides[low])) return call.out_of_memory();
+                if (quads.held[low] == ON_CREASE && quads.held[high] == ON_CREASE) stay_on_crease(p, low, high);
             }
             middle[k] = edges[i].middle;
         }

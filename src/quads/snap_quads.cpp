@@ -10,6 +10,9 @@
 //     o---o---o---o
 #include "snap_quads.hpp"
 
+#include "quad_shape.hpp"
+#include "sharp_edges.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,8 +20,9 @@ namespace hmf {
 
 namespace {
 
-constexpr double SHARP = 0.766, ALONG = 0.9; // cosines of 40 and 26 degrees
-constexpr double REACH = 0.4;                // of the mean side at the vertex
+constexpr double ALONG = 0.85;       // cosine of 32 degrees
+constexpr double REACH = 0.5;        // of the mean side at the vertex
+constexpr double LEAST_CORNER = 0.3; // sine, of the quads round a vertex that is snapped
 constexpr size_t SAMPLES_PER_SIDE = 8, MOST_CELLS = size_t{1} << 22, MOST_SAMPLES = size_t{1} << 24;
 
 struct Sample {
@@ -30,6 +34,12 @@ double square_distance(const double* a, const double* b) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
     return sum;
+}
+
+// Of two at the same distance but for rounding the one of the smaller number.
+bool is_nearer(double d, uint32_t i, double best, uint32_t found) {
+    constexpr double SAME = 1e-9;
+    return found == NONE || d < (1 - SAME) * best || (i < found && d <= (1 + SAME) * best);
 }
 
 // Samples by cells of a grid over the box of all.
@@ -71,14 +81,14 @@ public:
             to[k] = std::min<int64_t>(count_[k] - 1, place(p[k] + within, k));
         }
         uint32_t found = NONE;
-        double best = within * within;
+        double best = 0;
         for (int64_t z = from[2]; z <= to[2]; ++z)
             for (int64_t y = from[1]; y <= to[1]; ++y)
                 for (int64_t x = from[0]; x <= to[0]; ++x) {
                     const size_t c = static_cast<size_t>((z * count_[1] + y) * count_[0] + x);
                     for (uint32_t i = first_[c]; i < first_[c + 1]; ++i) {
                         const double d = square_distance(p, samples[order_[i]].at);
-                        if (d > best || (d == best && found != NONE)) continue;
+                        if (d > within * within || !is_nearer(d, order_[i], best, found)) continue;
                         best = d;
                         found = order_[i];
                     }
@@ -99,57 +109,42 @@ private:
     Array<uint32_t> first_, order_;
 };
 
-// The cosine of the angle between the faces of an edge, 1 where they lie in one plane.
-double fold(const Mesh& mesh, const double* position, uint32_t h) {
-    double normal[2][3];
-    for (uint32_t side = 0; side < 2; ++side, h = twin(h)) {
-        const double* const o = position + size_t{3} * mesh.origin[h];
-        const double* const a = position + size_t{3} * mesh.target(h);
-        const double* const b = position + size_t{3} * mesh.origin[mesh.prev(h)];
-        for (int k = 0; k < 3; ++k) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            normal[side][k] = (a[i] - o[i]) * (b[j] - o[j]) - (a[j] - o[j]) * (b[i] - o[i]);
-        }
-    }
-    double dot = 0, one = 0, two = 0;
-    for (int k = 0; k < 3; ++k) {
-        dot += normal[0][k] * normal[1][k];
-        one += normal[0][k] * normal[0][k];
-        two += normal[1][k] * normal[1][k];
-    }
-    return one > 0 && two > 0 ? dot / std::sqrt(one * two) : 1;
+double length_of_edge(const Mesh& mesh, const double* position, uint32_t h) {
+    return std::sqrt(square_distance(position + size_t{3} * mesh.origin[h], position + size_t{3} * mesh.target(h)));
 }
 
-class Snapping {
+class Snap {
 public:
-    Snapping(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, Call& call) :
+    Snap(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads, Call& call) :
         mesh_(mesh), position_(position), front_(front), quads_(quads), call_(call) {}
 
     hmf_status run(size_t& snapped) {
-        bool too_many = false;
-        if (!measure_sides()) return call_.stopped();
-        if (!sample_edges(too_many)) return call_.stopped();
-        if (too_many || samples_.empty()) return HMF_OK;
-        if (!find_nearest()) return call_.stopped();
-        choose();
-        snapped = move();
+        snapped = 0;
+        samples_.start(call_.memory);
+        edges_.start(call_.memory);
+        if (!measure_sides() || !find_sharp_edges()) return call_.stopped();
+        double sum = 0;
+        for (const uint32_t h : edges_) sum += length_of_edge(mesh_, position_, h);
+        const double parts = static_cast<double>(SAMPLES_PER_SIDE) * sum / mean_ + static_cast<double>(edges_.size());
+        if (edges_.empty() || parts > static_cast<double>(MOST_SAMPLES)) return HMF_OK;
+        if (!sample() || !find_nearest() || !choose() || !stars_.build(quads_, call_.memory)) return call_.stopped();
+        put(snapped);
+        if (!take_corners(snapped)) return call_.stopped();
         return HMF_OK;
     }
 
 private:
-    const double* at(uint32_t v) const { return &quads_.positions[size_t{3} * v]; }
-    // The vertex after corner i of all quads, in its quad.
-    uint32_t next(size_t i) const { return quads_.quads[i / 4 * 4 + (i + 1) % 4]; }
+    const double* place(uint32_t v) const { return &quads_.positions[size_t{3} * v]; }
 
-    // The mean side, of all and at each vertex.
+    // The mean side at each vertex, and of all.
     Done measure_sides() {
-        const uint32_t n = quads_.vertex_count();
         Array<uint32_t> degree;
+        const uint32_t n = quads_.vertex_count();
         if (!length_.allocate_filled(call_.memory, n, 0.0) || !degree.allocate_filled(call_.memory, n, 0u))
             return false;
         for (size_t i = 0; i < quads_.quads.size(); ++i) {
-            const uint32_t a = quads_.quads[i], b = next(i);
-            const double l = std::sqrt(square_distance(at(a), at(b)));
+            const uint32_t a = quads_.quads[i], b = next_corner(i);
+            const double l = std::sqrt(square_distance(place(a), place(b)));
             mean_ += l / static_cast<double>(quads_.quads.size());
             length_[a] += l;
             length_[b] += l;
@@ -160,100 +155,153 @@ private:
         return call_.tick(0);
     }
 
-    // too_many: there are too many samples to go on.
-    Done sample_edges(bool& too_many) {
-        samples_.start(call_.memory);
+    Done find_sharp_edges() {
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
             const uint32_t h = 2 * e;
             if (e % 16384 == 0 && !call_.tick(0)) return false;
             if (front_ && (front_->on_boundary(h) || !front_->is_front[h])) continue;
-            if (fold(mesh_, position_, h) > SHARP) continue;
-            const double* const a = position_ + size_t{3} * mesh_.origin[h];
-            const double* const b = position_ + size_t{3} * mesh_.target(h);
-            const double parts =
-                std::floor(static_cast<double>(SAMPLES_PER_SIDE) * std::sqrt(square_distance(a, b)) / mean_) + 1;
-            too_many = static_cast<double>(samples_.size()) + parts > static_cast<double>(MOST_SAMPLES);
-            if (too_many) return true;
-            for (uint32_t i = 0; i + 0.5 < parts; ++i) {
-                Sample s{{}, h};
-                for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * ((i + 0.5) / parts);
-                if (!samples_.push(s)) return false;
-            }
+            if (is_sharp(mesh_, position_, h) && !edges_.push(h)) return false;
         }
         return true;
     }
 
+    Done sample() {
+        for (const uint32_t h : edges_) {
+            const double parts =
+                std::floor(static_cast<double>(SAMPLES_PER_SIDE) * length_of_edge(mesh_, position_, h) / mean_) + 1;
+            for (uint32_t i = 0; i + 0.5 < parts; ++i)
+                if (!samples_.push(sample_at(h, (i + 0.5) / parts))) return false;
+        }
+        return true;
+    }
+
+    // From the nearest sample on, the nearest point.
     Done find_nearest() {
-        const uint32_t n = quads_.vertex_count();
         Grid grid;
-        if (!nearest_.allocate_filled(call_.memory, n, NONE) || !snaps_.allocate_filled(call_.memory, n, 0)
-            || !grid.build(samples_, mean_, call_.memory))
+        const uint32_t n = quads_.vertex_count();
+        if (!on_line_.allocate_filled(call_.memory, n, Sample{{}, NONE}) || !grid.build(samples_, mean_, call_.memory))
             return false;
         for (uint32_t v = 0; v < n; ++v) {
             if (v % 1024 == 0 && !call_.tick(0)) return false;
-            if (!quads_.held[v]) nearest_[v] = grid.nearest(samples_, at(v), REACH * length_[v]);
+            if (quads_.held[v] && quads_.held[v] != ON_CREASE) continue;
+            const uint32_t i = grid.nearest(samples_, place(v), REACH * length_[v]);
+            if (i == NONE) continue;
+            Sample& s = on_line_[v];
+            s.half_edge = walk_along_sharp_edges(mesh_, position_, samples_[i].half_edge, place(v), s.at);
         }
         return true;
     }
 
-    // Those that a side joins along a sharp edge.
-    void choose() {
+    Done choose() {
+        if (!snaps_.allocate_filled(call_.memory, quads_.vertex_count(), 0)) return false;
         for (size_t i = 0; i < quads_.quads.size(); ++i) {
-            const uint32_t a = quads_.quads[i], b = next(i);
-            if (nearest_[a] == NONE || nearest_[b] == NONE) continue;
-            // Between the places where they would be.
-            const double *const from = samples_[nearest_[a]].at, *const to = samples_[nearest_[b]].at;
-            const double size = std::sqrt(square_distance(from, to));
-            double side[3];
-            for (int k = 0; k < 3; ++k) side[k] = to[k] - from[k];
-            if (size < 0.5 * std::sqrt(square_distance(at(a), at(b))) || !runs_along(a, side, size)
-                || !runs_along(b, side, size))
-                continue;
-            snaps_[a] = snaps_[b] = 1;
+            const uint32_t a = quads_.quads[i], b = next_corner(i);
+            if (follows(a, b)) snaps_[a] = snaps_[b] = 1;
         }
+        return call_.tick(0);
     }
 
-    // A side in the direction of the edge that is nearest to v.
-    bool runs_along(uint32_t v, const double* side, double size) const {
-        const uint32_t h = samples_[nearest_[v]].half_edge;
+    // Whether the side between the places where both would be runs along sharp edges.
+    bool follows(uint32_t a, uint32_t b) const {
+        if (on_line_[a].half_edge == NONE || on_line_[b].half_edge == NONE) return false;
+        const double* const from = on_line_[a].at;
+        const double* const to = on_line_[b].at;
+        return square_distance(from, to) >= 0.25 * square_distance(place(a), place(b)) && runs_along(a, from, to)
+            && runs_along(b, from, to);
+    }
+
+    // Whether the sharp edge next to v has the direction from one place to the other.
+    bool runs_along(uint32_t v, const double* from, const double* to) const {
+        const uint32_t h = on_line_[v].half_edge;
         const double* const a = position_ + size_t{3} * mesh_.origin[h];
         const double* const b = position_ + size_t{3} * mesh_.target(h);
         double dot = 0;
-        for (int k = 0; k < 3; ++k) dot += (b[k] - a[k]) * side[k];
-        return std::fabs(dot) >= ALONG * size * std::sqrt(square_distance(a, b));
+        for (int k = 0; k < 3; ++k) dot += (b[k] - a[k]) * (to[k] - from[k]);
+        return std::fabs(dot) >= ALONG * std::sqrt(square_distance(from, to) * square_distance(a, b));
     }
 
-    size_t move() {
-        size_t moved = 0;
+    // The vertex nearest to a corner, where three or more sharp edges meet, goes there and stays.
+    Done take_corners(size_t& taken) {
+        Array<uint8_t> lines;
+        Array<Sample> corners;
+        Array<uint32_t> taker;
+        Grid grid;
+        corners.start(call_.memory);
+        if (!lines.allocate_filled(call_.memory, mesh_.vertex_count, uint8_t{0})) return false;
+        for (const uint32_t e : edges_)
+            for (const uint32_t h : {e, twin(e)})
+                if (lines[mesh_.origin[h]] < 3 && ++lines[mesh_.origin[h]] == 3 && !corners.push(sample_at(h, 0)))
+                    return false;
+        if (corners.empty()) return true;
+        if (!grid.build(corners, mean_, call_.memory) || !taker.allocate_filled(call_.memory, corners.size(), NONE))
+            return false;
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
-            if (!snaps_[v]) continue;
-            const Sample& s = samples_[nearest_[v]];
-            for (size_t k = 0; k < 3; ++k) quads_.positions[size_t{3} * v + k] = s.at[k];
-            quads_.sides[v] = s.half_edge;
-            quads_.held[v] = 1;
-            ++moved;
+            if (v % 1024 == 0 && !call_.tick(0)) return false;
+            if (quads_.held[v] && quads_.held[v] != ON_CREASE) continue;
+            const uint32_t c = grid.nearest(corners, place(v), REACH * length_[v]);
+            if (c == NONE) continue;
+            const double before = taker[c] == NONE ? 0 : square_distance(place(taker[c]), corners[c].at);
+            if (is_nearer(square_distance(place(v), corners[c].at), v, before, taker[c])) taker[c] = v;
         }
-        return moved;
+        for (size_t c = 0; c < corners.size(); ++c) {
+            if (taker[c] == NONE) continue;
+            if (!put(taker[c], corners[c])) continue;
+            quads_.held[taker[c]] = 1;
+            ++taken;
+        }
+        return true;
     }
+
+    void put(size_t& snapped) {
+        for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
+            if (!snaps_[v] || quads_.held[v]) continue;
+            if (!put(v, on_line_[v])) continue;
+            quads_.held[v] = ON_CREASE;
+            ++snapped;
+        }
+    }
+
+    // False if a corner of its quads would get too flat or too sharp: it stays where it was.
+    bool put(uint32_t v, const Sample& s) {
+        const Point from = at(quads_, v);
+        const uint32_t side = quads_.sides[v];
+        quads_.put(v, s.at, s.half_edge);
+        if (stars_.worst_corner(mesh_, position_, quads_, v) > LEAST_CORNER) return true;
+        const double back[3] = {from.x, from.y, from.z};
+        quads_.put(v, back, side);
+        return false;
+    }
+
+    // At t of the edge of h.
+    Sample sample_at(uint32_t h, double t) const {
+        Sample s{{}, h};
+        const double* const a = position_ + size_t{3} * mesh_.origin[h];
+        const double* const b = position_ + size_t{3} * mesh_.target(h);
+        for (int k = 0; k < 3; ++k) s.at[k] = a[k] + (b[k] - a[k]) * t;
+        return s;
+    }
+
+    uint32_t next_corner(size_t i) const { return quads_.quads[i / 4 * 4 + (i + 1) % 4]; }
 
     const Mesh& mesh_;
     const double* position_;
-    const Reflection* front_; // of a double, or NULL
+    const Reflection* front_;
     QuadMesh& quads_;
     Call& call_;
-    double mean_ = 0;         // of the sides
-    Array<double> length_;    // mean side at a vertex
-    Array<Sample> samples_;   // of the sharp edges
-    Array<uint32_t> nearest_; // per vertex: the nearest sample, or NONE
-    Array<uint8_t> snaps_;    // per vertex
+    double mean_ = 0;
+    Array<double> length_;  // per vertex of the quads
+    Array<uint32_t> edges_; // sharp
+    Array<Sample> samples_; // of them
+    Array<Sample> on_line_; // the place nearest to each vertex
+    Array<uint8_t> snaps_;
+    QuadStars stars_;
 };
 
 } // namespace
 
 hmf_status snap_to_sharp_edges(const Mesh& mesh, const double* position, const Reflection* front, QuadMesh& quads,
                                size_t& snapped, Call& call) {
-    snapped = 0;
-    return Snapping(mesh, position, front, quads, call).run(snapped);
+    return Snap(mesh, position, front, quads, call).run(snapped);
 }
 
 } // namespace hmf

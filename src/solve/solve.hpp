@@ -16,6 +16,7 @@ constexpr int64_t largest_height = int64_t{1} << 60;
 // Those of the caller, with their defaults in place, so that a new one is at hand in
 // every stage; and what is the library's own.
 struct SolveOptions : hmf_solve_options {
+    // cppcheck-suppress uninitDerivedMemberVar
     SolveOptions() : hmf_solve_options() {
         method = HMF_METHOD_NEWTON;
         iteration_limit = 100000;

@@ -191,7 +191,8 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
     const uint32_t n = matrix.n;
     Array<uint8_t> room;
     Array<uint32_t> order; // of the rows in a sweep
-    if (!cut(matrix, room, parallel, memory) || !order.allocate(memory, n)) return false;
+    if (!cut(matrix, room, parallel, memory) || !order.allocate(memory, n) || !range_.allocate(memory, parts_ + 1))
+        return false;
     uint32_t at[most_parts + 2] = {};
     uint64_t groups[most_parts + 1] = {};
     for (uint32_t i = 0; i < n; ++i) {
@@ -200,7 +201,7 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
     }
     room.release();
     uint64_t total = 1;
-    Range* const range = range_;
+    Range* const range = range_.data();
     for (uint32_t part = 0; part <= parts_; ++part) {
         at[part + 1] += at[part];
         range[part].begin = static_cast<uint32_t>(total);

@@ -75,7 +75,7 @@ private:
     uint32_t parts_ = 1;
     Array<uint8_t> part_; // of each row; parts_: the border
     Array<Group> group_;  // by parts, the border last; before and after each is one that belongs to no row
-    Range range_[most_parts + 1];
+    Array<Range> range_;  // of each part, and of the border; not in place: many matrices lie on one stack
 };
 
 } // namespace hmf

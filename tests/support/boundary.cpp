@@ -15,25 +15,6 @@ namespace {
 
 const double pi = std::acos(-1.0);
 
-// The back has the values of the front, so that they can be read again: closed, without poles, the same.
-void expect_symmetric(const Solution& s) {
-    const hmf_foliation& f = *s.foliation.get();
-    const hmf_hierarchy& h = *f.hierarchy;
-    size_t wrong = 0;
-    for (size_t t = 0; t < h.surface_triangles; ++t)
-        for (size_t side = 0; side < 3; ++side)
-            wrong += f.values[h.triangle_edges[3 * t + side]]
-                  != f.values[h.triangle_edges[3 * (h.surface_triangles + t) + 2 - side]];
-    EXPECT_EQ(wrong, 0u);
-    hmf_foliation* raw = nullptr;
-    hmf_error error{};
-    ASSERT_EQ(hmf_foliation_create(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
-        << error.message;
-    const Foliation again(raw);
-    EXPECT_EQ(values_of(again), s.values);
-    EXPECT_EQ(raw->poles, 0u);
-}
-
 double distance_to_segment(const double* p, const double* a, const double* b) {
     double ab = 0, ap = 0, sum = 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -92,6 +73,24 @@ std::vector<int> triangles_of_edges(const LevelMesh& mesh) {
     std::vector<int> count(mesh.edge_count, 0);
     for (const uint32_t e : mesh.triangle_edges) ++count[e];
     return count;
+}
+
+void expect_symmetric(const Solution& s) {
+    const hmf_foliation& f = *s.foliation.get();
+    const hmf_hierarchy& h = *f.hierarchy;
+    size_t wrong = 0;
+    for (size_t t = 0; t < h.surface_triangles; ++t)
+        for (size_t side = 0; side < 3; ++side)
+            wrong += f.values[h.triangle_edges[3 * t + side]]
+                  != f.values[h.triangle_edges[3 * (h.surface_triangles + t) + 2 - side]];
+    EXPECT_EQ(wrong, 0u);
+    hmf_foliation* raw = nullptr;
+    hmf_error error{};
+    ASSERT_EQ(hmf_foliation_create(&h, 0, s.values.data(), s.values.size(), nullptr, &raw, &error), HMF_OK)
+        << error.message;
+    const Foliation again(raw);
+    EXPECT_EQ(values_of(again), s.values);
+    EXPECT_EQ(raw->poles, 0u);
 }
 
 void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t boundaries, int64_t marks_inside,

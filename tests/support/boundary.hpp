@@ -39,6 +39,9 @@ TriMesh rectangle(size_t n, size_t m, double a, double b, double jitter, uint64_
 // Number of triangles of each edge.
 std::vector<int> triangles_of_edges(const LevelMesh& mesh);
 
+// The back has the values of the front, so that they can be read again: closed, without poles, the same.
+void expect_symmetric(const Solution& s);
+
 // What holds for every result on a surface with boundary.
 void expect_result(const Hierarchy& hierarchy, const Solution& s, int64_t boundaries, int64_t marks_inside = 0,
                    int64_t marks_on_boundary = 0);

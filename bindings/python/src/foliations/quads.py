@@ -49,7 +49,7 @@ def quads(
     A zero of order m has 2 m + 4 edges, every other vertex has 4.  Zeros that
     only discretisation keeps apart can become one.  One quad lies over each
     pole, between two vertices with 3 edges.  ``hmf quads`` of the command line
-    is ``quads(count=5000, merge=True, relax=20)``.
+    is ``quads(count=5000, merge=True, relax=40)``.
 
     Parameters
     ----------

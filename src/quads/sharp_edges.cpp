@@ -1,0 +1,84 @@
+#include "sharp_edges.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr double SHARP = 0.766; // cosine of 40 degrees
+
+// The cosine of the angle between the faces of an edge, 1 where they lie in one plane.
+double fold(const Mesh& mesh, const double* position, uint32_t h) {
+    double normal[2][3];
+    for (uint32_t side = 0; side < 2; ++side, h = twin(h)) {
+        const double* const o = position + size_t{3} * mesh.origin[h];
+        const double* const a = position + size_t{3} * mesh.target(h);
+        const double* const b = position + size_t{3} * mesh.origin[mesh.prev(h)];
+        for (int k = 0; k < 3; ++k) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            normal[side][k] = (a[i] - o[i]) * (b[j] - o[j]) - (a[j] - o[j]) * (b[i] - o[i]);
+        }
+    }
+    double dot = 0, one = 0, two = 0;
+    for (int k = 0; k < 3; ++k) {
+        dot += normal[0][k] * normal[1][k];
+        one += normal[0][k] * normal[0][k];
+        two += normal[1][k] * normal[1][k];
+    }
+    return one > 0 && two > 0 ? dot / std::sqrt(one * two) : 1;
+}
+
+// The point of an edge nearest to p, at 0 <= t <= 1 of it; returns the squared distance.
+double nearest_on_edge(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest,
+                       double& t) {
+    const double* const a = position + size_t{3} * mesh.origin[h];
+    const double* const b = position + size_t{3} * mesh.target(h);
+    double along = 0, length = 0, distance = 0;
+    for (int k = 0; k < 3; ++k) {
+        along += (p[k] - a[k]) * (b[k] - a[k]);
+        length += (b[k] - a[k]) * (b[k] - a[k]);
+    }
+    t = length > 0 ? along / length : 0;
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    for (int k = 0; k < 3; ++k) {
+        nearest[k] = a[k] + t * (b[k] - a[k]);
+        distance += (p[k] - nearest[k]) * (p[k] - nearest[k]);
+    }
+    return distance;
+}
+
+// The other sharp edge at the vertex where h ends, pointing away; NONE at a corner.
+uint32_t next_sharp_edge(const Mesh& mesh, const double* position, uint32_t h) {
+    uint32_t found = NONE;
+    for (const uint32_t g : mesh.around(mesh.target(h))) {
+        if (g == twin(h) || !is_sharp(mesh, position, g)) continue;
+        if (found != NONE) return NONE;
+        found = g;
+    }
+    return found;
+}
+
+} // namespace
+
+bool is_sharp(const Mesh& mesh, const double* position, uint32_t h) { return fold(mesh, position, h) <= SHARP; }
+
+uint32_t walk_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const double* p,
+                                double* nearest) {
+    double t = 0;
+    double distance = nearest_on_edge(mesh, position, h, p, nearest, t);
+    while (t == 0 || t == 1) {
+        const uint32_t next = next_sharp_edge(mesh, position, t == 1 ? h : twin(h));
+        if (next == NONE) break;
+        double point[3], at = 0;
+        const double nearer = nearest_on_edge(mesh, position, next, p, point, at);
+        if (!(nearer < distance)) break;
+        distance = nearer;
+        t = at;
+        h = next;
+        for (int k = 0; k < 3; ++k) nearest[k] = point[k];
+    }
+    return h;
+}
+
+} // namespace hmf
