@@ -259,8 +259,8 @@ TEST(Hierarchy, CoarsestLevelIsOfTheSizeAsked) {
     EXPECT_GT(built.h.level_count, 3u);
 }
 
-// Blocks collapse edges at the same time, so each vertex with a neighbour in another block has to be known, also where a
-// collapse at a border has just made it one.
+// Blocks collapse edges at the same time, so each vertex with a neighbour in another block has to be known, also where
+// a collapse at a border has just made it one.
 TEST(Hierarchy, BordersOfBlocksAreKnown) {
     const Built built(test::with_random_flips(test::torus(150, 120, 3, 1), 4000, 0.2, 5));
     ASSERT_EQ(built.status, HMF_OK) << built.error.message;
