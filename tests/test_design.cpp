@@ -127,6 +127,32 @@ TEST(Scale, FlatPillow) {
     EXPECT_EQ(solution.report.unevenness, unevenness);
 }
 
+// A triangle that is flat up to rounding has no area to speak of and any density: the unevenness is that of the same
+// torus with an exactly flat one.
+TEST(Scale, FlatTrianglesMeasureNothing) {
+    hmf_build_options build{};
+    build.struct_size = sizeof build;
+    build.mollify = 0.005;
+    for (const size_t t : {3u, 100u, 211u}) {
+        double unevenness[2] = {-1, -2};
+        for (const size_t k : {0, 1}) {
+            TriMesh mesh = torus(24, 12, 2, 1, {true, 1, 0.2, 3});
+            const uint32_t* const corner = &mesh.triangles[3 * t];
+            for (size_t c = 0; c < 3; ++c) {
+                double& x = mesh.positions[3 * corner[0] + c];
+                x = 0.5 * (mesh.positions[3 * corner[1] + c] + mesh.positions[3 * corner[2] + c]);
+                if (k == 1) x = std::nextafter(x, c == 1 ? -9 : 9);
+            }
+            const Hierarchy hierarchy(mesh, build);
+            const Solution solution = solve(hierarchy, nullptr, solve_options(0, 0));
+            ASSERT_TRUE(solution.foliation);
+            scale_of(solution.foliation, mesh.triangle_count(), &unevenness[k]);
+        }
+        EXPECT_GT(unevenness[0], 0.1);
+        EXPECT_NEAR(unevenness[1], unevenness[0], 1e-6) << t;
+    }
+}
+
 // The energy is the integral of the squared scale, and the unevenness the
 // deviation of what is given.
 TEST(Scale, EnergyAndDeviation) {

@@ -80,8 +80,8 @@ private:
     unsigned count_ = 0;
 };
 
-// The codes of given lengths: shorter before longer, then by symbol.  Turned round, as they begin with their
-// highest bit.
+// The codes of given lengths: shorter before longer, then by symbol.  Turned round, for they begin with their highest
+// bit.
 std::vector<uint16_t> codes_of(const std::vector<uint8_t>& lengths) {
     std::array<unsigned, 17> next{};
     for (const uint8_t length : lengths) next[length + 1u] += length > 0;

@@ -4,12 +4,10 @@
 //
 //     | block 0 | block 1 | block 2 | ...      a task takes the next block that is free
 //
-// Tasks with an odd number take them from the end: so the order of a pass depends on
-// the host, and a block that is not independent of the others shows in tests without
-// a race.  A block writes what no other block of the pass reads or writes.  Sums are
-// taken within each block and then over the blocks, in order.  Without a
-// callback the same blocks run one after the other.  Tasks do not allocate,
-// report or look at the clock: that is done between the passes.
+// Tasks with an odd number take them from the end: so the order of a pass depends on the host, and a block that is not
+// independent of the others shows in tests without a race.  A block writes what no other block of the pass reads or
+// writes.  Sums are taken within each block and then over the blocks, in order.  Without a callback the same blocks run
+// one after the other.  Tasks do not allocate, report or look at the clock: that is done between the passes.
 //
 // A task has a slot, a number below slots() that no other task has at the same
 // time: room that a block needs for itself is made once for each slot.

@@ -63,6 +63,8 @@ Extent extent_of(const double* position, size_t begin, size_t end) {
     return extent;
 }
 
+constexpr double FLAT = 1e-12; // height of a triangle, in its longest side
+
 // Twice the area of a triangle, and its energy; F: of the sides from corner i to i + 1.
 struct Triangle {
     double doubled, energy = 0;
@@ -74,7 +76,18 @@ struct Triangle {
             cross[c] = (p[1][x] - p[0][x]) * (p[2][y] - p[0][y]) - (p[1][y] - p[0][y]) * (p[2][x] - p[0][x]);
         }
         doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-        if (!(doubled > 0)) return;
+        double longest = 0; // squared
+        for (size_t i = 0; i < 3; ++i) {
+            double side_squared = 0;
+            for (size_t c = 0; c < 3; ++c)
+                side_squared += (p[i][c] - p[(i + 1) % 3][c]) * (p[i][c] - p[(i + 1) % 3][c]);
+            longest = std::max(longest, side_squared);
+        }
+        // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
+        if (!(doubled > FLAT * longest)) {
+            doubled = 0;
+            return;
+        }
         for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
             const double *a = p[(i + 2) % 3], *b = p[i], *c = p[(i + 1) % 3];
             double dot = 0;
