@@ -155,44 +155,89 @@ TEST(Pictures, CheckerboardsHaveNoSeams) {
     }
 }
 
-// Round a torus the shortest closed curves of the class are circles: the line is no longer than the circle of the mesh.
-TEST(Pictures, LoopsAreShortestInTheirStrip) {
+double length_of(const cli::Line& line) {
+    double sum = 0;
+    for (size_t i = 0; i < line.size(); ++i) sum += cli::distance(line[i], line[(i + 1) % line.size()]);
+    return sum;
+}
+
+// No local change shortens it: each point lies on an edge and is the best there between its neighbours, or at its end.
+void expect_shortest(const cli::Foliation& f, const cli::Line& line) {
+    const size_t count = line.size();
+    size_t inside = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const cli::Point x = line[i], before = line[(i + count - 1) % count], after = line[(i + 1) % count];
+        bool on_edge = false;
+        for (size_t e = 0; e < f.values.size() && !on_edge; ++e) {
+            const cli::Point p = cli::place(f, f.edge_vertices[2 * e]), q = cli::place(f, f.edge_vertices[2 * e + 1]);
+            if (cli::distance(p, x) + cli::distance(x, q) > cli::distance(p, q) + 1e-9) continue;
+            on_edge = true;
+            const double t = cli::distance(p, x) / cli::distance(p, q);
+            const double now = cli::distance(before, x) + cli::distance(x, after);
+            for (const double step : {-0.05, 0.05}) {
+                if (t + step < 0 || t + step > 1) continue;
+                ++inside;
+                const cli::Point moved = cli::between(p, q, t + step);
+                EXPECT_GT(cli::distance(before, moved) + cli::distance(moved, after), now - 1e-4) << i;
+            }
+        }
+        EXPECT_TRUE(on_edge) << i;
+    }
+    EXPECT_GT(inside, count);
+}
+
+// Round a torus the shortest closed curves of the class are circles.
+TEST(Pictures, LoopsAreDrawnShort) {
     Solved s(torus(30, 20, 2, 0.5), {1});
     const Loops on_input = library_loops(s.hierarchy, 0);
-    const hmf_loop_set view = on_input.view(), *const fine = &view;
-    const std::vector<cli::Line> lines = cli::loop_lines(s.f, *fine);
+    const hmf_loop_set view = on_input.view();
+    const std::vector<cli::Line> lines = cli::loop_lines(s.f, view);
     ASSERT_EQ(lines.size(), 1u);
-    double length = 0;
-    const auto point = [&](size_t i) { return lines[0][i % lines[0].size()]; };
-    for (size_t i = 0; i < lines[0].size(); ++i) length += cli::distance(point(i), point(i + 1));
     // A polygon of 20 sides, round the tube.
     const double polygon = 20 * 2 * 0.5 * std::sin(3.14159265358979 / 20);
-    EXPECT_GT(length, 0.98 * polygon);
-    EXPECT_LT(length, 1.03 * polygon);
-    // No local change shortens it: each point is the best between its neighbours on its edge, or at its end.
-    const size_t count = lines[0].size();
-    ASSERT_EQ(count, static_cast<size_t>(fine->offsets[1] - fine->offsets[0]));
-    size_t edges_found = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t here = fine->elements[i], next = fine->elements[(i + 1) % count];
-        for (size_t a = 0; a < 3; ++a)
-            for (size_t b = 0; b < 3; ++b) {
-                if (s.f.triangle_edges[3 * here + a] != s.f.triangle_edges[3 * next + b]) continue;
-                ++edges_found;
-                const uint32_t e = s.f.triangle_edges[3 * here + a];
-                const cli::Point p = cli::place(s.f, s.f.edge_vertices[2 * e]),
-                                 q = cli::place(s.f, s.f.edge_vertices[2 * e + 1]);
-                const cli::Point before = point(i + count - 1), after = point(i + 1);
-                const double t = cli::distance(p, point(i)) / cli::distance(p, q);
-                const double now = cli::distance(before, point(i)) + cli::distance(point(i), after);
-                for (const double step : {-0.05, 0.05}) {
-                    if (t + step < 0 || t + step > 1) continue;
-                    const cli::Point moved = cli::between(p, q, t + step);
-                    EXPECT_GT(cli::distance(before, moved) + cli::distance(moved, after), now - 1e-4) << i;
-                }
-            }
+    EXPECT_GT(length_of(lines[0]), 0.98 * polygon);
+    EXPECT_LT(length_of(lines[0]), 1.002 * polygon);
+    expect_shortest(s.f, lines[0]);
+}
+
+// Vertices in a zig-zag round the tube: the kinks go, and the line stays where the loop is.
+TEST(Pictures, LoopsOfTheCallerHaveNoKinks) {
+    Solved s(torus(60, 20, 2, 0.5), {1});
+    const uint32_t across = 20;
+    std::vector<uint32_t> path;
+    const auto is_edge = [&](uint32_t a, uint32_t b) {
+        for (size_t e = 0; e < s.f.values.size(); ++e)
+            if ((s.f.edge_vertices[2 * e] == a && s.f.edge_vertices[2 * e + 1] == b)
+                || (s.f.edge_vertices[2 * e] == b && s.f.edge_vertices[2 * e + 1] == a))
+                return true;
+        return false;
+    };
+    // Teeth of three columns to both sides: to the right at rows 2, 6, .., to the left at rows 0, 4, ..
+    const auto vertex = [&](int column, uint32_t row) { return across * uint32_t((column + 60) % 60) + row; };
+    for (uint32_t row = 0; row < across; row += 2) {
+        const int side = row % 4 == 2 ? 1 : -1;
+        for (int k = 0; k <= 3; ++k) path.push_back(vertex(side * k, row));
+        for (int k = 3; k >= 0; --k) path.push_back(vertex(side * k, row + 1));
     }
-    EXPECT_EQ(edges_found, count);
+    for (size_t i = 0; i < path.size(); ++i) ASSERT_TRUE(is_edge(path[i], path[(i + 1) % path.size()])) << i;
+    const uint64_t offsets[2] = {0, path.size()};
+    hmf_loop_set set{};
+    set.count = 1;
+    set.offsets = offsets;
+    set.elements = path.data();
+    set.element_kind = HMF_LOOP_VERTICES;
+    const std::vector<cli::Line> lines = cli::loop_lines(s.f, set);
+    ASSERT_EQ(lines.size(), 1u);
+    cli::Line drawn;
+    for (const uint32_t v : path) drawn.push_back(cli::place(s.f, v));
+    const double polygon = 20 * 2 * 0.5 * std::sin(3.14159265358979 / 20);
+    EXPECT_GT(length_of(drawn), 2 * polygon);
+    EXPECT_LT(length_of(lines[0]), 1.02 * polygon);
+    for (const cli::Point& p : lines[0]) {
+        double nearest = 1e9;
+        for (const cli::Point& q : drawn) nearest = std::min(nearest, cli::distance(p, q));
+        EXPECT_LT(nearest, 0.3);
+    }
 }
 
 // Whatever side of a surface the zeros are on, it is looked at from there.

@@ -7,7 +7,12 @@ namespace cli {
 
 AmbientLight::AmbientLight(size_t pixels_across, size_t pixels_down) :
     wide_((pixels_across + GRID - 1) / GRID), high_((pixels_down + GRID - 1) / GRID), places_(wide_ * high_ + 1),
-    normals_(wide_ * high_), raw_(wide_ * high_, 1.0f), light_(wide_ * high_, 1.0f) {}
+    normals_(wide_ * high_), raw_(wide_ * high_, 1.0f), light_(wide_ * high_, 1.0f) {
+    for (size_t k = 0; k < GRID * GRID; ++k) {
+        const float over = float(k % GRID) / GRID, down = float(k / GRID) / GRID;
+        weights_[k] = {(1 - over) * (1 - down), over * (1 - down), (1 - over) * down, over * down};
+    }
+}
 
 void AmbientLight::find(float radius, float scale, const Workers& workers) {
     constexpr size_t ROWS = 8;
@@ -32,21 +37,25 @@ void AmbientLight::take_row(size_t j, float radius, float scale) {
         return table;
     }();
     const float spread = 2 / (radius * radius);
+    const uint32_t wide = uint32_t(wide_), high = uint32_t(high_);
+    const size_t background = wide_ * high_;
     for (size_t i = 0; i < wide_; ++i) {
         const Place here = places_[j * wide_ + i];
         if (here.z == BACKGROUND) continue;
         const Normal n = normals_[j * wide_ + i];
         const size_t pattern = (i & 3u) + 4 * (j & 3u);
-        const float reach = radius * scale / (-here.z * float(GRID * STEPS)),
+        const float reach = std::min(float(MARGIN) / STEPS, radius * scale / (-here.z * float(GRID * STEPS))),
                     inset = 0.5f * float(pattern * 7 % 16) / 16;
+        const float middle_x = float(i + MARGIN) + 0.5f, middle_y = float(j + MARGIN) + 0.5f;
         float x[SAMPLES], y[SAMPLES], z[SAMPLES];
         for (size_t d = 0; d < DIRECTIONS; ++d) {
             const auto [ux, uy] = turns[d * PATTERNS + pattern];
             for (size_t s = 0; s < STEPS; ++s) {
                 const float r = reach * (float(s + 1) - inset);
-                const float qx = float(i) + 0.5f + r * ux, qy = float(j) + 0.5f + r * uy;
-                const bool inside = qx >= 0 && qy >= 0 && qx < float(wide_) && qy < float(high_);
-                const Place there = places_[inside ? size_t(int(qy)) * wide_ + size_t(int(qx)) : wide_ * high_];
+                // Numbers below 0 become large ones.
+                const auto qx = uint32_t(int(middle_x + r * ux)) - MARGIN,
+                           qy = uint32_t(int(middle_y + r * uy)) - MARGIN;
+                const Place there = places_[qx < wide && qy < high ? size_t{qy} * wide + qx : background];
                 x[d * STEPS + s] = there.x - here.x;
                 y[d * STEPS + s] = there.y - here.y;
                 z[d * STEPS + s] = there.z - here.z;
@@ -82,14 +91,19 @@ void AmbientLight::blur_row(size_t j) {
 
 float AmbientLight::at(size_t x, size_t y, float z) const {
     const size_t i = x / GRID, j = y / GRID, node = j * wide_ + i;
-    const float over = float(x % GRID) / GRID, down = float(y % GRID) / GRID;
-    const float weight[4] = {(1 - over) * (1 - down), over * (1 - down), (1 - over) * down, over * down};
+    const std::array<float, 4>& weight = weights_[y % GRID * GRID + x % GRID];
+    const Place* const place = &places_[node];
+    const float* const light = &light_[node];
+    const auto is_near = [&](float other) { return std::fabs(other - z) <= jump_; };
+    if (i + 1 < wide_ && j + 1 < high_ && is_near(place[0].z) && is_near(place[1].z) && is_near(place[wide_].z)
+        && is_near(place[wide_ + 1].z))
+        return weight[0] * light[0] + weight[1] * light[1] + weight[2] * light[wide_] + weight[3] * light[wide_ + 1];
     float sum = 0, all = 0;
     for (size_t k = 0; k < 4; ++k) {
-        const size_t a = i + (k & 1), b = j + (k >> 1), other = node + (k & 1) + (k >> 1) * wide_;
-        if (a >= wide_ || b >= high_ || weight[k] == 0 || !is_seen(other)) continue;
-        if (z != 0 && std::fabs(places_[other].z - z) > jump_) continue;
-        sum += weight[k] * light_[other];
+        const size_t other = (k & 1) + (k >> 1) * wide_;
+        if (i + (k & 1) >= wide_ || j + (k >> 1) >= high_ || weight[k] == 0 || !is_seen(node + other)) continue;
+        if (z != 0 && !is_near(place[other].z)) continue;
+        sum += weight[k] * light[other];
         all += weight[k];
     }
     return all > 0 ? sum / all : 1;

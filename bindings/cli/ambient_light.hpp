@@ -2,7 +2,9 @@
 // third pixel of every third row, blurred there, and interpolated; never across a step in depth.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "workers.hpp"
@@ -38,7 +40,8 @@ public:
 
 private:
     static constexpr float BACKGROUND = -1e12f; // far behind: it takes no light
-    static constexpr size_t DIRECTIONS = 8, STEPS = 4, SAMPLES = DIRECTIONS * STEPS, PATTERNS = 16;
+    static constexpr size_t DIRECTIONS = 8, STEPS = 4, SAMPLES = DIRECTIONS * STEPS, PATTERNS = 16,
+                            MARGIN = 4096; // nodes; no sample is farther away
     void take_row(size_t j, float radius, float scale);
     void blur_row(size_t j);
     bool is_seen(size_t node) const { return places_[node].z != BACKGROUND; }
@@ -48,6 +51,7 @@ private:
     std::vector<Place> places_; // the last one: background
     std::vector<Normal> normals_;
     std::vector<float> raw_, light_;
+    std::array<std::array<float, 4>, GRID * GRID> weights_; // of the nodes around each pixel
 };
 
 } // namespace cli

@@ -58,7 +58,8 @@ Vec part_across(Vec v, Vec axis) { return v - dot(v, axis) * axis; }
 // Samples in a coarse grid as seen from one direction.
 class DepthGrid {
 public:
-    DepthGrid(const Samples& samples, const View& view) : size_(samples.size), forward_(unit(view.from)) {
+    DepthGrid(const Samples& samples, const View& view) :
+        size_(samples.size), per_size_(N / samples.size), forward_(unit(view.from)) {
         right_ = unit(cross(view.up, forward_));
         up_ = cross(forward_, right_);
         depth_.fill(-1e300);
@@ -76,10 +77,10 @@ private:
     static constexpr int N = 48;
     // Coordinates of the samples are at most half the size, from the middle of the object.
     size_t cell(Vec p) const {
-        const auto place = [&](double x) { return size_t(std::clamp(int((x / size_ + 0.5) * N), 0, N - 1)); };
+        const auto place = [&](double x) { return size_t(std::clamp(int(x * per_size_ + 0.5 * N), 0, N - 1)); };
         return place(dot(p, up_)) * N + place(dot(p, right_));
     }
-    double size_;
+    double size_, per_size_;
     Vec forward_, right_, up_;
     std::array<double, size_t{N} * N> depth_;
 };

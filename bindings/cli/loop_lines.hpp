@@ -10,7 +10,8 @@ namespace cli {
 
 using Line = std::vector<std::array<double, 3>>; // closed
 
-// Loops of the input mesh: through their vertices, or the shortest closed curve in the strip of their triangles.
+// Loops of the input mesh, straight but for corners where more than a half turn lies on both sides; those through
+// vertices near where they lie.
 std::vector<Line> loop_lines(const Foliation& foliation, const hmf_loop_set& loops);
 
 } // namespace cli

@@ -67,7 +67,7 @@ struct Adler {
 };
 
 // out = here - the one of left, above and corner that is nearest to left + above - corner.
-void paeth(uint8_t* out, const uint8_t* here, const uint8_t* above, size_t row) {
+void paeth(uint8_t* __restrict out, const uint8_t* __restrict here, const uint8_t* __restrict above, size_t row) {
     for (size_t x = 0; x < std::min<size_t>(3, row); ++x) out[x] = static_cast<uint8_t>(here[x] - above[x]);
     for (size_t x = 3; x < row; ++x) {
         const int16_t left = here[x - 3], up = above[x], corner = above[x - 3];
