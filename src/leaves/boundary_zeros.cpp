@@ -26,6 +26,31 @@ struct CriticalGraph::Places {
     uint32_t at(const Foliation& f, uint32_t h) const { return zero.find(root.find(f.mesh.origin[h])); }
 };
 
+// The cluster in f.members: a disk, or a ring round a boundary curve without marked vertices, which would keep its two
+// circles apart. A ring across boundaries, the double of a way from one to another, goes round a part of the surface.
+bool CriticalGraph::can_be_taken_apart(const Foliation& f, int64_t euler) const {
+    if (!on_boundary || euler < 0) return false;
+    if (euler == 1) return true;
+    // Vertices on stretches of boundary that end are met from both ends.
+    const auto along = [&](uint32_t v, uint32_t other) {
+        for (const uint32_t h : f.mesh.around(v))
+            if (f.at(h) == 0 && mirror[h] == h && h != other) return h;
+        return NONE;
+    };
+    size_t vertices = 0, met = 0;
+    for (const uint32_t v : f.members) {
+        if (f.mesh.is_marked(v)) return false;
+        if (!on_boundary[v]) continue;
+        ++vertices;
+        const uint32_t first = along(v, NONE);
+        if (first == NONE) ++met; // alone: from both
+        if (first != NONE && along(v, first) != NONE) continue;
+        ++met;
+        for (uint32_t h = first; h != NONE; h = along(f.mesh.target(h), twin(h))) ++met;
+    }
+    return met < 2 * vertices;
+}
+
 // The root of each member of the cluster in f.members; any: there is one.
 Done CriticalGraph::find_roots(const Foliation& f, SparseMap& root, bool& any) {
     circle_.clear();

@@ -62,7 +62,7 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
 // The cluster of the vertex is f.members.
 Done CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
     bool done = false;
-    if (on_boundary && euler >= 0 && !add_zeros_on_boundary(f, index, done)) return false;
+    if (can_be_taken_apart(f, euler) && !add_zeros_on_boundary(f, index, done)) return false;
     if (done) return true;
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     if (!zeros.push({false, vertex, index, euler})) return false;

@@ -95,6 +95,7 @@ public:
 
     // Wishes, before build().
     const uint8_t* on_boundary = nullptr; // per vertex; NULL: clusters there stay whole
+    const uint32_t* mirror = nullptr;     // with on_boundary: per half-edge its image, itself on the boundary
     uint32_t closed_leaf = NONE;          // where there is no zero: an edge that the leaf crosses in its middle
 
     // vertex_order, face_order: internal numbers in the order in which zeros
@@ -137,6 +138,7 @@ private:
                                          const uint32_t* cluster, Call& call);
     struct Run;
     struct Places;
+    bool can_be_taken_apart(const Foliation& f, int64_t euler) const;
     Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
     Done find_roots(const Foliation& f, SparseMap& root, bool& any);
     Done find_places(const Foliation& f, int32_t index, Places& places);
