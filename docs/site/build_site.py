@@ -212,11 +212,11 @@ def python_page(pages: Path) -> None:
 def gallery_pages(pages: Path) -> None:
     out = ["# Gallery\n\nThe tests run each of these programs.\n"]
     # As the README has them, the simplest first; none is left out.
-    shown = list(dict.fromkeys(re.findall(r"\]\(examples/(\w+\.py)\)", (BINDINGS / "python/README.md").read_text())))
-    examples = sorted((BINDINGS / "python/examples").glob("*.py"), key=lambda path: shown.index(path.name))
+    shown = dict(re.findall(r"\]\(examples/(\w+\.py)\): ([^|\n]+?) *\|", (BINDINGS / "python/README.md").read_text()))
+    examples = sorted((BINDINGS / "python/examples").glob("*.py"), key=lambda path: list(shown).index(path.name))
     for path in examples:
         source, picture = path.read_text(), path.with_suffix(".png")
-        doc = ast.get_docstring(ast.parse(source)) or path.stem
+        doc = ast.get_docstring(ast.parse(source)) or shown[path.name].capitalize() + "."
         if picture.is_file():
             shutil.copy2(picture, pages / f"gallery_{picture.name}")
         image = f"![{doc.splitlines()[0]}](gallery_{picture.name})\n\n" if picture.is_file() else ""
