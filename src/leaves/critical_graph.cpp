@@ -318,7 +318,7 @@ Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
                                                                  backwards};
         }
     // In a cylinder one unit high both boundary leaves are the same: first the lower one.
-    const auto before = [](const Mark& a, const Mark& b) {
+    const auto before = [](const LeafMark& a, const LeafMark& b) {
         return a.at != b.at ? a.at < b.at : a.forward && !b.forward;
     };
     for (size_t k = 0; k < n; ++k)
@@ -327,7 +327,7 @@ Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
     return true;
 }
 
-bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const {
+bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, LeafMark& found) const {
     uint32_t begin = 0, end = 0;
     marks_on(edge_of(h), begin, end);
     const bool backwards = h & 1u;
