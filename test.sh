@@ -201,7 +201,7 @@ variant_fuzz() {
         found=1
         name=$(basename "$program" _replay)
         local inputs=() runs=2000
-        case $name in differential | faults) runs=200 ;; esac # whole solves, several for each input
+        case $name in boundary | differential | faults) runs=200 ;; esac # whole solves, several for each input
         [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
         if timeout 300 "$program" "${inputs[@]}" --random $runs 1 > "$results/fuzz-$name.log" 2>&1; then
             echo "ok fuzz $name: $(tail -1 "$results/fuzz-$name.log")"

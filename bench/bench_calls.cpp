@@ -10,14 +10,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <string>
 #include <vector>
 
-#include "../bindings/readers/mesh_formats.hpp"
 #include "../include/hmf/uses.h"
+#include "each_mesh.hpp"
 
 namespace {
 
@@ -57,7 +55,7 @@ public:
     // Makes call(control, error), which fails the program unless it succeeds.
     void measure(const char* name, const std::function<hmf_status(const hmf_control*, hmf_error*)>& call) {
         Gaps gaps;
-        const hmf_control control{sizeof(hmf_control), 0, Gaps::report, &gaps};
+        const hmf_control control{sizeof(hmf_control), 0, Gaps::report, &gaps, nullptr, nullptr};
         hmf_error error{};
         const double start = gaps.last = now();
         if (call(&control, &error) != HMF_OK) {
@@ -179,18 +177,11 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: bench_calls [--plain] [-r N] MESH ...\n");
         return 2;
     }
-    for (const std::string& path : paths) {
-        std::ifstream file(path, std::ios::binary);
-        const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    const bool read = for_each_mesh(paths, [&](const readers::TriangleMesh& mesh, const std::string& name) {
         Table table;
         double edges = 0;
-        try {
-            const readers::TriangleMesh mesh = readers::read_mesh(bytes, readers::Format::obj);
-            for (int r = 0; r < repetitions; ++r) run(mesh, table, edges);
-        } catch (const readers::MeshError& error) {
-            std::fprintf(stderr, "%s: %s\n", path.c_str(), error.what());
-            return 1;
-        }
-        table.print(path.substr(path.find_last_of('/') + 1), edges, plain);
-    }
+        for (int r = 0; r < repetitions; ++r) run(mesh, table, edges);
+        table.print(name, edges, plain);
+    });
+    return read ? 0 : 1;
 }

@@ -13,15 +13,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <string>
 #include <vector>
 
-#include "../bindings/readers/mesh_formats.hpp"
 #include "../include/hmf/pool.h"
 #include "../include/hmf/uses.h"
+#include "each_mesh.hpp"
 
 namespace {
 
@@ -189,18 +187,11 @@ int main(int argc, char** argv) {
         return 2;
     }
     hmf_pool* const pool = hmf_pool_create(threads);
-    for (const std::string& path : paths) {
-        std::ifstream file(path, std::ios::binary);
-        const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    const bool read = for_each_mesh(paths, [&](const readers::TriangleMesh& mesh, const std::string& name) {
         Table table(pool);
-        try {
-            const readers::TriangleMesh mesh = readers::read_mesh(bytes, readers::Format::obj);
-            for (int r = 0; r < repetitions; ++r) run(mesh, table);
-        } catch (const readers::MeshError& error) {
-            std::fprintf(stderr, "%s: %s\n", path.c_str(), error.what());
-            return 1;
-        }
-        table.print(path.substr(path.find_last_of('/') + 1));
-    }
+        for (int r = 0; r < repetitions; ++r) run(mesh, table);
+        table.print(name);
+    });
     hmf_pool_destroy(pool);
+    return read ? 0 : 1;
 }

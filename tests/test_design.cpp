@@ -80,14 +80,28 @@ std::vector<uint32_t> marks_of(const hmf_design& design) {
     return std::vector<uint32_t>(design.marked_vertices, design.marked_vertices + design.marked_count);
 }
 
-hmf::Surface surface_of(const TriMesh& mesh, hmf::Memory& memory) {
-    hmf::Surface surface;
-    EXPECT_TRUE(surface.position.allocate(memory, mesh.positions.size()));
-    EXPECT_TRUE(surface.triangles.allocate(memory, mesh.triangles.size()));
-    std::copy(mesh.positions.begin(), mesh.positions.end(), surface.position.begin());
-    std::copy(mesh.triangles.begin(), mesh.triangles.end(), surface.triangles.begin());
-    return surface;
-}
+// A surface of genus 2 without marked vertices, for trials of the search.
+class Trials : public testing::Test {
+protected:
+    Trials() {
+        EXPECT_TRUE(mesh.position.allocate(like.memory, pretzel_.positions.size()));
+        EXPECT_TRUE(mesh.triangles.allocate(like.memory, pretzel_.triangles.size()));
+        std::copy(pretzel_.positions.begin(), pretzel_.positions.end(), mesh.position.begin());
+        std::copy(pretzel_.triangles.begin(), pretzel_.triangles.end(), mesh.triangles.begin());
+        marks.start(like.memory);
+    }
+
+private:
+    const TriMesh pretzel_ = pretzel(2, 3);
+
+protected:
+    hmf_hierarchy like{nullptr, nullptr, nullptr, 0};
+    hmf_error error{};
+    hmf::Call call{like.memory, &error, nullptr, nullptr};
+    hmf::TrialMesh mesh;
+    hmf::Array<uint32_t> marks;
+    const double fraction = 0;
+};
 
 } // namespace
 
@@ -171,49 +185,33 @@ TEST(Scale, EnergyAndDeviation) {
 }
 
 // A trial finds its loops once: it hands them out, and takes those that are given.
-TEST(EvenDesign, TrialsShareLoops) {
-    const TriMesh mesh = pretzel(2, 3);
-    hmf_hierarchy like(nullptr, nullptr, nullptr, 0);
-    hmf_error error{};
-    hmf::Call call(like.memory, &error, nullptr, nullptr);
-    const hmf::Surface surface = surface_of(mesh, like.memory);
-    hmf::Array<uint32_t> marks;
-    marks.start(like.memory);
-    const double fraction = 0;
+TEST_F(Trials, ShareLoops) {
     hmf::Loops found, two;
     double unevenness = 0;
     {
         hmf::MarkedTrial first(like, call, fraction);
-        ASSERT_EQ(first.start(surface, marks, HMF_LOOPS_PANTS, found), HMF_OK);
+        ASSERT_EQ(first.start(mesh, marks, HMF_LOOPS_PANTS, found), HMF_OK);
         ASSERT_EQ(first.solve(), HMF_OK);
         unevenness = first.unevenness();
     }
     ASSERT_EQ(found.count(), 3u);
     hmf::MarkedTrial again(like, call, fraction);
-    ASSERT_EQ(again.start(surface, marks, HMF_LOOPS_PANTS, found), HMF_OK);
+    ASSERT_EQ(again.start(mesh, marks, HMF_LOOPS_PANTS, found), HMF_OK);
     ASSERT_EQ(again.solve(), HMF_OK);
     EXPECT_EQ(again.unevenness(), unevenness);
     ASSERT_TRUE(two.copy_from(found, like.memory));
     two.keep_first(2);
     hmf::MarkedTrial fewer(like, call, fraction);
-    ASSERT_EQ(fewer.start(surface, marks, HMF_LOOPS_PANTS, two), HMF_OK);
+    ASSERT_EQ(fewer.start(mesh, marks, HMF_LOOPS_PANTS, two), HMF_OK);
     EXPECT_EQ(fewer.weights.size(), 2u);
 }
 
 // Derivatives by the logarithms of the weights: together they are 1, as the
 // scale grows with all weights; each as differences say.
-TEST(EvenDesign, DerivativesByWeights) {
-    const TriMesh mesh = pretzel(2, 3);
-    hmf_hierarchy like(nullptr, nullptr, nullptr, 0);
-    hmf_error error{};
-    hmf::Call call(like.memory, &error, nullptr, nullptr);
-    const hmf::Surface surface = surface_of(mesh, like.memory);
-    hmf::Array<uint32_t> marks;
-    marks.start(like.memory);
-    const double fraction = 0;
+TEST_F(Trials, DerivativesByWeights) {
     hmf::MarkedTrial trial(like, call, fraction);
     hmf::Loops loops;
-    ASSERT_EQ(trial.start(surface, marks, HMF_LOOPS_PANTS, loops), HMF_OK);
+    ASSERT_EQ(trial.start(mesh, marks, HMF_LOOPS_PANTS, loops), HMF_OK);
     ASSERT_TRUE(trial.usable());
     ASSERT_EQ(trial.weights.size(), 3u);
     for (double& w : trial.weights) w = 1;

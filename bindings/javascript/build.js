@@ -1,6 +1,7 @@
 // npm run build: dist/hmf.wasm, the core as WebAssembly, dist/layout.js, what
 // hmf.h and uses.h say about functions, structures and constants, dist/options.d.ts,
 // the types of options that are numbers, and a copy of LICENSE.
+// node build.js types FILE: these types alone, which any clang can read.
 //
 // The layout is read from the syntax tree of clang and measured by a program
 // that the same clang compiles for the same target, so neither can differ from
@@ -20,7 +21,8 @@ const root = join(here, '..', '..');
 const include = join(root, 'include'), header = join(include, 'hmf', 'uses.h'); // with hmf.h in it
 const compiler = process.env.WASI_SDK_PATH ? join(process.env.WASI_SDK_PATH, 'bin', 'clang++') : 'clang++';
 
-const TARGET = ['--target=wasm32-wasi', '-I', include];
+const [command, file] = process.argv.slice(2);
+const TARGET = [...(command === 'types' ? [] : ['--target=wasm32-wasi']), '-I', include];
 // No contraction, as in the other builds of the core.  Bulk memory, saturating
 // conversions and sign extension are in every browser since 2021; without the
 // second each conversion from double to integer has a branch.
@@ -115,6 +117,10 @@ function optionTypes(options) {
 
 const { functions, structures, constants } = readHeader();
 const options = numericOptions(structures);
+if (command === 'types') {
+    writeFileSync(file, optionTypes(options));
+    process.exit();
+}
 const measured = await measure(structures);
 mkdirSync(join(here, 'dist'), { recursive: true });
 writeFileSync(join(here, 'dist', 'layout.js'), `// Made by build.js from hmf.h and uses.h; do not edit.

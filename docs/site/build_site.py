@@ -211,9 +211,12 @@ def python_page(pages: Path) -> None:
 
 def gallery_pages(pages: Path) -> None:
     out = ["# Gallery\n\nThe tests run each of these programs.\n"]
-    for path in sorted((BINDINGS / "python/examples").glob("*.py")):
+    # As the README has them, the simplest first; none is left out.
+    shown = dict(re.findall(r"\]\(examples/(\w+\.py)\): ([^|\n]+?) *\|", (BINDINGS / "python/README.md").read_text()))
+    examples = sorted((BINDINGS / "python/examples").glob("*.py"), key=lambda path: list(shown).index(path.name))
+    for path in examples:
         source, picture = path.read_text(), path.with_suffix(".png")
-        doc = ast.get_docstring(ast.parse(source)) or path.stem
+        doc = ast.get_docstring(ast.parse(source)) or shown[path.name].capitalize() + "."
         if picture.is_file():
             shutil.copy2(picture, pages / f"gallery_{picture.name}")
         image = f"![{doc.splitlines()[0]}](gallery_{picture.name})\n\n" if picture.is_file() else ""
@@ -221,17 +224,22 @@ def gallery_pages(pages: Path) -> None:
     (pages / "gallery.md").write_text("\n".join(out))
     first = (BINDINGS / "python/README.md").read_text()
     shell, program = (re.search(rf"```{kind}\n(.*?)```", first, re.S)[1] for kind in ("sh", "python"))
-    steps = re.findall(r"^hmf .*$", (ROOT / "README.md").read_text(), re.M)
+    steps = re.search(r"^## The tool\n\n```sh\n(.*?)\n```", (ROOT / "README.md").read_text(), re.M | re.S)[1]
     (pages / "tutorial.md").write_text(
         "# Tutorial\n\n## From a wheel to a picture\n\nInstall, load a mesh, draw a loop, solve, look, save; `pretzel.obj` stands for your own.\n\n```sh\n" + shell + "```\n\nThe same in Python:\n\n```python\n" + program
-        + "```\n\n![The picture it makes](gallery_first.png)\n\nThe tests run both as they stand here.\n\n## With the tool\n\n```sh\n" + "\n".join(steps)
+        + "```\n\n![The picture it makes](gallery_first.png)\n\nThe tests run both as they stand here.\n\n## With the tool\n\n```sh\n" + steps
         + "\n```\n\nWhat each option does: `hmf solve --help`, or `man hmf`.\n")
+
+
+class NotMade(Exception):
+    """A tool has not what it needs here, such as a network."""
 
 
 def rustdoc(pages: Path, work: Path) -> None:
     """Pages of both crates; nothing of C++ is compiled for them."""
     environment = {**os.environ, "DOCS_RS": "1", "CARGO_TARGET_DIR": str(work / "target"), "CARGO_TERM_COLOR": "never"}
-    subprocess.run(["cargo", "doc", "--quiet", "--locked", "--no-deps"], cwd=BINDINGS / "rust", env=environment, check=True)
+    if subprocess.run(["cargo", "doc", "--quiet", "--locked", "--no-deps"], cwd=BINDINGS / "rust", env=environment).returncode:
+        raise NotMade("cargo doc failed")
     shutil.copytree(work / "target" / "doc", pages / "rustdoc", ignore=shutil.ignore_patterns(".lock"))
     (pages / "rustdoc" / "index.html").write_text('<!DOCTYPE html><meta http-equiv="refresh" content="0; url=foliations/index.html"><a href="foliations/index.html">foliations</a>')
 
@@ -244,19 +252,23 @@ def typedoc(pages: Path, work: Path) -> None:
         source = BINDINGS / "javascript" / name
         (shutil.copytree if source.is_dir() else shutil.copy2)(source, package / name)
     (package / "tsconfig.json").write_text('{"compilerOptions": {"target": "es2022", "module": "nodenext", "strict": true}, "include": ["lib/*.d.ts"]}')
-    subprocess.run(["npm", "install", "--silent", "--no-save", "--no-audit", "--no-fund", "typedoc@0.28", "typescript@5.8"], cwd=package, check=True, stdout=subprocess.DEVNULL)
+    (package / "dist").mkdir()
+    subprocess.run(["node", BINDINGS / "javascript/build.js", "types", package / "dist" / "options.d.ts"], check=True)
+    packages = ["--silent", "--no-save", "--no-audit", "--no-fund", "typedoc@0.28", "typescript@5.8"]
+    if subprocess.run(["npm", "install", *packages], cwd=package, stdout=subprocess.DEVNULL).returncode:
+        raise NotMade("npm install failed")
     subprocess.run([package / "node_modules/.bin/typedoc", "--readme", "none", "--logLevel", "Error", "--disableGit", "--sourceLinkTemplate", "hmf:{path}",
                     "--disableSources", "--out", pages / "typedoc", "lib/index.d.ts"], cwd=package, check=True)
 
 
 def generated_pages(pages: Path, work: Path) -> None:
     """What other tools make, linked from the page of the language; what cannot be made here is said there."""
-    for language, tools, make, start in (("rust", ["cargo"], rustdoc, "rustdoc/foliations/index.html"), ("javascript", ["node", "npm"], typedoc, "typedoc/index.html")):
+    for language, tools, make, start in (("rust", ["cargo"], rustdoc, "rustdoc/foliations/index.html"), ("javascript", ["node", "npm", "clang++"], typedoc, "typedoc/index.html")):
         made = os.environ.get("HMF_SITE_API") != "0" and all(map(shutil.which, tools))
         if made:
             try:
                 make(pages, work)
-            except subprocess.CalledProcessError as error:
+            except NotMade as error:
                 print(f"{make.__name__}: {error}", file=sys.stderr)
                 made = False
         page = pages / f"{language}.md"

@@ -20,7 +20,7 @@
  *     hmf_foliation_destroy, hmf_free, hmf_destroy
  *
  * What one does with a foliation (parameterise, trace leaves, cylinders,
- * quads) is in hmf/uses.h.
+ * quads, atlas) is in hmf/uses.h.
  *
  * Rules that hold for every function here
  *
@@ -28,7 +28,13 @@
  *             argument is an optional hmf_error that the caller owns; it gets
  *             the element and a sentence with the remedy.  On failure nothing
  *             is written to any output, but for a pointer to an object, which
- *             becomes NULL, and where a function says otherwise.
+ *             becomes NULL, and where a function says otherwise.  Each
+ *             function names the classes that it can return, 100 for
+ *             HMF_ERROR_NULL to HMF_ERROR_UNSUPPORTED and so on; any of them
+ *             can return HMF_ERROR_INTERNAL, a defect of the library.
+ *   pointers  Options, control, error and what is said to be optional may be
+ *             NULL; any other NULL is refused with HMF_ERROR_NULL.  Arrays and
+ *             structures given are read during the call only.
  *   objects   hmf_hierarchy and hmf_foliation are immutable: any number of
  *             threads may use them.  A foliation keeps what it needs of its
  *             hierarchy: they can be destroyed in any order.  There is no
@@ -48,7 +54,8 @@
  *             all defaults.  Structures of results begin with struct_size as
  *             well: fields beyond it are not there.
  *   control   Every call that can be long takes an optional hmf_control:
- *             progress, cancellation, and threads of the host.
+ *             progress, cancellation, and threads of the host.  All of these
+ *             calls return HMF_CANCELLED if the progress function asks for it.
  *   levels    Level 0 is the caller's mesh, higher levels are coarser.
  *             Edges of level 0 are numbered by their first appearance in
  *             the triangle array (sides 0-1, 1-2, 2-0 of triangle 0, then of
@@ -433,12 +440,17 @@ HMF_API size_t hmf_genus(const hmf_hierarchy *hierarchy);
 /* Number of closed curves that the boundary consists of; 0 for NULL. */
 HMF_API size_t hmf_boundary_count(const hmf_hierarchy *hierarchy);
 
+/* The calls below fill a structure or an array of the caller for one level; the
+   counts are those of hmf_level_counts, capacity is a number of elements, not of
+   bytes.  They are short, so they take no control.
+   Returns HMF_OK, HMF_ERROR_NULL, HMF_ERROR_LEVEL or HMF_ERROR_CAPACITY. */
+
 /* Counts of one level. */
 HMF_API hmf_status hmf_level_counts(const hmf_hierarchy *hierarchy, size_t level, hmf_level_info *out,
                                     hmf_error *error);
 
-/* edge_vertices: edge_count x 2 vertices of each edge.  capacity counts
-   uint32_t.  On coarse levels two vertices may have several edges. */
+/* edge_vertices: edge_count x 2, the vertices of each edge.  On coarse levels two
+   vertices may have several edges. */
 HMF_API hmf_status hmf_level_edge_vertices(const hmf_hierarchy *hierarchy, size_t level,
                                            uint32_t *edge_vertices, size_t capacity, hmf_error *error);
 
@@ -451,8 +463,9 @@ HMF_API hmf_status hmf_level_triangle_vertices(const hmf_hierarchy *hierarchy, s
                                                uint32_t *triangle_vertices, size_t capacity, hmf_error *error);
 
 /* weights: edge_count, half the sum of the two opposite cotangents (on the
-   boundary there is one), without unit.  Level 0: of the caller's triangulation, may be negative there (the
-   solver uses the intrinsic Delaunay triangulation instead). */
+   boundary there is one), without unit.  Level 0: of the caller's triangulation,
+   may be negative there (the solver uses the intrinsic Delaunay triangulation
+   instead). */
 HMF_API hmf_status hmf_level_weights(const hmf_hierarchy *hierarchy, size_t level,
                                      double *weights, size_t capacity, hmf_error *error);
 
@@ -526,6 +539,10 @@ typedef struct hmf_loop_set {
  *                  are NULL: all 1); free with hmf_free
  *
  * Deterministic.
+ * Returns HMF_OK; HMF_ERROR_MESH_GENUS for HANDLE and TUNNEL on genus 0,
+ * HMF_ERROR_MESH_BOUNDARY, HMF_ERROR_MESH_NOT_EMBEDDED; HMF_ERROR_UNSUPPORTED if
+ * triangles of a coarse level share several edges and so do not name a loop; or an
+ * error of classes 100, 200.
  */
 HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32_t kind, const hmf_control *control,
                              hmf_loop_set **out, hmf_error *error);
@@ -535,7 +552,8 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  * an edge is the sum of the weights of the loops that cross it.
  *
  *   loops      NULL = those of hmf_loops on the coarsest level (with boundary: on
- *              level 0)
+ *              level 0), weights 1
+ *   out        the foliation on loops->level, without a report
  *
  * Checks that every loop is closed, simple and essential, that they are
  * disjoint and pairwise not freely homotopic (class 400; error->index is the
@@ -543,6 +561,8 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  * stretches, as long as they can be pushed apart there; they may go back and
  * forth.  They are pulled tight first: no edge is crossed twice by what can be
  * pulled off it, so that there are no poles.
+ * Returns HMF_OK, or an error of classes 100 (HMF_ERROR_UNSUPPORTED: as
+ * hmf_solve), 200, 400.
  */
 HMF_API hmf_status hmf_initialize(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                                   const hmf_control *control, hmf_foliation **out, hmf_error *error);
@@ -612,6 +632,11 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
  * poles are accepted for hmf_singularities and hmf_energy; all other calls
  * refuse them with HMF_ERROR_VALUE_POLE.  With boundary the values of the mirror
  * image are the same.
+ *
+ *   values     count = edge_count of the level, in the order of its edges
+ *   out        the foliation on the level, without a report; the values are copied
+ *
+ * Returns HMF_OK, or an error of classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_foliation_create(const hmf_hierarchy *hierarchy, size_t level, const double *values,
                                         size_t count, const hmf_control *control, hmf_foliation **out,
@@ -749,9 +774,10 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
  * next branch (counted in bad_flips).  The class is the same in any case.
  *
  * Returns HMF_OK; HMF_LIMIT_* with the best foliation so far in out, closed
- * and, but for HMF_METHOD_PAPER, without poles; HMF_CANCELLED, with a foliation in the same way if the
- * callback said HMF_PROGRESS_FINISH, or if the asked level had been reached,
- * else without; or an error of classes 100, 200, 400 without a foliation.
+ * and, but for HMF_METHOD_PAPER, without poles; HMF_CANCELLED, with a foliation in
+ * the same way if the callback said HMF_PROGRESS_FINISH, or if the asked level had
+ * been reached, else without; or an error of classes 100, 200, 400, with a start
+ * also 500, without a foliation.
  * HMF_ERROR_UNSUPPORTED: an edge is crossed so often (by more than 32 of the
  * largest weights) that a double cannot hold its value exactly.
  */
@@ -764,7 +790,7 @@ HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set 
  * of the foliation: Newton steps are certified against it, and moves of single
  * vertices, the other methods, cannot leave it.  If the foliation has a report,
  * class_state is never better than there; without one it is UNKNOWN after moves
- * of single vertices.
+ * of single vertices.  options->stop_level and start are not used.
  */
 HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_options *options,
                              const hmf_control *control, hmf_foliation **out, hmf_error *error);
@@ -772,7 +798,8 @@ HMF_API hmf_status hmf_relax(const hmf_foliation *foliation, const hmf_solve_opt
 /* The same foliation on another level: finer by flip and split reversal
    ([W] 4.2), coarser by restriction, where a collapse moves one vertex to the
    image of the other.  Exact: closed and without poles before and after, in the
-   same class. */
+   same class.  The result has no report.  Returns HMF_OK, or an error of classes
+   100, 200, or HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level, const hmf_control *control,
                                    hmf_foliation **out, hmf_error *error);
 
@@ -781,7 +808,8 @@ HMF_API hmf_status hmf_interpolate(const hmf_foliation *foliation, size_t level,
  * --------------------------------------------------------------------- */
 
 /* Dirichlet energy, [W] Eq. 5 (level 0: on the intrinsic Delaunay
-   triangulation, to which values of the caller's edges are carried exactly). */
+   triangulation, to which values of the caller's edges are carried exactly).
+   Returns HMF_OK, or an error of classes 100, 200. */
 HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control *control, double *energy,
                               hmf_error *error);
 
@@ -791,7 +819,8 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
    direction around a cluster of zero edges count as one.  0 everywhere means:
    this is the unique minimum.  Where the 60 bits inside are too short for the
    tolerance of a solve (needles, caps) it is that of values with a part of a
-   unit more at some vertices, which the foliation keeps. */
+   unit more at some vertices, which the foliation keeps.  Returns HMF_OK, or an
+   error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
 
@@ -799,8 +828,9 @@ HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_contr
    triangle, |du| being the foliation: by how much a conformal (u, v) stretches
    there, in the unit of the values / the unit of the positions.  Not less than
    the largest - 16.1.  unevenness: its standard deviation over the surface, 0 if
-   the scale is the same everywhere.  Either may be NULL.  Measured on the values
-   of the level and its positions; any foliation will do. */
+   the scale is the same everywhere.  Either may be NULL, not both.  Measured on the
+   values of the level and its positions; any foliation will do.  Returns HMF_OK, or
+   an error of classes 100, 200. */
 HMF_API hmf_status hmf_conformal_scale(const hmf_foliation *foliation, const hmf_control *control, double *log_scale,
                                        size_t capacity, double *unevenness, hmf_error *error);
 
@@ -836,7 +866,7 @@ typedef struct hmf_singularity_set {
  * characteristic minus the number of its closed corners; a marked vertex counts
  * as a closed corner).  The indices add up to 4 - 4 * genus - marked vertices.
  * With boundary: those of the double that lie on the surface or on its boundary.
- * Free with hmf_free.
+ * Free with hmf_free.  Returns HMF_OK, or an error of classes 100, 200.
  */
 HMF_API hmf_status hmf_singularities(const hmf_foliation *foliation, const hmf_control *control,
                                      hmf_singularity_set **out, hmf_error *error);

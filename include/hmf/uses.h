@@ -5,6 +5,7 @@
  *     hmf_trace          leaves as polylines
  *     hmf_cylinders      heights, circumferences, moduli, areas
  *     hmf_quads          a quad mesh along the leaves
+ *     hmf_atlas          charts without overlap in the unit square
  *
  * The rules are those of hmf.h.  Every result is one structure with counts and
  * flat arrays in one block, to be freed with hmf_free.  All start from the

@@ -1,5 +1,5 @@
 // hmf.h: build.
-#include "build_options.hpp"
+#include "mesh_entry.hpp"
 
 #include <new>
 
@@ -31,6 +31,11 @@ hmf_status refuse_build_options(Call& call) {
     return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                      "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
                      "is in [0.05, 0.95], mollify in [0, 0.1], allocate and release come together.");
+}
+
+hmf_status MeshEntry::check(const void* out) {
+    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
+    return control_.usable ? HMF_OK : unusable_options("hmf_control", call);
 }
 
 } // namespace hmf

@@ -4,7 +4,7 @@
 #include "../mesh/marked_vertices.hpp"
 #include "../mesh/spatial_order.hpp"
 #include "../mesh/validate.hpp"
-#include "build_options.hpp"
+#include "mesh_entry.hpp"
 #include "result.hpp"
 
 using namespace hmf;
@@ -172,19 +172,11 @@ template <class Result, class Work>
 hmf_status begin(const hmf_build_options* options, const hmf_control* control, Result** out, hmf_error* error,
                  Work&& work) {
     if (out) *out = nullptr;
-    const Control given(control);
-    hmf_build_options all;
-    BuildOptions build;
-    const bool readable = read_build_options(options, all, build);
-    hmf_hierarchy h(all.allocate, all.release, all.allocator_user, all.memory_limit);
-    Call call(h.memory, error, given.given);
-    call.never_finish();
-    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
-    if (!given.usable) return unusable_options("hmf_control", call);
-    if (!readable) return refuse_build_options(call);
-    *out = work(h, build, call);
-    if (*out) call.finished();
-    return call.status();
+    MeshEntry entry(options, control, error);
+    if (entry.check(out) || entry.check_options()) return entry.call.status();
+    *out = work(entry.hierarchy, entry.options, entry.call);
+    if (*out) entry.call.finished();
+    return entry.call.status();
 }
 
 hmf_mark_set* mark_set(const Array<uint32_t>& marks, const hmf_hierarchy& h, Call& call) {

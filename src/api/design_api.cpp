@@ -1,7 +1,7 @@
 // hmf.h: even design.
 #include "../design/boundary_design.hpp"
 #include "../hierarchy/caller_numbers.hpp"
-#include "build_options.hpp"
+#include "mesh_entry.hpp"
 #include "result.hpp"
 
 using namespace hmf;
@@ -26,19 +26,15 @@ extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_cou
                                       size_t triangle_count, const hmf_design_options* options,
                                       const hmf_control* control, hmf_design** out, hmf_error* error) {
     if (out) *out = nullptr;
-    const Control given(control);
     hmf_design_options all;
-    hmf_build_options all_build;
-    BuildOptions build;
-    const bool readable = copy_options(options, all);
-    const bool buildable = read_build_options(readable ? all.build : nullptr, all_build, build);
-    hmf_hierarchy h(all_build.allocate, all_build.release, all_build.allocator_user, all_build.memory_limit);
-    Call call(h.memory, error, given.given);
-    call.never_finish();
-    if (!out) return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0, "out is NULL. Give the address of a pointer.");
-    if (!given.usable) return unusable_options("hmf_control", call);
-    if (!readable || all.no_poles < 0 || all.no_poles > 1) return unusable_options("hmf_design_options", call);
-    if (!buildable) return refuse_build_options(call);
+    const bool readable = copy_options(options, all) && all.no_poles >= 0 && all.no_poles <= 1;
+    MeshEntry entry(readable ? all.build : nullptr, control, error);
+    Call& call = entry.call;
+    if (entry.check(out)) return call.status();
+    if (!readable) return unusable_options("hmf_design_options", call);
+    if (entry.check_options()) return call.status();
+    hmf_hierarchy& h = entry.hierarchy;
+    const BuildOptions& build = entry.options;
     DesignOptions design;
     design.poles = !all.no_poles;
     design.solves = all.solve_limit;

@@ -3,6 +3,7 @@
 #include "../design/conformal_scale.hpp"
 #include "../solve/double_reflection.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -77,8 +78,7 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
 // 2^53, with room for sums of two, but not more than `most`.
 uint32_t bits_too_many(const Foliation& f, uint32_t most) {
     int64_t largest = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e)
-        if (f.value[e] > largest) largest = f.value[e];
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) largest = std::max(largest, f.value[e]);
     uint32_t bits = 0;
     if (largest > int64_t{1} << 53)
         while (bits < most && largest >> bits > int64_t{1} << 51) ++bits;

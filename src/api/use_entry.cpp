@@ -8,6 +8,7 @@ hmf_status Leaves::load(const hmf_foliation& f, Call& call, Reflection* reflecti
         if (read_reflection(*f.hierarchy, *reflection, call)) return call.status();
         const Foliation& at = state.foliation;
         cylinders.graph.on_boundary = reflection->is_boundary.data();
+        cylinders.graph.mirror = reflection->half_edge.data();
         for (uint32_t e = 0; e < at.mesh.edge_count; ++e) {
             const bool behind = !reflection->is_front[2 * e] && !reflection->is_front[2 * e + 1];
             uint32_t& widest = cylinders.graph.closed_leaf;

@@ -25,7 +25,7 @@ void Packer::start(Memory& memory, double column, double margin) {
     best_places_.start(memory);
 }
 
-Done Packer::State::copy(const State& from, Memory& memory) {
+Done Packer::Arrangement::copy(const Arrangement& from, Memory& memory) {
     if (order.size() != from.order.size()
         && (!order.allocate(memory, from.order.size()) || !turns.allocate(memory, from.turns.size())))
         return false;
@@ -145,7 +145,7 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
 }
 
 // The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`.
-double Packer::let_down(const State& state, uint32_t width, double most, Place* places) {
+double Packer::let_down(const Arrangement& state, uint32_t width, double most, Place* places) {
     for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
     intervals_.clear();
     double missing = 0;
@@ -182,7 +182,7 @@ double Packer::let_down(const State& state, uint32_t width, double most, Place* 
     return missing;
 }
 
-void Packer::sort(State& state, int key, bool upright) const {
+void Packer::sort(Arrangement& state, int key, bool upright) const {
     const auto size = [&](uint32_t i) {
         const double w = items_[i].x1 - items_[i].x0, h = items_[i].y1 - items_[i].y0;
         return key == 0 ? std::max(w, h) : key == 1 ? w * h : std::min(w, h);
@@ -197,7 +197,7 @@ void Packer::sort(State& state, int key, bool upright) const {
 }
 
 // Room for everything, and the widths that the search begins with.
-hmf_status Packer::prepare(State& state, Widths& width, Call& call) {
+hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
     const uint32_t n = count();
     if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
         || !turn_upside_down())
@@ -219,7 +219,7 @@ hmf_status Packer::prepare(State& state, Widths& width, Call& call) {
 }
 
 // A width that all orders are tried with, until one fits; one row of all fits at last.
-hmf_status Packer::find_first(uint64_t effort, State& state, Widths& width, Call& call) {
+hmf_status Packer::find_first(uint64_t effort, Arrangement& state, Widths& width, Call& call) {
     const uint32_t n = count();
     const int kinds = n < 100 ? 6 : 1;
     for (;;) {
@@ -236,7 +236,7 @@ hmf_status Packer::find_first(uint64_t effort, State& state, Widths& width, Call
 }
 
 // Two shapes change places, or one is turned, or both.  Often one that did not fit comes earlier.
-void Packer::change(State& state, uint32_t missed) {
+void Packer::change(Arrangement& state, uint32_t missed) {
     const auto below = [this](uint32_t limit) {
         random_ = random_ * 6364136223846793005u + 1442695040888963407u;
         return static_cast<uint32_t>((random_ >> 33) % limit);
@@ -250,7 +250,7 @@ void Packer::change(State& state, uint32_t missed) {
 }
 
 // Simulated annealing at ever smaller widths: a worse state is accepted as well, less and less so.
-hmf_status Packer::narrow(uint64_t effort, State& state, Widths& width, Call& call) {
+hmf_status Packer::narrow(uint64_t effort, Arrangement& state, Widths& width, Call& call) {
     if (!best_.copy(state, *memory_) || !current_.copy(state, *memory_)) return call.out_of_memory();
     random_ = 0x9e3779b97f4a7c15u;
     bool fresh = true;       // as it is, at a new width
@@ -278,7 +278,7 @@ hmf_status Packer::narrow(uint64_t effort, State& state, Widths& width, Call& ca
 }
 
 hmf_status Packer::search(uint64_t effort, Call& call) {
-    State state;
+    Arrangement state;
     Widths width;
     if (prepare(state, width, call) || find_first(effort, state, width, call) || narrow(effort, state, width, call))
         return call.status();

@@ -52,10 +52,10 @@ private:
         double x0, y0, x1, y1;
         Profile side[4]; // after so many quarter turns
     };
-    struct State {
+    struct Arrangement {
         Array<uint32_t> order;
         Array<uint8_t> turns;
-        Done copy(const State& from, Memory& memory);
+        Done copy(const Arrangement& from, Memory& memory);
     };
     // What lies in a column, from below.
     struct Interval {
@@ -66,17 +66,17 @@ private:
     void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
-    double let_down(const State& state, uint32_t width, double most, Place* places);
-    void sort(State& state, int key, bool upright) const;
+    double let_down(const Arrangement& state, uint32_t width, double most, Place* places);
+    void sort(Arrangement& state, int key, bool upright) const;
 
     // Of the square, in columns.
     struct Widths {
         uint32_t now = 1, least = 1, row = 1; // row: all shapes side by side
     };
-    [[nodiscard]] hmf_status prepare(State& state, Widths& width, Call& call);
-    [[nodiscard]] hmf_status find_first(uint64_t effort, State& state, Widths& width, Call& call);
-    [[nodiscard]] hmf_status narrow(uint64_t effort, State& state, Widths& width, Call& call);
-    void change(State& state, uint32_t missed);
+    [[nodiscard]] hmf_status prepare(Arrangement& state, Widths& width, Call& call);
+    [[nodiscard]] hmf_status find_first(uint64_t effort, Arrangement& state, Widths& width, Call& call);
+    [[nodiscard]] hmf_status narrow(uint64_t effort, Arrangement& state, Widths& width, Call& call);
+    void change(Arrangement& state, uint32_t missed);
 
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
@@ -86,7 +86,7 @@ private:
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
     Array<Interval> intervals_;
-    State best_, current_;
+    Arrangement best_, current_;
     Array<Place> best_places_;
 };
 

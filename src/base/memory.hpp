@@ -20,7 +20,7 @@
 namespace hmf {
 
 // Was it done?  false: no memory, or cancelled; Call::stopped() says which.  To
-// be read like a bool; the compiler complains if nobody looks.
+// be read like a bool; the compiler warns where it is ignored.
 class [[nodiscard]] Done {
 public:
     constexpr Done(bool done) : done_(done) {}

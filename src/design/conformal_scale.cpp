@@ -31,10 +31,10 @@ double natural_log(double x) {
 
 namespace {
 
-// The box of some points.
-struct Box {
+// The extent of some points.
+struct Extent {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    void operator+=(const Box& part) {
+    void operator+=(const Extent& part) {
         for (size_t c = 0; c < 3; ++c) {
             low[c] = std::min(low[c], part.low[c]);
             high[c] = std::max(high[c], part.high[c]);
@@ -45,18 +45,58 @@ struct Box {
         for (size_t c = 0; c < 3; ++c) size = std::max(size, std::max(high[c], -low[c]));
         return size;
     }
+    double square_of_diagonal(double scale) const {
+        double sum = 0;
+        for (size_t c = 0; c < 3; ++c) sum += (high[c] - low[c]) * scale * ((high[c] - low[c]) * scale);
+        return sum;
+    }
 };
 
-Box box_of(const double* position, size_t begin, size_t end) {
-    Box box;
+Extent extent_of(const double* position, size_t begin, size_t end) {
+    Extent extent;
     for (size_t v = begin; v < end; ++v)
         for (size_t c = 0; c < 3; ++c) {
             const double x = position[3 * v + c];
-            box.low[c] = std::min(box.low[c], x);
-            box.high[c] = std::max(box.high[c], x);
+            extent.low[c] = std::min(extent.low[c], x);
+            extent.high[c] = std::max(extent.high[c], x);
         }
-    return box;
+    return extent;
 }
+
+constexpr double FLAT = 1e-12; // height of a triangle, in its longest side
+
+// Twice the area of a triangle, and its energy; F: of the sides from corner i to i + 1.
+struct Triangle {
+    double doubled, energy = 0;
+
+    Triangle(const double (&p)[3][3], const double (&F)[3]) {
+        double cross[3];
+        for (size_t c = 0; c < 3; ++c) {
+            const size_t x = (c + 1) % 3, y = (c + 2) % 3;
+            cross[c] = (p[1][x] - p[0][x]) * (p[2][y] - p[0][y]) - (p[1][y] - p[0][y]) * (p[2][x] - p[0][x]);
+        }
+        doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+        double longest = 0; // squared
+        for (size_t i = 0; i < 3; ++i) {
+            double side_squared = 0;
+            for (size_t c = 0; c < 3; ++c)
+                side_squared += (p[i][c] - p[(i + 1) % 3][c]) * (p[i][c] - p[(i + 1) % 3][c]);
+            longest = std::max(longest, side_squared);
+        }
+        // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
+        if (!(doubled > FLAT * longest)) {
+            doubled = 0;
+            return;
+        }
+        for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
+            const double *a = p[(i + 2) % 3], *b = p[i], *c = p[(i + 1) % 3];
+            double dot = 0;
+            for (size_t x = 0; x < 3; ++x) dot += (b[x] - a[x]) * (c[x] - a[x]);
+            energy += dot * (F[i] * F[i]);
+        }
+        energy *= 0.5 / doubled;
+    }
+};
 
 // Of some faces.
 struct Totals {
@@ -73,7 +113,6 @@ struct Totals {
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
                              Memory& memory, Call* call) {
     constexpr double least = 1e-14; // of the largest density
-    constexpr double flat = 1e-12;  // height of a triangle, in its longest side
     const auto go_on = [call] { return !call || call->tick(0, true); };
     const Parallel alone;
     const Parallel& parallel = call ? call->parallel : alone;
@@ -81,45 +120,23 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     if (!log_scale.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count) || !go_on())
         return false;
     // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    const Box box = parallel.sum_blocks<Box>(mesh.vertex_count,
-                                             [&](size_t begin, size_t end) { return box_of(position, begin, end); });
+    const Extent extent = parallel.sum_blocks<Extent>(
+        mesh.vertex_count, [&](size_t begin, size_t end) { return extent_of(position, begin, end); });
     int exponent = 0;
-    std::frexp(box.largest(), &exponent);
+    std::frexp(extent.largest(), &exponent);
     const double shrink = std::ldexp(1.0, -exponent);
     const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k, Totals& totals) {
-        const uint32_t side[3] = {h, g, k};
-        double p[3][3], cross[3];
-        for (size_t i = 0; i < 3; ++i)
-            for (size_t c = 0; c < 3; ++c) p[i][c] = position[size_t{3} * mesh.origin[side[i]] + c] * shrink;
-        for (size_t c = 0; c < 3; ++c) {
-            const size_t x = (c + 1) % 3, y = (c + 2) % 3;
-            cross[c] = (p[1][x] - p[0][x]) * (p[2][y] - p[0][y]) - (p[1][y] - p[0][y]) * (p[2][x] - p[0][x]);
-        }
-        const double doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-        double longest = 0; // squared
+        const uint32_t side[3] = {h, g, k}, t = mesh.face[h];
+        double p[3][3], F[3];
         for (size_t i = 0; i < 3; ++i) {
-            double side_squared = 0;
-            for (size_t c = 0; c < 3; ++c)
-                side_squared += (p[i][c] - p[(i + 1) % 3][c]) * (p[i][c] - p[(i + 1) % 3][c]);
-            longest = std::max(longest, side_squared);
+            for (size_t c = 0; c < 3; ++c) p[i][c] = position[size_t{3} * mesh.origin[side[i]] + c] * shrink;
+            F[i] = static_cast<double>(value[edge_of(side[i])]) * unit;
         }
-        const uint32_t t = mesh.face[h];
-        area[t] = log_scale[t] = 0;
-        // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
-        if (!(doubled > flat * longest)) return;
-        area[t] = doubled / 2;
-        totals.area += doubled / 2;
-        double energy = 0;
-        for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
-            const double *a = p[(i + 2) % 3], *b = p[i], *c = p[(i + 1) % 3];
-            double dot = 0;
-            for (size_t x = 0; x < 3; ++x) dot += (b[x] - a[x]) * (c[x] - a[x]);
-            const double F = static_cast<double>(value[edge_of(side[i])]) * unit;
-            energy += dot * (F * F);
-        }
-        energy *= 0.5 / doubled;
-        totals.energy += energy;
-        const double density = energy / (doubled / 2);
+        const Triangle triangle(p, F);
+        area[t] = triangle.doubled / 2;
+        totals.area += area[t];
+        totals.energy += triangle.energy;
+        const double density = triangle.doubled > 0 ? triangle.energy / area[t] : 0;
         log_scale[t] = density;
         if (density > totals.densest && density < HUGE_VAL) totals.densest = density;
     };
@@ -134,10 +151,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         for (double& s : log_scale) s = 0;
         return true;
     }
-    double diagonal = 0;
-    for (size_t c = 0; c < 3; ++c)
-        diagonal += (box.high[c] - box.low[c]) * shrink * ((box.high[c] - box.low[c]) * shrink);
-    across = whole.energy > 0 ? std::sqrt(whole.energy / whole.area * diagonal) : 0;
+    across = whole.energy > 0 ? std::sqrt(whole.energy / whole.area * extent.square_of_diagonal(shrink)) : 0;
     offset = exponent * -0.69314718055994531;
     if (!go_on()) return false;
     mean = parallel.sum_blocks<double>(area.size(), [&](size_t begin, size_t end) {

@@ -55,7 +55,7 @@ private:
     Array<double> position_;
 };
 
-Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, Surface& surface) {
+Done copy_surface(const Mesh& mesh, const double* position, Memory& memory, TrialMesh& surface) {
     if (!surface.position.allocate(memory, size_t{3} * mesh.vertex_count)
         || !surface.triangles.allocate(memory, size_t{3} * mesh.face_count))
         return false;
@@ -126,7 +126,7 @@ hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOpt
                            Call& call, double& affordable, EvenDesign& out) {
     const Mesh& mesh = loop_mesh(h, level);
     const double* position = h.levels[level].position;
-    Surface surface;
+    TrialMesh surface;
     Array<uint32_t> tips, ends, given;
     EvenChoice best;
     tips.start(call.memory);

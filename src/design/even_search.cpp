@@ -17,6 +17,9 @@
 #include "../base/heap_sort.hpp"
 #include "whole_weights.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace hmf {
 
 namespace {
@@ -179,13 +182,10 @@ hmf_status EvenSearch::evaluate(EvenChoice& choice, uint32_t rounds, double riva
         for (int attempt = 0; attempt < 2 && !better; ++attempt) {
             if (trial.best_step(damping, step) || step.size() != kept.size()) return call_.status();
             double longest = 0;
-            for (const double x : step)
-                if ((x < 0 ? -x : x) > longest) longest = x < 0 ? -x : x;
+            for (const double x : step) longest = std::max(longest, std::fabs(x));
             const double shrink = longest > LONGEST_STEP * 3 ? LONGEST_STEP * 3 / longest : 1;
             for (size_t c = 0; c < kept.size(); ++c) {
-                double x = step[c] * shrink;
-                if (x > LONGEST_STEP) x = LONGEST_STEP;
-                if (x < -LONGEST_STEP) x = -LONGEST_STEP;
+                const double x = std::min(std::max(step[c] * shrink, -LONGEST_STEP), LONGEST_STEP);
                 trial.weights[c] = choice.weights[c] * (1 + x / 2) / (1 - x / 2);
             }
             count(trial);

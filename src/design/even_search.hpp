@@ -28,7 +28,7 @@ struct EvenChoice {
 class EvenSearch {
 public:
     // mesh and position: of the surface, in its numbers.
-    EvenSearch(const hmf_hierarchy& like, const Mesh& mesh, const double* position, const Surface& surface,
+    EvenSearch(const hmf_hierarchy& like, const Mesh& mesh, const double* position, const TrialMesh& surface,
                Call& call) :
         like_(like),
         mesh_(mesh), surface_(surface), call_(call), memory_(call.memory), distances_(mesh, position, call.memory) {}
@@ -73,7 +73,7 @@ private:
 
     const hmf_hierarchy& like_;
     const Mesh& mesh_;
-    const Surface& surface_;
+    const TrialMesh& surface_;
     Call& call_;
     Memory& memory_;
     EdgeDistances distances_;

@@ -61,7 +61,7 @@ hmf_status MarkedTrial::failed(Call& inner) {
     return HMF_OK;
 }
 
-hmf_status MarkedTrial::start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops) {
+hmf_status MarkedTrial::start(const TrialMesh& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops) {
     BuildOptions options;
     options.coarsest = 250;
     options.marked_vertices = marks.data();
@@ -151,8 +151,7 @@ hmf_status MarkedTrial::solve() {
     if (!usable_) return HMF_OK;
     const size_t coarsest = h_.level_count - 1;
     double largest = 0;
-    for (const double w : weights)
-        if (w > largest) largest = w;
+    for (const double w : weights) largest = std::max(largest, w);
     for (size_t c = 0; c < weights.size(); ++c) {
         integer_weights_[c] = 0;
         if (weights[c] == 0) continue; // a loop that is left out
@@ -367,7 +366,7 @@ hmf_status MarkedTrial::best_step(double damping, Array<double>& step) {
             sum += centred[t] * (scale_.log_scale[t] - scale_mean);
         }
         step[c] = -sum;
-        // Four sums at once: one waits for itself.
+        // Four sums at once: each addition to one sum has to wait for the one before.
         for (size_t d = 0; d <= c; d += 4) {
             const size_t together = c + 1 - d < 4 ? c + 1 - d : 4;
             const double* y[4];

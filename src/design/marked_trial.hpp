@@ -14,7 +14,7 @@
 namespace hmf {
 
 // A mesh on its own.
-struct Surface {
+struct TrialMesh {
     Array<double> position;    // 3 per vertex
     Array<uint32_t> triangles; // 3 per face
     uint32_t vertex_count() const { return static_cast<uint32_t>(position.size() / 3); }
@@ -29,7 +29,7 @@ public:
     // The hierarchy, its loops, and weights that suit the surface.  usable() is
     // false where there is no solution to be had.
     // loops: on its coarsest level, as found for the same marks and kind before; empty: they are found.
-    hmf_status start(const Surface& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops);
+    hmf_status start(const TrialMesh& surface, const Array<uint32_t>& marks, int32_t kind, Loops& loops);
     // The minimum for the weights; usable() as above.
     hmf_status solve();
     // After solve(): the derivatives of the log scale by the logarithms of the weights.

@@ -38,7 +38,7 @@ struct Schedule {
     Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
         vertices = std::max(least_coarsest(genus, options.marked_count), options.coarsest);
         vertices = std::max<uint64_t>(vertices, 4);
-        if (vertices > NONE / 3) vertices = NONE / 3;
+        vertices = std::min<uint64_t>(vertices, NONE / 3);
         edges = 3 * vertices + 6 * genus - 6;
     }
     // 0: the level is the coarsest one.  A last step that would be less than
@@ -491,7 +491,7 @@ uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const Bu
     for (size_t n = 1; n < MAX_LEVELS; ++n) {
         const uint64_t target = schedule.next(edges);
         if (target == 0) break;
-        if (sum + edges > coarse) coarse = sum + edges;
+        coarse = std::max(coarse, sum + edges);
         sum += target;
         coarse = std::max(coarse, sum);
         edges = target;

@@ -10,8 +10,8 @@ namespace hmf {
 
 namespace {
 
-// Survivors from 0, removed ones from kept; both keep their order.  Which is
-// which cannot be predicted, so there is no branch: masks choose.
+// Survivors from 0, removed ones from kept; both keep their order.  Branch-free, by
+// masks: a branch would be mispredicted half the time.
 uint32_t choose(uint32_t mask, uint32_t ones, uint32_t zeros) { return (ones & mask) | (zeros & ~mask); }
 
 template <class Removed>
@@ -71,7 +71,7 @@ void number_level(const WorkMesh& work, const Collapse* records, size_t record_c
 }
 
 void compact(WorkMesh& work, const Numbering& numbers) {
-    // In place: no number rises.  What stays cannot be predicted; each element is
+    // In place: no number rises.  Branch-free (mispredicted half the time): each element is
     // written to the next free number, and the next one overwrites a removed one.
     Mesh& mesh = work.mesh;
     for (uint32_t e = 0, to = 0; e < work.edge_end; ++e) {

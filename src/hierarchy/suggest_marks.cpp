@@ -171,7 +171,7 @@ Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& c
             if (h.triangle_edges[3 * t + s] != h.triangle_edges[3 * (m + t) + 2 - s]) continue;
             const uint32_t v = h.triangle_vertices[3 * t + s];
             next[v] = h.triangle_vertices[3 * t + (s + 1) % 3];
-            first = v < first ? v : first;
+            first = std::min(first, v);
         }
     boundary.start(call.memory);
     uint32_t v = first;

@@ -3,6 +3,8 @@
 
 #include "curve_classes.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -10,13 +12,14 @@ namespace {
 // Failures but this one only say that the class is another one: the caller does not see them.
 bool is_memory(hmf_status status) { return status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT; }
 
-bool has_pole(const CriticalGraph& graph, int64_t& index_sum) {
-    bool pole = false;
+// No pole, and zeros whose indices add up to `whole`.
+bool has_all_zeros(const CriticalGraph& graph, int64_t whole) {
+    int64_t sum = 0;
     for (const Zero& z : graph.zeros) {
-        index_sum += z.index;
-        pole |= z.index > 0;
+        if (z.index > 0) return false;
+        sum += z.index;
     }
-    return pole;
+    return sum == whole;
 }
 
 } // namespace
@@ -44,8 +47,7 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
 
 int64_t ClassReference::largest_height() const {
     int64_t largest = 0;
-    for (const int64_t h : height_)
-        if (h > largest) largest = h;
+    for (const int64_t h : height_) largest = std::max(largest, h);
     return largest;
 }
 
@@ -77,8 +79,8 @@ bool ClassReference::agrees(const Array<int64_t>& weights) const {
     return true;
 }
 
-// Each height of the reference once; false: out of memory.
-bool ClassReference::heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call,
+// Each height of the reference once.
+Done ClassReference::heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call,
                                        ClassResult& result) const {
     const size_t n = height_.size();
     Array<uint8_t> taken;
@@ -100,33 +102,36 @@ bool ClassReference::heights_are_there(const Cylinders& cylinders, int64_t finer
     return true;
 }
 
+// The cylinders of a result.  sound: they are there, with all zeros, whose indices have the sum that Poincare and
+// Hopf ask for, and no pole.
+hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
+                                          Call& call) const {
+    const int64_t chi =
+        static_cast<int64_t>(f.mesh.vertex_count) - f.mesh.edge_count + static_cast<int64_t>(f.mesh.face_count);
+    const int64_t whole = 2 * chi - static_cast<int64_t>(f.mesh.marked_count);
+    const bool known = zeros.known && !heights_only_;
+    Call quiet(&call);
+    hmf_status status = known ? cylinders.build(f, zeros, quiet) : cylinders.build(f, nullptr, nullptr, quiet);
+    if (known && !is_memory(status) && !call.cancelled() && !has_all_zeros(cylinders.graph, whole)) {
+        Call again(&call);
+        status = cylinders.build(f, nullptr, nullptr, again);
+    }
+    if (is_memory(status)) return call.out_of_memory();
+    if (call.cancelled()) return HMF_CANCELLED;
+    sound = status == HMF_OK && has_all_zeros(cylinders.graph, whole);
+    return HMF_OK;
+}
+
 hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
                                    Call& call, ClassResult& result) const {
     result = {};
     if (!known()) return HMF_OK;
-    Call quiet(&call);
     Cylinders cylinders;
-    hmf_status status = HMF_OK;
-    // All zeros are there if their indices have the sum that Poincare and Hopf ask for.
-    const int64_t chi =
-        static_cast<int64_t>(f.mesh.vertex_count) - f.mesh.edge_count + static_cast<int64_t>(f.mesh.face_count);
-    const int64_t whole = 2 * chi - static_cast<int64_t>(f.mesh.marked_count);
-    if (zeros.known && !heights_only_) {
-        status = cylinders.build(f, zeros, quiet);
-        int64_t sum = 0;
-        if (!is_memory(status) && !call.cancelled() && (has_pole(cylinders.graph, sum) || sum != whole)) {
-            Call again(&call);
-            status = cylinders.build(f, nullptr, nullptr, again);
-        }
-    } else {
-        status = cylinders.build(f, nullptr, nullptr, quiet);
-    }
-    if (is_memory(status)) return call.out_of_memory();
-    if (call.cancelled()) return HMF_CANCELLED;
+    bool sound = false;
+    if (const hmf_status status = find_cylinders(f, zeros, cylinders, sound, call)) return status;
     result.crossings = cylinders.graph.crossings.size();
     result.state = ClassState::lost;
-    int64_t sum = 0;
-    if (status != HMF_OK || has_pole(cylinders.graph, sum) || sum != whole) {
+    if (!sound) {
         result.loss = ClassLoss::leaves;
         return HMF_OK;
     }

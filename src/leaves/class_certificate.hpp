@@ -73,7 +73,9 @@ public:
                                      Call& call, ClassResult& result) const;
 
 private:
-    bool heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call, ClassResult& result) const;
+    [[nodiscard]] hmf_status find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
+                                            Call& call) const;
+    Done heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call, ClassResult& result) const;
 
     bool heights_only_ = false;
     Array<int64_t> height_;

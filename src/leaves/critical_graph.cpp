@@ -62,7 +62,7 @@ hmf_status CriticalGraph::build(Foliation& f, const ZeroList& known, Call& call)
 // The cluster of the vertex is f.members.
 Done CriticalGraph::add_zero_at(Foliation& f, uint32_t vertex, int32_t index, int64_t euler) {
     bool done = false;
-    if (on_boundary && euler >= 0 && !add_zeros_on_boundary(f, index, done)) return false;
+    if (can_be_taken_apart(f, euler) && !add_zeros_on_boundary(f, index, done)) return false;
     if (done) return true;
     const uint32_t zero = static_cast<uint32_t>(zeros.size());
     if (!zeros.push({false, vertex, index, euler})) return false;
@@ -318,7 +318,7 @@ Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
                                                                  backwards};
         }
     // In a cylinder one unit high both boundary leaves are the same: first the lower one.
-    const auto before = [](const Mark& a, const Mark& b) {
+    const auto before = [](const LeafMark& a, const LeafMark& b) {
         return a.at != b.at ? a.at < b.at : a.forward && !b.forward;
     };
     for (size_t k = 0; k < n; ++k)
@@ -327,7 +327,7 @@ Done CriticalGraph::sort_marks(const Foliation& f, Memory& memory) {
     return true;
 }
 
-bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const {
+bool CriticalGraph::mark_ahead(const Foliation& f, uint32_t h, int64_t at, LeafMark& found) const {
     uint32_t begin = 0, end = 0;
     marks_on(edge_of(h), begin, end);
     const bool backwards = h & 1u;

@@ -67,8 +67,8 @@ struct Boundary {
     uint32_t arcs_begin, arcs_end; // in the order of the leaf
 };
 
-// A boundary leaf on an edge, seen along half-edge 2e.
-struct Mark {
+// Where a boundary leaf crosses an edge, seen along half-edge 2e.
+struct LeafMark {
     int64_t at;
     uint32_t boundary;
     bool forward; // its cylinder lies ahead (larger places)
@@ -91,10 +91,11 @@ public:
     Array<ArcSide> arcs;
     Array<Boundary> boundaries;
     Array<Crossing> crossings;
-    Array<Mark> marks; // ascending on each edge
+    Array<LeafMark> marks; // ascending on each edge
 
     // Wishes, before build().
     const uint8_t* on_boundary = nullptr; // per vertex; NULL: clusters there stay whole
+    const uint32_t* mirror = nullptr;     // with on_boundary: per half-edge its image, itself on the boundary
     uint32_t closed_leaf = NONE;          // where there is no zero: an edge that the leaf crosses in its middle
 
     // vertex_order, face_order: internal numbers in the order in which zeros
@@ -124,7 +125,7 @@ public:
     uint64_t crossing_limit() const { return crossing_limit_; }
 
     // The mark nearest ahead of place `at` on half-edge h: true if there is one.
-    bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, Mark& found) const;
+    bool mark_ahead(const Foliation& f, uint32_t h, int64_t at, LeafMark& found) const;
 
 private:
     Done start(const Foliation& f, Memory& memory);
@@ -135,15 +136,16 @@ private:
                                         Call& call);
     [[nodiscard]] hmf_status find_marked(Foliation& f, const uint32_t* vertex_order, const int32_t* at_vertex,
                                          const uint32_t* cluster, Call& call);
-    struct Piece;
+    struct Run;
     struct Places;
+    bool can_be_taken_apart(const Foliation& f, int64_t euler) const;
     Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
     Done find_roots(const Foliation& f, SparseMap& root, bool& any);
     Done find_places(const Foliation& f, int32_t index, Places& places);
-    Done read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Piece>& pieces);
-    Done read_circles(const Foliation& f, const Places& places, Array<Piece>& pieces);
-    Done add_sectors_of_pieces(const Foliation& f, Array<Piece>& pieces);
-    void link_sectors(uint32_t zero, const Array<Piece>& pieces);
+    Done read_circle(const Foliation& f, uint32_t h, const Places& places, Array<Run>& runs);
+    Done read_circles(const Foliation& f, const Places& places, Array<Run>& runs);
+    Done add_sectors_of_runs(const Foliation& f, Array<Run>& runs);
+    void link_sectors(uint32_t zero, const Array<Run>& runs);
     Done add_sectors_of_vertex(const Foliation& f, uint32_t zero, uint32_t vertex);
     Done add_sectors_of_circle(const Foliation& f, uint32_t zero, uint32_t h);
     Done add_sectors_of_pair(const Foliation& f, uint32_t zero, uint32_t other_zero, bool& done);

@@ -34,7 +34,7 @@ hmf_status Cylinders::find_cylinders(Foliation& f, Call& call) {
         if (!call.tick(0)) return call.was_cancelled();
         const Crossing back = reversed(f, graph.crossings[graph.boundaries[b].begin]);
         Cylinder c{b, NONE, 0, pieces.size(), 0};
-        Mark found;
+        LeafMark found;
         int64_t distance = 0;
         if (walk_across(f, back.half_edge, back.at, &pieces, found, distance, call)) return call.status();
         c.upper = found.boundary;
@@ -88,7 +88,7 @@ Done Cylinders::half_edge_ahead(Foliation& f, uint32_t back, uint32_t& best) {
     return true;
 }
 
-hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found,
+hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<PathPiece>* path, LeafMark& found,
                                   int64_t& distance, Call& call) {
     distance = 0;
     // Each step climbs, and a cylinder has no vertex twice.
@@ -117,13 +117,13 @@ Crossing Cylinders::leaf_at(const Foliation& f, uint32_t cylinder, int64_t heigh
         else high = middle;
     }
     if (piece) *piece = low;
-    const Piece& p = pieces[low];
+    const PathPiece& p = pieces[low];
     return reversed(f, {p.half_edge, p.from + (height - p.height)});
 }
 
 hmf_status Cylinders::locate(Foliation& f, const Crossing& c, uint32_t& cylinder, int64_t& height, Call& call) {
     const Crossing back = reversed(f, c);
-    Mark found;
+    LeafMark found;
     int64_t distance = 0;
     // On a boundary leaf the search begins at the leaf itself.
     if (walk_across(f, back.half_edge, back.at - 1, nullptr, found, distance, call)) return call.status();
@@ -158,7 +158,7 @@ Done Cylinders::find_vertices(const Foliation& f, Call& call) {
     if (!of_vertex_.allocate_filled(memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return false;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         if (h % STRIDE == 0 && !call.tick(0)) return false;
-        Mark first;
+        LeafMark first;
         const uint32_t v = mesh.origin[h];
         if (of_vertex_[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
         of_vertex_[v] = of_boundary[first.boundary];
@@ -169,7 +169,7 @@ Done Cylinders::find_vertices(const Foliation& f, Call& call) {
         const uint32_t v = queue[at];
         for (const uint32_t h : mesh.around(v)) {
             const uint32_t w = mesh.target(h);
-            Mark first;
+            LeafMark first;
             if (of_vertex_[w] == NONE && !graph.mark_ahead(f, h, 0, first)) {
                 of_vertex_[w] = of_vertex_[v];
                 queue.add(w);

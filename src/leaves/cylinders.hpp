@@ -7,7 +7,7 @@
 namespace hmf {
 
 // Part of a path across a cylinder: along half_edge from place `from` to place `to`.
-struct Piece {
+struct PathPiece {
     uint32_t half_edge;
     int64_t from, to;
     int64_t height; // of its start above the lower boundary, half units
@@ -24,7 +24,7 @@ public:
     CriticalGraph graph;
     Array<Cylinder> list;        // in the order of their lower boundaries
     Array<uint32_t> of_boundary; // cylinder
-    Array<Piece> pieces;
+    Array<PathPiece> pieces;
 
     [[nodiscard]] hmf_status build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call);
     // The same, where the zeros are known.
@@ -50,7 +50,7 @@ public:
         if (inside == NONE && begin == end) inside = of_vertex_[mesh.target(2 * e)];
         int64_t from = 0;
         for (uint32_t i = begin; i < end; ++i) {
-            const Mark& m = graph.marks[i];
+            const LeafMark& m = graph.marks[i];
             if (m.forward) {
                 inside = of_boundary[m.boundary];
                 from = m.at - 1; // critical leaves lie half a unit beyond marks
@@ -66,7 +66,7 @@ private:
     [[nodiscard]] hmf_status find_cylinders(Foliation& f, Call& call);
     // Across the leaves from place `at` ahead on half-edge h to the first
     // boundary leaf; appends the way to `path` unless that is NULL.
-    [[nodiscard]] hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<Piece>* path, Mark& found,
+    [[nodiscard]] hmf_status walk_across(Foliation& f, uint32_t h, int64_t at, Array<PathPiece>* path, LeafMark& found,
                                          int64_t& distance, Call& call);
     Done half_edge_ahead(Foliation& f, uint32_t back, uint32_t& best);
     Array<uint32_t> circle_, of_vertex_;

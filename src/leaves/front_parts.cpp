@@ -127,14 +127,15 @@ private:
     }
 
     void turn_over(Cylinder& c) {
-        const auto turned = [&](const Piece& p) {
+        const auto turned = [&](const PathPiece& p) {
             const int64_t whole = width(f_, p.half_edge);
-            return Piece{twin(p.half_edge), whole - p.to, whole - p.from, 2 * c.height - (p.height + p.to - p.from)};
+            return PathPiece{twin(p.half_edge), whole - p.to, whole - p.from,
+                             2 * c.height - (p.height + p.to - p.from)};
         };
         const uint64_t n = c.path_end - c.path_begin;
         for (uint64_t i = 0; i < (n + 1) / 2; ++i) {
-            Piece &a = cylinders_.pieces[c.path_begin + i], &b = cylinders_.pieces[c.path_end - 1 - i];
-            const Piece first = turned(a), last = turned(b);
+            PathPiece &a = cylinders_.pieces[c.path_begin + i], &b = cylinders_.pieces[c.path_end - 1 - i];
+            const PathPiece first = turned(a), last = turned(b);
             a = last;
             b = first;
         }

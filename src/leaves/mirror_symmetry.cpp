@@ -214,7 +214,7 @@ private:
                        bool& to_front) const {
         for (const Cylinder& c : cylinders.list)
             for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
-                const Piece& p = cylinders.pieces[i];
+                const PathPiece& p = cylinders.pieces[i];
                 if (p.from != 0 || f_.stamp[mesh_.origin[p.half_edge]] != ring) continue;
                 place = p.height;
                 height = c.height;

@@ -119,47 +119,84 @@ hmf_status read_levels(const Foliation& f, const Cylinders& cylinders, Conjugate
     return HMF_OK;
 }
 
+namespace {
+
+// The middle leaf of a cylinder, measured by the conjugate; walked once, from its first crossing on.
+class MeasuredLeaf {
+public:
+    MeasuredLeaf(const Foliation& g, const ConjugateLevels& levels, uint32_t cylinder) :
+        g_(g), levels_(levels), begin_(levels.offsets[cylinder]), end_(levels.offsets[cylinder + 1]), at_(begin_) {
+        for (uint64_t i = begin_; i < end_; ++i) whole_ += step(i);
+    }
+    double whole() const { return whole_; }
+
+    // The point at a distance from the beginning, not less than that of the point before: barycentric, in the
+    // triangle of half-edge side.  false: beyond the end.
+    bool point(double target, uint32_t& side, double* w) {
+        double part = 0;
+        for (; at_ < end_; ++at_) {
+            part = step(at_);
+            if (passed_ + part >= target) break;
+            passed_ += part;
+        }
+        if (at_ == end_) return false;
+        // Between both crossings, in the triangle behind the first one.
+        const OnEdge &a = levels_.middle[at_], &b = next(at_);
+        side = twin(a.half_edge);
+        const double s = part > 0 ? (target - passed_) / part : 0;
+        w[0] = (1 - s) * a.fraction;
+        w[1] = (1 - s) * (1 - a.fraction);
+        w[2] = 0;
+        if (b.half_edge == g_.mesh.next[side]) {
+            w[1] += s * (1 - b.fraction);
+            w[2] += s * b.fraction;
+        } else {
+            w[2] += s * (1 - b.fraction);
+            w[0] += s * b.fraction;
+        }
+        return true;
+    }
+
+private:
+    const OnEdge& next(uint64_t i) const { return levels_.middle[i + 1 < end_ ? i + 1 : begin_]; }
+    double step(uint64_t i) const {
+        const OnEdge &a = levels_.middle[i], &b = next(i);
+        return change(g_.mesh, g_.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
+    }
+
+    const Foliation& g_;
+    const ConjugateLevels& levels_;
+    uint64_t begin_, end_, at_;
+    double whole_ = 0, passed_ = 0;
+};
+
+// How far u grows from a point of the triangle of `side` to where its leaf leaves the triangle at `start`.
+double growth_to(const Foliation& g, const int64_t* du, uint32_t side, const double* w, const Crossing& start) {
+    double u[3], there = 0, here = 0;
+    corners(g.mesh, du, side, u);
+    const double f = fraction(g, start);
+    const uint32_t from = start.half_edge == side ? 0u : start.half_edge == g.mesh.next[side] ? 1u : 2u;
+    there = (1 - f) * u[from] + f * u[(from + 1) % 3];
+    for (int i = 0; i < 3; ++i) here += w[i] * u[i];
+    return magnitude(there - here);
+}
+
+} // namespace
+
 hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t* du, const ConjugateLevels& levels,
                                 double spacing, double unit, const double* position, Call& call) {
-    const Mesh& mesh = g.mesh;
     Tracer tracer(lines, g, du, position, call);
     for (uint32_t c = 0; c < levels.height.size(); ++c) {
-        const uint64_t begin = levels.offsets[c], end = levels.offsets[c + 1];
-        const auto next_of = [&](uint64_t i) -> const OnEdge& { return levels.middle[i + 1 < end ? i + 1 : begin]; };
-        double whole = 0;
-        for (uint64_t i = begin; i < end; ++i) {
-            const OnEdge &a = levels.middle[i], &b = next_of(i);
-            whole += change(mesh, g.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
-        }
-        const double wanted = std::floor(whole * unit / spacing + 0.5);
+        MeasuredLeaf middle(g, levels, c);
+        const double wanted = std::floor(middle.whole() * unit / spacing + 0.5);
         if (wanted > 1 << 20)
             return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                              "spacing asks for %g leaves in a cylinder. Stay below 2^20.", wanted);
         const uint32_t n = wanted < 1 ? 1 : static_cast<uint32_t>(wanted);
-        uint64_t at = begin;
-        double passed = 0;
         for (uint32_t k = 0; k < n; ++k) {
-            const double target = (k + 0.5) / n * whole;
-            double part = 0;
-            for (; at < end; ++at) {
-                const OnEdge &a = levels.middle[at], &b = next_of(at);
-                part = change(mesh, g.value, a.half_edge, a.fraction, b.half_edge, b.fraction);
-                if (passed + part >= target) break;
-                passed += part;
-            }
-            if (at == end) break;
-            // The point between both crossings, in the triangle behind the first one.
-            const OnEdge &a = levels.middle[at], &b = next_of(at);
-            const uint32_t side = twin(a.half_edge);
-            const double s = part > 0 ? (target - passed) / part : 0;
-            double w[3] = {(1 - s) * a.fraction, (1 - s) * (1 - a.fraction), 0};
-            if (b.half_edge == mesh.next[side]) {
-                w[1] += s * (1 - b.fraction);
-                w[2] += s * b.fraction;
-            } else {
-                w[2] += s * (1 - b.fraction);
-                w[0] += s * b.fraction;
-            }
+            uint32_t side = NONE;
+            double w[3], point[3];
+            if (!middle.point((k + 0.5) / n * middle.whole(), side, w)) break;
             hmf_line line{};
             line.kind = HMF_LINE_LEVEL;
             line.cylinder = c;
@@ -167,16 +204,8 @@ hmf_status add_conjugate_levels(Lines& lines, const Foliation& g, const int64_t*
             line.begin_zero = line.end_zero = HMF_NONE;
             const Crossing start = lines.place_of_point(side, w);
             if (start.half_edge == NONE) continue;
-            // u from the point to where its leaf leaves the triangle.
-            double u[3], there = 0, here = 0;
-            corners(mesh, du, side, u);
-            const double f = fraction(g, start);
-            const uint32_t from = start.half_edge == side ? 0u : start.half_edge == mesh.next[side] ? 1u : 2u;
-            there = (1 - f) * u[from] + f * u[(from + 1) % 3];
-            for (int i = 0; i < 3; ++i) here += w[i] * u[i];
-            const double ahead = magnitude(there - here), half = levels.height[c] / 2;
+            const double ahead = growth_to(g, du, side, w, start), half = levels.height[c] / 2;
             const size_t first = lines.edges.size();
-            double point[3];
             // It may end in this triangle on both sides.
             if (tracer.trace(reversed(g, start), ahead - half, half + ahead, nullptr, line.length, line.begin))
                 return call.status();

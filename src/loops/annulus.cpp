@@ -265,7 +265,7 @@ Done Annulus::read_way(uint32_t start, uint32_t goal, Array<uint32_t>& out) cons
 // passes none from which the search has been: they are closed.
 Done Annulus::search(double limit, Array<uint32_t>& out) {
     const size_t states = copies_.size() * TURNS;
-    if (!state_.allocate_filled(call_.memory, states, State{HUGE_VAL, NONE, 0})
+    if (!state_.allocate_filled(call_.memory, states, SearchState{HUGE_VAL, NONE, 0})
         || !landmark_.allocate_filled(call_.memory, states, HUGE_VAL))
         return false;
     double best = limit;

@@ -64,8 +64,8 @@ private:
     struct Wedge {
         uint32_t copy;
         int32_t turns;
-    };             // of a fan, turns since its first
-    struct State { // of the search, a copy with a turn
+    };                   // of a fan, turns since its first
+    struct SearchState { // of the search, a copy with a turn
         double distance;
         uint32_t from, stamp; // from: 4 * copy + side
     };
@@ -95,8 +95,8 @@ private:
     Array<Border> border_;
     NearestFirst heap_;
     Array<Wedge> fan_;
-    Array<State> state_;     // per copy and turn
-    Array<double> landmark_; // likewise, the distance from the landmark
+    Array<SearchState> state_; // per copy and turn
+    Array<double> landmark_;   // likewise, the distance from the landmark
     uint32_t stamp_ = 0, work_ = 0;
 };
 

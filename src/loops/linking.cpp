@@ -237,8 +237,8 @@ private:
                     directed.from = segment.to;
                     directed.to = segment.from;
                 }
-                directed.low = segment.from.x < segment.to.x ? segment.from.x : segment.to.x;
-                directed.high = segment.from.x < segment.to.x ? segment.to.x : segment.from.x;
+                directed.low = std::min(segment.from.x, segment.to.x);
+                directed.high = std::max(segment.from.x, segment.to.x);
                 if (!segments.push(directed)) return false;
                 segment.from = segment.to;
             }
@@ -283,11 +283,9 @@ private:
             for (size_t i = begin; i < t.size() && t[i].low <= a.high; ++i) {
                 const Segment& b = t[i];
                 if (b.high < a.low) continue;
-                const int64_t a_low = a.from.y < a.to.y ? a.from.y : a.to.y,
-                              a_high = a.from.y < a.to.y ? a.to.y : a.from.y;
-                const int64_t b_low = b.from.y < b.to.y ? b.from.y : b.to.y,
-                              b_high = b.from.y < b.to.y ? b.to.y : b.from.y;
-                if (b_high < a_low || a_high < b_low) continue;
+                if (std::max(b.from.y, b.to.y) < std::min(a.from.y, a.to.y)
+                    || std::max(a.from.y, a.to.y) < std::min(b.from.y, b.to.y))
+                    continue;
                 const Point u = a.to - a.from, v = b.to - b.from;
                 const int o1 = turn(u, b.from - a.from), o2 = turn(u, b.to - a.from);
                 if (o1 * o2 > 0) continue;

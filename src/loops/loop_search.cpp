@@ -85,7 +85,7 @@ Done LoopSearch::search(uint32_t root, double limit) {
             const bool far = 2 * d >= reach; // it would not be settled
             const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment), !far) : arc.to;
             if (to == NONE) continue;
-            State& state = state_[to];
+            SearchState& state = state_[to];
             const uint64_t signature = signature_here ^ arc.signature;
             if (state.stamp <= 2 * epoch_) {
                 if (far || (state.stamp == 2 * epoch_ && !(d < state.distance))) continue;

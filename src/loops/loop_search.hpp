@@ -61,7 +61,7 @@ private:
         uint64_t signature;
         uint32_t to, half_segment; // NONE: there is none
     };
-    struct State {
+    struct SearchState {
         double distance;
         uint64_t signature; // sum on the way from the root
         uint32_t stamp;
@@ -101,7 +101,7 @@ private:
     Array<Arc> arc_;      // three per region
     Array<double> bound_; // per region
     Array<double> nearest_root_;
-    Array<State> state_;
+    Array<SearchState> state_;
     Array<Covered> covered_; // per state
     Array<uint32_t> table_;  // states by region and label, NONE: free
     uint32_t table_shift_ = 0;

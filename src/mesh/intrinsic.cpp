@@ -20,6 +20,7 @@
 
 #include "weights.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -32,8 +33,8 @@ constexpr double FAILURE = -1e-7;   // of the weight
 constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
 constexpr uint32_t NOT_WAITING = NONE - 1, NEEDED = NONE - 2;
 
-// b^2 + c^2 - a^2 without the cancellation of needles.  Which of b and c is
-// greater cannot be predicted: they are taken from a table.
+// b^2 + c^2 - a^2 without the cancellation of needles.  Branch-free, by a
+// table: which of b and c is greater would be mispredicted half the time.
 double opposite_product(double a, double b, double c) {
     const double sides[2] = {b, c};
     const bool second = !(b > c);
@@ -163,7 +164,7 @@ Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call&
     const double margin = factor * (total / mesh.edge_count);
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         const double rest = length[edge_of(mesh.next[h])] + length[edge_of(mesh.prev(h))] - length[edge_of(h)];
-        if (margin - rest > missing) missing = margin - rest;
+        missing = std::max(missing, margin - rest);
     }
     if (missing == 0) return true;
     for (double& x : length) x += missing;

@@ -222,7 +222,7 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
         for (uint32_t s = 0; s < 3; ++s) ++degree[words[place + s]];
     }
     uint32_t largest = 0;
-    for (const uint32_t d : degree) largest = d > largest ? d : largest;
+    for (const uint32_t d : degree) largest = std::max(largest, d);
     boundary.start(call.memory);
     if (caller.mirror.triangle_count == 0)
         return link(ordered, PlainKeys{}, report, mesh, largest, part, boundary, call);
@@ -230,6 +230,23 @@ hmf_status link_triangles(OrderedTriangles& ordered, const double* position, con
 }
 
 namespace {
+
+// The words of a triangle are its half-edges now.
+Done make_faces(const uint32_t* words, uint32_t places, Mesh& mesh, Call& call) {
+    const auto join = [&](size_t begin, size_t end) {
+        for (size_t face = begin; face < end; ++face) {
+            const uint32_t* h = &words[4 * face];
+            for (int s = 0; s < 3; ++s) {
+                mesh.next[h[s]] = h[s == 2 ? 0 : s + 1];
+                mesh.face[h[s]] = static_cast<uint32_t>(face);
+            }
+        }
+    };
+    if (!call.pass(places / 4, 0.1, join)) return false;
+    for (uint32_t place = 0; place < places; place += 4) // in order: the last triangle of a vertex counts
+        for (uint32_t s = 0; s < 3; ++s) mesh.out[mesh.origin[words[place + s]]] = words[place + s];
+    return true;
+}
 
 // Matches the sides and makes the half-edges.  largest: degree.
 template <class Keys>
@@ -264,8 +281,8 @@ hmf_status link(OrderedTriangles& ordered, const Keys& keys, const Report& repor
         }
         for (uint32_t third = waiting.first[low]; third != NONE; third = waiting.next[third / 4])
             bucket[size++] = {waiting.high[third / 4], third};
-        // Which sides find another one cannot be predicted, so no branch depends
-        // on it: what is written for the others is overwritten.
+        // Branch-free: whether a side finds another one is mispredicted half the time.
+        // What is written for those that do not is overwritten.
         uint32_t matched = 0, turned[2] = {NONE, NONE};
         for (uint32_t n = 0; n < size; ++n) {
             const FaceSide side = bucket[n];
@@ -284,31 +301,18 @@ hmf_status link(OrderedTriangles& ordered, const Keys& keys, const Report& repor
             matched += 2 * second;
             if (pairs.count == Pairs::ROOM) pairs.make_edges(words, mesh, edges);
         }
-        if (matched < size)
-            for (uint32_t n = 0; n < size; ++n) {
-                const uint32_t side = bucket[n].place;
-                if (marks[keys(bucket[n])].place == side && !boundary.push(3 * ordered.number(side / 4) + side % 4))
-                    return call.out_of_memory();
-            }
+        for (uint32_t n = 0; n < size && matched < size; ++n) { // sides with one triangle
+            const uint32_t side = bucket[n].place;
+            if (marks[keys(bucket[n])].place == side && !boundary.push(3 * ordered.number(side / 4) + side % 4))
+                return call.out_of_memory();
+        }
         if (turned[0] != NONE) return report.turned(turned[0], turned[1]);
     }
     if (!boundary.empty()) return HMF_OK;
     pairs.make_edges(words, mesh, edges);
     // A mark still tells a lower neighbour: trees that cover almost everything.
     for (uint32_t v = 0; v < vertex_count; ++v) part[v] = marks[v].low == NONE ? v : part[marks[v].low];
-    const auto join = [&](size_t begin, size_t end) {
-        for (size_t face = begin; face < end; ++face) {
-            const uint32_t* h = &words[4 * face];
-            for (int s = 0; s < 3; ++s) {
-                mesh.next[h[s]] = h[s == 2 ? 0 : s + 1];
-                mesh.face[h[s]] = static_cast<uint32_t>(face);
-            }
-        }
-    };
-    if (!call.pass(places / 4, 0.1, join)) return HMF_CANCELLED;
-    for (uint32_t place = 0; place < places; place += 4) // in order: the last triangle of a vertex counts
-        for (uint32_t s = 0; s < 3; ++s) mesh.out[mesh.origin[words[place + s]]] = words[place + s];
-    return HMF_OK;
+    return make_faces(words, places, mesh, call) ? HMF_OK : HMF_CANCELLED;
 }
 
 } // namespace

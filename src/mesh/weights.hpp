@@ -16,8 +16,7 @@ constexpr double COARSE_WEIGHT_FLOOR = 1e-3, COARSE_WEIGHT_CAP = 1e3;
 constexpr double INTRINSIC_WEIGHT_FLOOR = 1e-9, INTRINSIC_WEIGHT_CAP = 1e6;
 
 // Visits each face of the half-edges from begin to end - 1 once, by its lowest
-// half-edge.  Which ones those are cannot be predicted: they are listed first,
-// without a branch.
+// half-edge.  These are one in three, in no order: they are listed first, branch-free.
 template <class Visit>
 void for_each_face(const Mesh& mesh, uint32_t begin, uint32_t end, Visit visit) {
     constexpr uint32_t block = 1024;

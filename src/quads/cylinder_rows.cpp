@@ -34,7 +34,7 @@ Done CylinderRows::read_path(const Cylinder& c) {
     twist_.start(call_.memory);
     double v = 0;
     for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
-        const Piece& p = in_.cylinders.pieces[i];
+        const PathPiece& p = in_.cylinders.pieces[i];
         if (!twist_.push(v)) return false;
         v += in_.conjugate.along(p.half_edge) * static_cast<double>(p.to - p.from)
            / static_cast<double>(width(in_.f, p.half_edge));
@@ -43,7 +43,7 @@ Done CylinderRows::read_path(const Cylinder& c) {
 }
 
 double CylinderRows::twist_at(const Cylinder& c, uint64_t piece, int64_t height) const {
-    const Piece& p = in_.cylinders.pieces[piece];
+    const PathPiece& p = in_.cylinders.pieces[piece];
     const double t = p.to > p.from ? static_cast<double>(height - p.height) / static_cast<double>(p.to - p.from) : 0;
     const size_t i = static_cast<size_t>(piece - c.path_begin);
     return twist_[i] + t * (twist_[i + 1] - twist_[i]);
@@ -51,7 +51,7 @@ double CylinderRows::twist_at(const Cylinder& c, uint64_t piece, int64_t height)
 
 // The place where the path arrives on the upper boundary leaf.
 double CylinderRows::arrival(const Cylinder& c) const {
-    const Piece& p = in_.cylinders.pieces[c.path_end - 1];
+    const PathPiece& p = in_.cylinders.pieces[c.path_end - 1];
     const Boundary& b = in_.graph.boundaries[c.upper];
     // The upper leaf crosses the last half-edge from its left to its right.
     for (uint64_t i = b.begin; i + 1 < b.end; ++i)
@@ -148,8 +148,8 @@ void CylinderRows::align_row(double& here) {
 
 // Where the path meets each row, as a part of its length: at first by v along
 // the path; then each row is turned so that straight columns from the row
-// before meet it at right angles in the mean.  One path alone is at the mercy
-// of the thin triangles on it.
+// before meet it at right angles in the mean.  One path alone is as wrong
+// as the thin triangles on it make it.
 hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double& turn) {
     const int64_t m = sizes_.rows[cylinder];
     if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !start_rows()) return call_.out_of_memory();

@@ -61,7 +61,7 @@ hmf_status CylinderRows::fill_annulus(uint32_t cylinder) {
     if (!read_path(c)) return call_.out_of_memory();
     int64_t from = -1, to = -1;
     for (uint64_t i = c.path_begin; i < c.path_end; ++i) {
-        const Piece& p = in_.cylinders.pieces[i];
+        const PathPiece& p = in_.cylinders.pieces[i];
         if (p.from != 0 || !in_.front->reflection->is_boundary[in_.f.mesh.origin[p.half_edge]]) continue;
         const bool to_front =
             in_.front->reflection->is_front[p.half_edge] || in_.front->reflection->is_front[twin(p.half_edge)];

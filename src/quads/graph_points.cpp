@@ -48,15 +48,18 @@ Done GraphPoints::place() {
     return true;
 }
 
-// One vertex for each zero, and one for those that an arc without columns joins.
+// One vertex for each zero, and one for those that an arc without columns joins.  A marked vertex that shares its
+// cluster with others may have no arc: no quad would be there.
 Done GraphPoints::place_zeros() {
     const uint32_t n = static_cast<uint32_t>(in_.graph.zeros.size());
-    if (!zero_vertex_.allocate(call_.memory, n)) return false;
+    Array<uint8_t> has_arc;
+    if (!zero_vertex_.allocate(call_.memory, n) || !has_arc.allocate_filled(call_.memory, n, uint8_t{0})) return false;
     for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = z;
     for (uint32_t a = 0; a < in_.graph.arcs.size(); ++a)
         if (sizes_.columns[a] == 0)
             unite(zero_vertex_.data(), zero_of(in_.graph.arcs[a].from), zero_of(in_.graph.arcs[a].to));
     for (uint32_t z = 0; z < n; ++z) zero_vertex_[z] = find_root(zero_vertex_.data(), z);
+    for (const ArcSide& arc : in_.graph.arcs) has_arc[zero_vertex_[zero_of(arc.from)]] = 1;
     if (in_.front) {
         if (!joined_.allocate(call_.memory, n)) return false;
         for (uint32_t z = 0; z < n; ++z) joined_[z] = zero_vertex_[z];
@@ -70,7 +73,7 @@ Done GraphPoints::place_zeros() {
         uint32_t place = z;
         bool in_front = true, at_boundary = false;
         if (in_.front) find_place(z, place, in_front, at_boundary);
-        if (!in_front) {
+        if (!in_front || !has_arc[z]) {
             zero_vertex_[z] = NONE;
             continue;
         }

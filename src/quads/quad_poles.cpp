@@ -1,6 +1,8 @@
 // Vertices with two quads; see quad_poles.hpp.
 #include "quad_poles.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
@@ -80,7 +82,7 @@ private:
         other[at] = y;
         for (size_t c = 0; c < 4; ++c) quad[c] = NONE;
         if (!moves_tip) return;
-        const uint32_t on_arc = a < b ? a : b; // made before those of the rows
+        const uint32_t on_arc = std::min(a, b); // made before those of the rows
         copy_vertex(v, on_arc);
         mesh_.held[on_arc] = 1;
     }

@@ -23,6 +23,7 @@
 //                less than three rows in one whose boundaries share a vertex.
 #include "quad_sizes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "../base/disjoint_sets.hpp"
@@ -247,7 +248,7 @@ hmf_status QuadSizes::mend(bool& mended, Call& call) {
         if (columns[a] == 0 || columns[a] >= LEAST_ROUND || a > graph().arcs[a].twin) continue;
         const uint32_t x = find_root(root_.data(), low(a)), y = find_root(root_.data(), high(a));
         if (x == y) mended |= raise(a, LEAST_ROUND);
-        else if (columns[a] == 1) ends_[count++] = {x < y ? x : y, x < y ? y : x, a};
+        else if (columns[a] == 1) ends_[count++] = {std::min(x, y), std::max(x, y), a};
     }
     heap_sort(ends_.data(), count, [&](const Ends& x, const Ends& y) {
         if (x.low != y.low) return x.low < y.low;
@@ -281,9 +282,9 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
             quads, total, static_cast<double>(MOST_QUADS), MOST_LINES);
     if (graph().zeros.empty()) {
         ring = rounded(ring_length_ / step);
-        if (ring < LEAST_ROUND) ring = LEAST_ROUND;
+        ring = std::max(ring, LEAST_ROUND);
         rows_needed_[0] = MOST_ROWS_NEEDED;
-        if (rows[0] < MOST_ROWS_NEEDED) rows[0] = MOST_ROWS_NEEDED;
+        rows[0] = std::max(rows[0], MOST_ROWS_NEEDED);
         return HMF_OK;
     }
     for (int64_t& o : off_) o = 0;
@@ -295,8 +296,8 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
         columns[a] = rounded(wish_[a]);
         floor_[a] = circle ? LEAST_ROUND : poles ? LEAST_OVER_POLES : wide_ && pole ? 2 : 0;
         soft_[a] = !merge_ && poles ? LEAST_ROUND : !merge_ ? 2 : wish_[a] < 0.5 ? 0 : 1;
-        if (soft_[a] < floor_[a]) soft_[a] = floor_[a];
-        if (columns[a] < soft_[a]) columns[a] = soft_[a];
+        soft_[a] = std::max(soft_[a], floor_[a]);
+        columns[a] = std::max(columns[a], soft_[a]);
         off_[cylinder(a)] += sign(a) * columns[a];
     }
     // Every round raises the fewest columns of an arc, which never exceed three.
@@ -307,7 +308,7 @@ hmf_status QuadSizes::round_all(double step, bool& matched, Call& call) {
     }
     for (uint32_t c = 0; c < rows.size(); ++c) {
         rows_needed_[c] = find_rows_needed(c);
-        if (rows[c] < rows_needed_[c]) rows[c] = rows_needed_[c];
+        rows[c] = std::max(rows[c], rows_needed_[c]);
     }
     return HMF_OK;
 }
@@ -351,8 +352,7 @@ hmf_status QuadSizes::widen_at_poles(Call& call) {
     keep();
     for (uint32_t a = 0; a < columns.size(); ++a)
         if ((is_pole(graph().arcs[a].from) || is_pole(graph().arcs[a].to)) && columns[a] > 0) raise(a, 2);
-    for (int64_t& r : rows)
-        if (r < MOST_ROWS_NEEDED) r = MOST_ROWS_NEEDED;
+    for (int64_t& r : rows) r = std::max(r, MOST_ROWS_NEEDED);
     for (bool mended = true, matched = false; mended;) {
         if (balance(matched, call)) return call.status();
         if (!matched) { // poles keep their vertex then
@@ -382,8 +382,8 @@ hmf_status QuadSizes::of_count(double step, int64_t count, Call& call) {
             best_step = step;
         }
         if (any && best < 1.01) break;
-        if (made > wished) low = step > low ? step : low;
-        else high = step < high ? step : high;
+        if (made > wished) low = std::max(low, step);
+        else high = std::min(high, step);
         double next = step * std::sqrt(made / wished);
         if (!(next > low) || !(next < high))
             next = high < HUGE_VAL ? (low > 0 ? std::sqrt(low * high) : high / 2) : 2 * low;

@@ -29,7 +29,7 @@ struct RowSum {
     Entry* entry;
     uint32_t begin, count;
 
-    // Without jumps: which columns were met before, nobody can predict.
+    // Branch-free: whether a column was met before is mispredicted half the time.
     void add(uint32_t c, Entry value) {
         const uint32_t p = place[c] - begin;
         const bool is_new = p >= count;

@@ -130,6 +130,7 @@ private:
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
+        const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::few_extrema_on_double : 0;
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
             if (!solve_linear(accuracy, effort.residual)) return false;
             restore();
@@ -145,7 +146,7 @@ private:
             }
             if (!go_on()) return false;
             const uint64_t extrema = find_suspects();
-            if (extrema == 0 || accuracy < steering::end_of_doubles) return true;
+            if (extrema <= few_extrema || accuracy < steering::end_of_doubles) return true;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
         }
     }
@@ -591,7 +592,8 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     const uint32_t rounds = finest   ? steering::finest_rounds
                           : coarsest ? steering::coarsest_rounds
                                      : steering::middle_rounds;
-    Newton newton(work, middle && above % steering::long_waves_every != 0);
+    const bool next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::double_levels;
+    Newton newton(work, middle && !next_to_double && above % steering::long_waves_every != 0);
     if (!newton.allocate()) return work.call.out_of_memory();
     newton.sweeps(coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
     Progress progress;
@@ -604,6 +606,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const TwistedModel& model = newton.model();
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
+        if (next_to_double && residual < steering::double_residual) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
         if (residual <= goal) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
@@ -631,7 +634,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const bool far = finest && round > steering::far_after;
         newton.relax_near_zeros(far ? steering::far_rings : steering::near_rings,
                                 far ? steering::far_passes : steering::near_passes);
-        if (accepted == 1 && middle) return HMF_OK; // it only provides a start
+        if (accepted == 1 && middle && !(next_to_double && round == 0)) return HMF_OK; // it only provides a start
         if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
         else if (round > (tight ? steering::late_after_tight : steering::late_after))
             newton.sweeps(steering::late_sweeps);

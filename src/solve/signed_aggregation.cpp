@@ -198,7 +198,7 @@ Done aggregate(const SignedMatrix& matrix, const Array<double>& kernel, float st
     if (!find_dependence(matrix, kernel, strength, a, parallel, memory) || !continues(call)) return false;
     for (uint32_t i = 0; i < n; ++i) {
         if (a.of[i] != undecided) continue;
-        // Without early exit, which would be a jump that nobody can predict.
+        // Without early exit: its branch would be mispredicted half the time.
         bool has_strong = false, taken = false;
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
             const uint32_t of = a.of[matrix.column[k]];

@@ -25,6 +25,12 @@ constexpr uint32_t finer_sweeps = 1;
 // What a coarser level got wrong are short waves, which the smoother takes out.  Long
 // ones add up over the levels: on every third one they are solved for, too.
 constexpr size_t long_waves_every = 3;
+// Zeros of a double lie near its holes, where a coarser level has another boundary: on so many
+// levels next to the finest the long waves are solved for, and once more above this residual.
+constexpr size_t double_levels = 2;
+constexpr double double_residual = 0.3;
+// One or two extrema of a step are no limb but lie near the zeros, and are settled by moves.
+constexpr uint64_t few_extrema_on_double = 2;
 
 // Progress is half of the least residual yet, or so much less energy.
 constexpr double less_residual = 0.5;

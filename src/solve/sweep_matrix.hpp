@@ -39,8 +39,8 @@ public:
 
 private:
     // Entries of a row in columns that come before it in the sweep; those that come after it are
-    // the transpose.  Filled up with zeros: most rows of a mesh have one group, and where a
-    // loop ends that varies in length, nobody can predict.
+    // the transpose.  Filled up with zeros: most rows of a mesh have one group, and the
+    // end of a loop whose length varies would be mispredicted in each row.
     struct Group {
         static constexpr uint32_t size = 5;
         uint32_t row;

@@ -9,12 +9,22 @@ from typing import TYPE_CHECKING, Any, Literal, cast, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._boundary import Floats, Indices, ProgressOption, call, frozen, part, pointer, progress_callback, view
+from ._boundary import Floats, Indices, ProgressOption, call, frozen, part, progress_callback, view
 from ._native import lib
 from ._options import SolveOptions, takes
 from .errors import Cancelled, Element, Error, LevelError, OptionsError, OutOfMemoryError, Status
 from .foliation import Foliation
-from .hierarchy import Collapse, Hierarchy, LoopsKind, _build_options, _marks, _mesh, suggest_marks
+from .hierarchy import (
+    Collapse,
+    Hierarchy,
+    LoopsKind,
+    _arrays,
+    _build_options,
+    _marks,
+    _mesh,
+    _stride,
+    suggest_marks,
+)
 from .loops import Loops, as_loops
 from .meshes import MeshLike
 
@@ -79,15 +89,11 @@ class Components(Sequence[Component]):
     ) -> None:
         points, corners = _mesh(positions, triangles)
         marks = None if marked_vertices is None else _marks(marked_vertices)
-        stride = points.strides[0] if len(points) > 1 else None
         made = call(
             lib.hmf_components,
-            pointer(points, "double *"),
-            len(points),
-            pointer(corners, "uint32_t *"),
-            len(corners),
+            *_arrays(points, corners),
             _build_options(
-                memory_limit=memory_limit, mollify=mollify, marked_vertices=marks, position_stride=stride
+                memory_limit=memory_limit, mollify=mollify, marked_vertices=marks, position_stride=_stride(points)
             ),
             progress=progress,
         )

@@ -53,7 +53,7 @@ def _build_options(collapse: Collapse | None = None, marked_vertices: Indices | 
 
 
 def _marks(vertices: Sequence[int] | NDArray[Any]) -> Indices:
-    """A copy of our own, which nobody writes to."""
+    """A copy of our own, read-only."""
     return frozen(as_indices(vertices, "marked_vertices").copy())
 
 
@@ -61,6 +61,15 @@ def _mesh(positions: Any, triangles: ArrayLike | None) -> tuple[Floats, Indices]
     if triangles is None:
         return as_mesh(positions)
     return as_positions(positions), as_indices(triangles, "triangles", 3)
+
+
+def _arrays(points: Floats, corners: Indices) -> tuple[Any, ...]:
+    """The arguments that a function of the library begins with that takes a mesh; for the stride: _stride."""
+    return pointer(points, "double *"), len(points), pointer(corners, "uint32_t *"), len(corners)
+
+
+def _stride(points: Floats) -> int | None:
+    return points.strides[0] if len(points) > 1 else None
 
 
 class Level:
@@ -200,14 +209,10 @@ class Hierarchy:
             "marked_vertices": None if marked_vertices is None else _marks(marked_vertices),
         }
         points, corners = _mesh(positions, triangles)
-        stride = points.strides[0] if len(points) > 1 else None
         self._pointer = call(
             lib.hmf_build,
-            pointer(points, "double *"),
-            len(points),
-            pointer(corners, "uint32_t *"),
-            len(corners),
-            _build_options(**self._options, position_stride=stride),
+            *_arrays(points, corners),
+            _build_options(**self._options, position_stride=_stride(points)),
             progress=progress,
         )
         self._levels = tuple(Level(self, number) for number in range(lib.hmf_level_count(self._pointer)))
@@ -390,14 +395,10 @@ def suggest_marks(
     result as ``marked_vertices``.  The same mesh gives the same marks.
     """
     points, corners = _mesh(positions, triangles)
-    stride = points.strides[0] if len(points) > 1 else None
     made = call(
         lib.hmf_suggest_marks,
-        pointer(points, "double *"),
-        len(points),
-        pointer(corners, "uint32_t *"),
-        len(corners),
-        _build_options(memory_limit=memory_limit, mollify=mollify, position_stride=stride),
+        *_arrays(points, corners),
+        _build_options(memory_limit=memory_limit, mollify=mollify, position_stride=_stride(points)),
         progress=progress,
     )
     return view(made, made.vertices, made.count)
@@ -446,14 +447,11 @@ def even_design(
         memory_limit=memory_limit,
         mollify=mollify,
         marked_vertices=marks,
-        position_stride=points.strides[0] if len(points) > 1 else None,
+        position_stride=_stride(points),
     )
     made = call(
         lib.hmf_even_design,
-        pointer(points, "double *"),
-        len(points),
-        pointer(corners, "uint32_t *"),
-        len(corners),
+        *_arrays(points, corners),
         structure("hmf_design_options", build=build, no_poles=int(no_poles), solve_limit=solve_limit),
         progress=progress,
     )
