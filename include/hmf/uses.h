@@ -337,8 +337,9 @@ typedef struct hmf_chart_set {
  * Charts are as far apart as the margin along u or along v.  Fewer, larger charts
  * come from even loops and weights: hmf_even_design.
  *
- * Errors: HMF_ERROR_UNSUPPORTED with boundary, or if the margin is too large for so
- * many charts; HMF_ERROR_VALUE_NOT_HARMONIC; classes 100, 200, 500.
+ * Errors: HMF_ERROR_UNSUPPORTED with boundary, if the margin is too large for so many
+ * charts, or if a chart is 1000 times as long as the square, as triangles nearly without
+ * area make it; HMF_ERROR_VALUE_NOT_HARMONIC; classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_atlas(const hmf_foliation *foliation, const hmf_atlas_options *options,
                              const hmf_control *control, hmf_chart_set **out, hmf_error *error);
