@@ -10,6 +10,7 @@
 // sizes stay: a grid of squares, conformal as the quads are, is at rest.
 #include "relax_quads.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "quad_shape.hpp"
@@ -243,6 +244,8 @@ hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call)
     return HMF_OK;
 }
 
+namespace {
+
 // Every edge gets a vertex in its middle, every quad one in its own:
 //
 //     d---o---c
@@ -250,74 +253,106 @@ hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call)
 //     o---o---o
 //     |   |   |
 //     a---o---b
-hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
-    const uint32_t n = quads.vertex_count();
-    const size_t count = quads.quad_count();
+class Refinement {
+public:
+    Refinement(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+
+    Done run() {
+        const size_t count = quads_.quad_count(), vertices = quads_.vertex_count() + 3 * count + 2;
+        if (!list_edges() || !fine_.allocate(call_.memory, 16 * count) || !quads_.positions.reserve(3 * vertices)
+            || !quads_.sides.reserve(vertices) || !quads_.held.reserve(vertices))
+            return false;
+        for (size_t q = 0; q < count; ++q) {
+            if (q % SLICE == 0 && !call_.tick(0)) return false;
+            if (!divide(q)) return false;
+        }
+        quads_.quads.swap(fine_);
+        return true;
+    }
+
+private:
     struct Edge {
         uint32_t other, middle;
     };
-    Array<uint32_t> first, filled, fine;
-    Array<Edge> edges; // of each vertex those to vertices of larger numbers
-    if (!first.allocate_filled(call.memory, size_t{n} + 1, 0u) || !filled.allocate_filled(call.memory, n, 0u)
-        || !fine.allocate(call.memory, 16 * count))
-        return call.out_of_memory();
-    const auto lower = [](uint32_t a, uint32_t b) { return a < b ? a : b; };
-    for (size_t i = 0; i < 4 * count; ++i)
-        ++first[size_t{lower(quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
-    for (uint32_t v = 0; v < n; ++v) first[size_t{v} + 1] += first[v];
-    if (!edges.allocate(call.memory, first[n])) return call.out_of_memory();
-    const auto add = [&](const double* p, uint32_t side) -> Done {
-        double nearest[3];
-        const uint32_t found = walk_to_nearest(mesh, position, side, p, nearest);
-        return quads.positions.push(nearest[0]) && quads.positions.push(nearest[1]) && quads.positions.push(nearest[2])
-            && quads.sides.push(found) && quads.held.push(0);
-    };
-    // The last vertex, if the line on which one end lies passes near the middle.
-    const auto stay_on_crease = [&](const double* p, uint32_t low, uint32_t high) {
-        double nearest[3];
-        const uint32_t found = walk_along_sharp_edges(mesh, position, quads.sides[low], p, nearest);
-        const Point off = point(nearest, 0) - point(p, 0), side = at(quads, high) - at(quads, low);
-        if (dot(off, off) > NEAR_CREASE * NEAR_CREASE * dot(side, side)) return;
-        const uint32_t v = quads.vertex_count() - 1;
-        quads.put(v, nearest, found);
-        quads.held[v] = ON_CREASE;
-    };
-    const size_t vertices = n + 3 * count + 2;
-    if (!quads.positions.reserve(3 * vertices) || !quads.sides.reserve(vertices) || !quads.held.reserve(vertices))
-        return call.out_of_memory();
-    for (size_t q = 0; q < count; ++q) {
-        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
-        uint32_t middle[4];
-        double p[3] = {0, 0, 0};
-        for (size_t k = 0; k < 4; ++k) {
-            const uint32_t a = quads.quads[4 * q + k], b = quads.quads[4 * q + (k + 1) % 4];
-            const uint32_t low = lower(a, b), high = a + b - low;
-            uint32_t i = first[low];
-            while (i < first[low] + filled[low] && edges[i].other != high) ++i;
-            if (i == first[low] + filled[low]) {
-                edges[i] = {high, quads.vertex_count()};
-                ++filled[low];
-                for (size_t c = 0; c < 3; ++c)
-                    p[c] = 0.5 * (quads.positions[size_t{3} * low + c] + quads.positions[size_t{3} * high + c]);
-                if (!add(p, quads.sides[low])) return call.out_of_memory();
-                if (quads.held[low] == ON_CREASE && quads.held[high] == ON_CREASE) stay_on_crease(p, low, high);
-            }
-            middle[k] = edges[i].middle;
-        }
-        for (size_t c = 0; c < 3; ++c) {
-            p[c] = 0;
-            for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads.positions[size_t{3} * middle[k] + c];
-        }
-        const uint32_t centre = quads.vertex_count();
-        if (!add(p, quads.sides[middle[0]])) return call.out_of_memory();
-        for (size_t k = 0; k < 4; ++k) {
-            const uint32_t quad[4] = {quads.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
-            // a-d and b-c lie on leaves, as before.
-            for (size_t c = 0; c < 4; ++c) fine[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
-        }
+
+    // Room for the edges of each vertex to those of larger numbers.
+    Done list_edges() {
+        const uint32_t n = quads_.vertex_count();
+        if (!first_.allocate_filled(call_.memory, size_t{n} + 1, 0u) || !filled_.allocate_filled(call_.memory, n, 0u))
+            return false;
+        for (size_t i = 0; i < quads_.quads.size(); ++i)
+            ++first_[size_t{std::min(quads_.quads[i], quads_.quads[i / 4 * 4 + (i + 1) % 4])} + 1];
+        for (uint32_t v = 0; v < n; ++v) first_[size_t{v} + 1] += first_[v];
+        return edges_.allocate(call_.memory, first_[n]);
     }
-    quads.quads.swap(fine);
-    return HMF_OK;
+
+    // A vertex near p, where the surface is nearest.
+    Done add(const double* p, uint32_t side) {
+        double nearest[3];
+        const uint32_t found = walk_to_nearest(mesh_, position_, side, p, nearest);
+        return quads_.add_vertex(nearest, found);
+    }
+
+    // The last vertex, if the line on which one end lies passes near the middle.
+    void stay_on_crease(const double* p, uint32_t low, uint32_t high) {
+        double nearest[3];
+        const uint32_t found = walk_along_sharp_edges(mesh_, position_, quads_.sides[low], p, nearest);
+        const Point off = point(nearest, 0) - point(p, 0), side = at(quads_, high) - at(quads_, low);
+        if (dot(off, off) > NEAR_CREASE * NEAR_CREASE * dot(side, side)) return;
+        const uint32_t v = quads_.vertex_count() - 1;
+        quads_.put(v, nearest, found);
+        quads_.held[v] = ON_CREASE;
+    }
+
+    // The vertex in the middle of an edge, made where it is met first.
+    Done find_middle(uint32_t a, uint32_t b, uint32_t& middle) {
+        const uint32_t low = std::min(a, b), high = std::max(a, b);
+        uint32_t i = first_[low];
+        while (i < first_[low] + filled_[low] && edges_[i].other != high) ++i;
+        if (i == first_[low] + filled_[low]) {
+            edges_[i] = {high, quads_.vertex_count()};
+            ++filled_[low];
+            double p[3];
+            for (size_t c = 0; c < 3; ++c)
+                p[c] = 0.5 * (quads_.positions[size_t{3} * low + c] + quads_.positions[size_t{3} * high + c]);
+            if (!add(p, quads_.sides[low])) return false;
+            if (quads_.held[low] == ON_CREASE && quads_.held[high] == ON_CREASE) stay_on_crease(p, low, high);
+        }
+        middle = edges_[i].middle;
+        return true;
+    }
+
+    Done divide(size_t q) {
+        uint32_t middle[4];
+        for (size_t k = 0; k < 4; ++k)
+            if (!find_middle(quads_.quads[4 * q + k], quads_.quads[4 * q + (k + 1) % 4], middle[k])) return false;
+        double p[3] = {0, 0, 0};
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < 4; ++k) p[c] += 0.25 * quads_.positions[size_t{3} * middle[k] + c];
+        const uint32_t centre = quads_.vertex_count();
+        if (!add(p, quads_.sides[middle[0]])) return false;
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t quad[4] = {quads_.quads[4 * q + k], middle[k], centre, middle[(k + 3) % 4]};
+            // a-d and b-c lie on leaves, as before.
+            for (size_t c = 0; c < 4; ++c) fine_[16 * q + 4 * k + c] = quad[(c + 4 - k) % 4];
+        }
+        return true;
+    }
+
+    const Mesh& mesh_;
+    const double* position_;
+    QuadMesh& quads_;
+    Call& call_;
+    Array<uint32_t> first_, filled_; // per vertex: of edges_, and how many there are
+    Array<Edge> edges_;              // of each vertex those to vertices of larger numbers
+    Array<uint32_t> fine_;           // the new quads
+};
+
+} // namespace
+
+hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
+    return Refinement(mesh, position, quads, call).run() ? HMF_OK : call.stopped();
 }
 
 } // namespace hmf
