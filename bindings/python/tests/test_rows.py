@@ -86,6 +86,16 @@ def test_options(pretzel: Mesh, tmp_path: Path) -> None:
         solve_row({"mesh": pretzel}, tolerence=1)
 
 
+def test_several_components_are_named(pretzel: Mesh) -> None:
+    two = np.vstack([pretzel[0], pretzel[0] + 10]), np.vstack([pretzel[1], pretzel[1] + len(pretzel[0])])
+    result = solve_row({"mesh": two})
+    assert not result["ok"] and result["status"] == "ERROR_MESH_COMPONENTS" and result["class"] == ""
+    assert "solve_components" in result["message"]
+    rows = [row.row for row in foliations.solve_components(*two)]
+    assert [row["ok"] for row in rows] == [True, True]
+    assert set(rows[0]) - set(result) == {"component", "boundaries"}
+
+
 def test_a_limit_is_a_column_and_no_warning(large: Mesh) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -23,6 +23,8 @@ _INPUT = ("mesh", "positions", "triangles", "loops", "weights", *_BUILD, *_SOLVE
 # Not carried on: the mesh may be large, and these are lists, or lists of lists.
 _DROPPED = ("positions", "triangles", "loops", "weights", "marked_vertices")
 
+_COMPONENTS = " In Python: foliations.solve_components, which has a row for each (ComponentRow.row)."
+
 
 def _given(value: Any) -> bool:
     """Whether a column has a value: tables have None or NaN where it has none."""
@@ -66,7 +68,8 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
         ``energy``, ``residual_max``, ``class`` (:attr:`Report.class_state`),
         ``build_seconds``, ``solve_seconds``.
         Each column has one type: where there is no result, numbers are -1 or
-        NaN and texts are empty.
+        NaN and texts are empty.  A mesh of several components has no result:
+        :func:`solve_components` has a row for each.
     """
     unknown = set(defaults) - set(_INPUT)
     if unknown:
@@ -107,6 +110,8 @@ def solve_row(row: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
         result.update(ok=False, error=type(error).__name__, message=str(error))
         if isinstance(error, Error):
             result.update(message=error.message, status=error.status.name)
+            if error.status == Status.ERROR_MESH_COMPONENTS:
+                result["message"] += _COMPONENTS
     finally:
         quiet.reset(token)
     return result
