@@ -1,7 +1,7 @@
 // The zeros of a cluster with vertices of the boundary, and the arcs along it; the
 // double is exactly symmetric.
 //
-// So is a ring of vertices round a tube, off the boundary, each of which is its own root.
+// A ring of vertices round a tube, off the boundary, is taken apart in the same way: each is its own root.
 //
 // Every vertex of the cluster belongs to the vertex of the boundary that is nearest
 // along zero edges, its root.  Prongs leave at closed corners; their roots and the
