@@ -151,6 +151,18 @@ private:
         }
     }
 
+    // For tests of the guard: the step so many times, within its bounds.
+    void lengthen(double factor) {
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+            double& d = model_.d[v];
+            d *= factor;
+            if (d < static_cast<double>(model_.lower[v])) d = static_cast<double>(model_.lower[v]);
+            if (d > static_cast<double>(model_.upper[v])) d = static_cast<double>(model_.upper[v]);
+        }
+        set_values(1);
+        find_suspects();
+    }
+
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
         if (!propose(effort, tight)) return interrupted(w_.call);
@@ -160,17 +172,7 @@ private:
         double factor = 1;
         uint32_t radius = steering::first_rings_held, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
-        if (unchecked) {
-            for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
-                model_.d[v] *= w_.options.unchecked;
-                if (model_.d[v] < static_cast<double>(model_.lower[v]))
-                    model_.d[v] = static_cast<double>(model_.lower[v]);
-                if (model_.d[v] > static_cast<double>(model_.upper[v]))
-                    model_.d[v] = static_cast<double>(model_.upper[v]);
-            }
-            set_values(1);
-            find_suspects();
-        }
+        if (unchecked) lengthen(w_.options.unchecked);
         for (uint32_t attempt = 0; attempt < steering::attempts && factor > steering::least_factor; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
