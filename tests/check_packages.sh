@@ -50,6 +50,9 @@ from pathlib import Path
 root = Path(sys.argv[1])
 texts = {p: (root / p).read_text() for p in ("bindings/rust/Cargo.toml", "bindings/python/pyproject.toml", "bindings/packaging/conan/conanfile.py", "CITATION.cff")}
 package = json.loads((root / "bindings/javascript/package.json").read_text())
+names = [package["name"]] + [re.search('^name = "(.*)"', (root / "bindings" / p).read_text(), re.M)[1] for p in
+                             ("python/pyproject.toml", "rust/foliations/Cargo.toml", "rust/foliations-sys/Cargo.toml")]
+assert names == ["foliations"] * 3 + ["foliations-sys"], names  # one name on every registry; hmf is another project there
 assert package["license"] == "MIT" and package["author"] == "hmf contributors" and len(package["keywords"]) > 3
 for path, text in texts.items():
     for word in ("MIT", "hmf contributors", "foliation"):

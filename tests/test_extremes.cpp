@@ -1,12 +1,14 @@
 // Meshes and moments at the limits: vertices of high degree, needles that
 // rounding can be seen at, surfaces that are much longer than wide, a stop at any call of the progress function.
 #include "support/meter.hpp"
+#include "support/read_obj.hpp"
 #include "support/surface.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "../src/api/foliation_object.hpp"
 #include "../src/foliation/coarser_unit.hpp"
@@ -115,6 +117,22 @@ TEST(Extremes, NeedlesNeedAFinerUnitAndNotMoreSteps) {
     EXPECT_EQ(outcome.status, HMF_OK);
     EXPECT_LE(outcome.report.residual_max, 1e-8);
     EXPECT_LE(finest_linear_solves(outcome), 7u);
+}
+
+// Limbs with zeros deep inside, which have far to go on level 0: where a step fails, all places that it broke are held.
+TEST(Extremes, ZerosDeepInLimbs) {
+    const char* const folder = std::getenv("HMF_MESHES");
+    TriMesh mesh;
+    if (!folder || !read_obj(std::string(folder) + "/boot_40k.obj", mesh))
+        GTEST_SKIP() << "skipped: set HMF_MESHES to a folder with boot_40k.obj";
+    for (const double angle : {5.50128, 6.13556}) {
+        const Hierarchy hierarchy(transformed(mesh, rotation(0, 1, 0, angle)));
+        ASSERT_TRUE(hierarchy);
+        const Solution outcome = run(hierarchy);
+        EXPECT_EQ(outcome.status, HMF_OK) << angle;
+        EXPECT_LE(outcome.report.residual_max, 1e-8);
+        EXPECT_LE(finest_linear_solves(outcome), 13u) << angle; // 16 where only the first place was held
+    }
 }
 
 // Short ways round the thin direction are very many: the search is not to get

@@ -163,7 +163,7 @@ void light_all(size_t count, const float* __restrict x, const float* __restrict 
         // Towards the camera.
         const float uz = 1 / std::sqrt(x[k] * x[k] + y[k] * y[k] + 1), ux = -x[k] * uz, uy = -y[k] * uz;
         // A normal that points away from the camera is bent to its outline.
-        const float shorter = 1 / std::sqrt(nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k]);
+        const float shorter = 1 / std::sqrt(nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k] + 1e-30f);
         float a = nx[k] * shorter, b = ny[k] * shorter, c = nz[k] * shorter;
         const float away = -positive(-(a * ux + b * uy + c * uz));
         const float bent = 1 / std::sqrt(1 - 0.9996f * away * away);

@@ -16,6 +16,7 @@
 #include <cstdio>
 #include <map>
 
+#include "counted.hpp"
 #include "drawing.hpp"
 #include "normals.hpp"
 
@@ -347,10 +348,6 @@ void draw_legend(Image& image, const std::vector<LegendRow>& rows, const Canvas&
     }
 }
 
-std::string plural(size_t count, const std::string& what) {
-    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 // The surface, or the quads in halves: a, b, c and a, c, d.
 struct Shape {
     std::vector<Vec> points;
@@ -461,17 +458,17 @@ std::vector<LegendRow> legend_rows(Pattern pattern, double period, size_t quad_c
     case Pattern::scale:
         rows.push_back({LegendRow::none, {}, "|grad u|: white the mean, blue a quarter, red four times"});
         break;
-    case Pattern::quads: rows.push_back({LegendRow::none, {}, plural(quad_count, "quad")}); break;
+    case Pattern::quads: rows.push_back({LegendRow::none, {}, counted(quad_count, "quad")}); break;
     }
     for (const auto& [order, count] : census.zeros)
         rows.push_back({LegendRow::ball, BLUE_INK,
-                        plural(count[0], "zero") + " of order " + std::to_string(order) + ", "
+                        counted(count[0], "zero") + " of order " + std::to_string(order) + ", "
                             + std::to_string(count[1]) + " seen"});
-    if (census.poles > 0) rows.push_back({LegendRow::ball, YELLOW_INK, plural(census.poles, "pole")});
+    if (census.poles > 0) rows.push_back({LegendRow::ball, YELLOW_INK, counted(census.poles, "pole")});
     if (census.marks > 0)
         rows.push_back({LegendRow::ball, VIOLET_INK,
                         std::to_string(census.marks) + (census.marks == 1 ? " marked vertex" : " marked vertices")});
-    if (loops > 0) rows.push_back({LegendRow::bar, GREEN_INK, plural(loops, "loop")});
+    if (loops > 0) rows.push_back({LegendRow::bar, GREEN_INK, counted(loops, "loop")});
     return rows;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "counted.hpp"
 #include "marks.hpp"
 #include "write_results.hpp"
 
@@ -61,12 +62,11 @@ void Run::report() {
         summary += std::to_string(components_.size()) + " components, "
                  + std::to_string(components_.size() - outcome_.notes.size()) + " solved, ";
     char line[300];
-    std::snprintf(line, sizeof line,
-                  "genus %.0f, %zu edges, %zu loops, energy %.10g, residual %.2g, class %s, %.0f zeros, %.0f "
-                  "poles, %.2f s",
-                  number(*json.find("mesh"), "genus"), f_.values.size(), loop_count_, number(json, "energy"),
-                  number(json, "residual_max"), json.find("class")->text()->c_str(), number(json, "zeros"),
-                  number(json, "poles"), seconds);
+    std::snprintf(line, sizeof line, "genus %.0f, %zu edges, %s, energy %.10g, residual %.2g, class %s, %s, %s, %.2f s",
+                  number(*json.find("mesh"), "genus"), f_.values.size(), counted(loop_count_, "loop").c_str(),
+                  number(json, "energy"), number(json, "residual_max"), json.find("class")->text()->c_str(),
+                  counted(static_cast<size_t>(number(json, "zeros")), "zero").c_str(),
+                  counted(static_cast<size_t>(number(json, "poles")), "pole").c_str(), seconds);
     outcome_.summary = summary + line;
     if (r_.count > 0 && quads_ > 0)
         outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, " + std::to_string(irregular_)

@@ -1,6 +1,8 @@
 // The zeros of a cluster with vertices of the boundary, and the arcs along it; the
 // double is exactly symmetric.
 //
+// A ring of vertices round a tube, off the boundary, is taken apart in the same way: each is its own root.
+//
 // Every vertex of the cluster belongs to the vertex of the boundary that is nearest
 // along zero edges, its root.  Prongs leave at closed corners; their roots and the
 // marked vertices of the boundary are the places of zeros.  A run is a part of the circle
@@ -26,11 +28,26 @@ struct CriticalGraph::Places {
     uint32_t at(const Foliation& f, uint32_t h) const { return zero.find(root.find(f.mesh.origin[h])); }
 };
 
+// Vertices and zero edges of the cluster in f.members are one closed path off the boundary: round a thin tube.
+bool CriticalGraph::is_closed_path(const Foliation& f) const {
+    for (const uint32_t v : f.members) {
+        if (on_boundary[v] || f.mesh.is_marked(v)) return false;
+        uint32_t edges = 0;
+        for (const uint32_t h : f.mesh.around(v)) {
+            if (f.at(h) != 0) continue;
+            ++edges;
+            if (f.at(f.mesh.next[h]) == 0) return false; // a triangle of them is a disk
+        }
+        if (edges != 2) return false;
+    }
+    return true;
+}
+
 // The cluster in f.members: a disk, or a ring round a boundary curve without marked vertices, which would keep its two
 // circles apart. A ring across boundaries, the double of a way from one to another, goes round a part of the surface.
 bool CriticalGraph::can_be_taken_apart(const Foliation& f, int64_t euler) const {
     if (!on_boundary || euler < 0) return false;
-    if (euler == 1) return true;
+    if (euler == 1 || is_closed_path(f)) return true;
     // Vertices on stretches of boundary that end are met from both ends.
     const auto along = [&](uint32_t v, uint32_t other) {
         for (const uint32_t h : f.mesh.around(v))
@@ -54,8 +71,9 @@ bool CriticalGraph::can_be_taken_apart(const Foliation& f, int64_t euler) const 
 // The root of each member of the cluster in f.members; any: there is one.
 Done CriticalGraph::find_roots(const Foliation& f, SparseMap& root, bool& any) {
     circle_.clear();
+    const bool is_path = is_closed_path(f);
     for (const uint32_t v : f.members)
-        if (on_boundary[v] && (!root.set(v, v) || !circle_.push(v))) return false;
+        if ((on_boundary[v] || is_path) && (!root.set(v, v) || !circle_.push(v))) return false;
     any = !circle_.empty();
     // Of several roots as near the lowest, in front and behind.
     heap_sort(circle_.data(), circle_.size(), [](uint32_t a, uint32_t b) { return a < b; });

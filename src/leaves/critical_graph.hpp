@@ -138,6 +138,7 @@ private:
                                          const uint32_t* cluster, Call& call);
     struct Run;
     struct Places;
+    bool is_closed_path(const Foliation& f) const;
     bool can_be_taken_apart(const Foliation& f, int64_t euler) const;
     Done add_zeros_on_boundary(Foliation& f, int32_t index, bool& done);
     Done find_roots(const Foliation& f, SparseMap& root, bool& any);

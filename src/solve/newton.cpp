@@ -47,11 +47,11 @@ public:
         const Mesh& mesh = f_.mesh;
         const size_t n = mesh.vertex_count;
         patch_.start(memory);
-        near_.start(memory);
+        picked_.start(memory);
         suspect_.start(memory);
         return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, n)
-            && expected_.allocate(memory, n) && distance_.allocate(memory, n) && patch_.reserve(n) && near_.reserve(n)
-            && suspect_.reserve(n);
+            && expected_.allocate(memory, n) && distance_.allocate(memory, n) && patch_.reserve(n)
+            && picked_.reserve(n + size_t{1}) && suspect_.reserve(n);
     }
 
     // Signs, energy and residual of the foliation as it is.
@@ -94,12 +94,12 @@ public:
     // Moves at the vertices within some rings of the zeros.
     void relax_near_zeros(uint32_t rings_around, uint32_t rounds) {
         const Mesh& mesh = f_.mesh;
-        near_.clear();
+        picked_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
         const auto add = [&](uint32_t v, uint32_t ring) {
             if (distance_[v] != NONE) return;
             distance_[v] = ring;
-            near_.add(v);
+            picked_.add(v);
         };
         // Every zero is where it was before the step, or at a vertex next to that.
         for (uint32_t v : model_.resting) add(v, 0);
@@ -107,16 +107,16 @@ public:
             const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
             for (uint32_t g : corners) add(mesh.origin[g], 0);
         }
-        for (size_t i = 0; i < near_.size(); ++i) {
-            const uint32_t v = near_[i];
+        for (size_t i = 0; i < picked_.size(); ++i) {
+            const uint32_t v = picked_[i];
             if (distance_[v] == rings_around) continue;
             for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t)
                 add(w_.rings.neighbour[t], distance_[v] + 1);
         }
         SweepResult result;
         for (uint32_t r = 0; r < rounds && go_on(); ++r)
-            for (size_t i = 0; i < near_.size(); ++i)
-                relax_vertex(f_, w_.rings, weight_, near_[r % 2 ? near_.size() - 1 - i : i], w_.star, result);
+            for (size_t i = 0; i < picked_.size(); ++i)
+                relax_vertex(f_, w_.rings, weight_, picked_[r % 2 ? picked_.size() - 1 - i : i], w_.star, result);
     }
 
 private:
@@ -151,26 +151,28 @@ private:
         }
     }
 
+    // For tests of the guard: the step so many times, within its bounds.
+    void lengthen(double factor) {
+        for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
+            double& d = model_.d[v];
+            d *= factor;
+            if (d < static_cast<double>(model_.lower[v])) d = static_cast<double>(model_.lower[v]);
+            if (d > static_cast<double>(model_.upper[v])) d = static_cast<double>(model_.upper[v]);
+        }
+        set_values(1);
+        find_suspects();
+    }
+
     // Leaves the values changed where it is not accepted.
     hmf_status try_step(const Effort& effort, double& accepted, bool& tight) {
         if (!propose(effort, tight)) return interrupted(w_.call);
-        // Where the step went too far, the neighbourhood stays as it is.  If the
-        // energy rises, the bounds hold back too much: the others are solved
-        // for once more.  If nothing helps, all take a shorter step.
+        // Where the step went too far, and wherever else it made extrema or moved zeros, the
+        // neighbourhood stays as it is.  If the energy rises, the bounds hold back too much: the others
+        // are solved for once more.  If nothing helps, all take a shorter step.
         double factor = 1;
         uint32_t radius = steering::first_rings_held, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
-        if (unchecked) {
-            for (uint32_t v = 0; v < f_.mesh.vertex_count; ++v) {
-                model_.d[v] *= w_.options.unchecked;
-                if (model_.d[v] < static_cast<double>(model_.lower[v]))
-                    model_.d[v] = static_cast<double>(model_.lower[v]);
-                if (model_.d[v] > static_cast<double>(model_.upper[v]))
-                    model_.d[v] = static_cast<double>(model_.upper[v]);
-            }
-            set_values(1);
-            find_suspects();
-        }
+        if (unchecked) lengthen(w_.options.unchecked);
         for (uint32_t attempt = 0; attempt < steering::attempts && factor > steering::least_factor; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
@@ -178,6 +180,7 @@ private:
                 if (!go_on()) return interrupted(w_.call);
                 find_suspects();
             }
+            list_unsound();
             const bool sound = settle(factor) && (unchecked || zeros_are_in_place());
             if (!go_on()) return interrupted(w_.call);
             if (sound) energy_change_ = energy_change();
@@ -210,7 +213,10 @@ private:
                 if (!solve_between_bounds(effort.tight, effort.residual)) return interrupted(w_.call);
             } else if (too_far_ != NONE && attempt < steering::mending_attempts) {
                 if ((attempt + 1) % steering::widen_every == 0) ++radius;
-                model_.freeze(f_, w_.rings, too_far_, radius, patch_, distance_);
+                // Where the certificate judges, zeros may move: there one place at a time is held.
+                if (w_.gated || unchecked) picked_.clear();
+                picked_.add(too_far_);
+                model_.freeze(f_, w_.rings, picked_, radius, patch_, distance_);
             } else {
                 factor *= 0.5;
             }
@@ -249,7 +255,7 @@ private:
         }
         any = !held.empty() && held.size() < steering::most_overturned;
         if (!any) return true;
-        for (const uint32_t v : held) model_.freeze(f_, w_.rings, v, 1, patch_, distance_);
+        model_.freeze(f_, w_.rings, held, 1, patch_, distance_);
         return true;
     }
 
@@ -411,6 +417,15 @@ private:
         return extrema;
     }
 
+    // Of the suspects those that nothing but a move can make sound.
+    void list_unsound() {
+        picked_.clear();
+        for (const uint32_t v : suspect_) {
+            const Shape s = shape(v);
+            if (s != Shape::sound && s != Shape::has_zero) picked_.add(v);
+        }
+    }
+
     void suspect(uint32_t v) {
         if (suspect_.size() < f_.mesh.vertex_count) suspect_.add(v);
         else check_all_ = true;
@@ -516,7 +531,8 @@ private:
     bool smooth_only_;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
-    Array<uint32_t> patch_, near_, distance_;
+    Array<uint32_t> patch_, distance_;
+    Array<uint32_t> picked_;  // vertices near zeros, or those that a step has made unsound
     Array<uint32_t> suspect_; // vertices that may be unsound after a step,
     bool check_all_ = false;  // unless all may be
     // Two steps and a value, and two of these sums, have no more than 63 bits.

@@ -337,18 +337,19 @@ uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uin
     return active;
 }
 
-void TwistedModel::freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch,
-                          Array<uint32_t>& distance) {
+void TwistedModel::freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
+                          Array<uint32_t>& patch, Array<uint32_t>& distance) {
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
-    // Rings of unknowns round v; distance counts up and is set back below.
+    // Rings of unknowns round them; distance counts up and is set back below.
     const auto add = [&](uint32_t k, uint32_t ring) {
         if (rests[k] || distance[k] != NONE) return;
         distance[k] = ring;
         patch.add(k);
     };
-    add(v, 0);
-    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) add(f.mesh.target(rings.side[t].half_edge), 1);
+    for (const uint32_t v : from) add(v, 0);
+    for (const uint32_t v : from)
+        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) add(f.mesh.target(rings.side[t].half_edge), 1);
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
         if (distance[k] >= radius) continue;

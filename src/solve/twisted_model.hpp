@@ -66,10 +66,10 @@ struct TwistedModel {
     void fix_active();
     // Of those, the ones that want to leave their bound do so; true: there were any.
     bool release();
-    // Keeps the vertices within some rings of v where they are, and lets the
+    // Keeps the vertices within some rings of those where they are, and lets the
     // others take that over.
-    void freeze(const Foliation& f, const Rings& rings, uint32_t v, uint32_t radius, Array<uint32_t>& patch,
-                Array<uint32_t>& distance);
+    void freeze(const Foliation& f, const Rings& rings, const Array<uint32_t>& from, uint32_t radius,
+                Array<uint32_t>& patch, Array<uint32_t>& distance);
     // New value of d_v from its neighbours, within the bounds.
     double relaxed(uint32_t unknown_index) const;
     // d_k has come to a bound, and which one, exactly.
