@@ -12,7 +12,7 @@ hmf_status refuse_build_options(Call& call);
 // For calls whose result is no hierarchy.
 class MeshEntry {
     Control control_;
-    hmf_build_options all_;
+    hmf_build_options all_{};
 
 public:
     BuildOptions options;
