@@ -273,12 +273,7 @@ TEST(Quads, TrianglesThatAreFlatUpToRounding) {
                 Made made[2];
                 for (const size_t k : {0, 1}) {
                     TriMesh mesh = torus(n, n, 2, 1, {true, 1, jitter, 7});
-                    const uint32_t* const corner = &mesh.triangles[3 * t];
-                    for (size_t c = 0; c < 3; ++c) {
-                        double& x = mesh.positions[3 * corner[0] + c];
-                        x = 0.5 * (mesh.positions[3 * corner[1] + c] + mesh.positions[3 * corner[2] + c]);
-                        if (k == 1) x = std::nextafter(x, c == 1 ? -9 : 9);
-                    }
+                    flatten(mesh, t, k == 1);
                     const Hierarchy hierarchy(mesh, build);
                     const Solution solution = solve(hierarchy, nullptr, solve_options(0, 0));
                     ASSERT_TRUE(solution.foliation);

@@ -269,6 +269,15 @@ TriMesh plate(size_t holes) {
     return holed_plate(holes, xs, {0, 1, 2, 3}, {0, 1});
 }
 
+void flatten(TriMesh& mesh, size_t triangle, bool up_to_rounding) {
+    const uint32_t* const corner = &mesh.triangles[3 * triangle];
+    for (size_t c = 0; c < 3; ++c) {
+        double& x = mesh.positions[3 * corner[0] + c];
+        x = 0.5 * (mesh.positions[3 * corner[1] + c] + mesh.positions[3 * corner[2] + c]);
+        if (up_to_rounding) x = std::nextafter(x, c == 1 ? -9 : 9);
+    }
+}
+
 TriMesh thin_plate(size_t holes, double aspect) {
     std::vector<double> xs{0};
     for (size_t i = 0; i <= 2 * holes; ++i) xs.push_back(xs.back() + (i % 2 ? 1 : 1 / aspect));

@@ -62,6 +62,9 @@ TriMesh plate(size_t holes);
 // The same with edges of very different lengths: triangles of aspect about `aspect`.
 TriMesh thin_plate(size_t holes, double aspect);
 
+// Moves the first vertex of a triangle to the middle of the other two: flat, or flat up to rounding.
+void flatten(TriMesh& mesh, size_t triangle, bool up_to_rounding);
+
 // plate, refined and rounded.
 TriMesh pretzel(size_t holes, size_t refinements, size_t smoothings = 4);
 
