@@ -1,0 +1,92 @@
+// Relaxed quads on a sharp edge: an edge of a box with a row of squares on each of its two faces.
+//
+//     o---o---o---o      on top, held
+//     |   |   |   |
+//     x--x-----x--x      on the edge: they slide along it until they are even
+//     |   |   |   |
+//     o---o---o---o      on the side, held
+#include "../src/quads/relax_quads.hpp"
+#include "../src/quads/sharp_edges.hpp"
+#include "support/make_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace {
+
+using hmf::Mesh;
+
+constexpr uint32_t COLUMNS = 7;
+
+// A half-edge of a triangle, or of a sharp edge, all of whose corners have these y and z.
+uint32_t half_edge_at(const Mesh& mesh, const double* position, bool sharp, double y, double z) {
+    const auto lies = [&](uint32_t v) {
+        return (y < 0 || position[3 * v + 1] == y) && (z < 0 || position[3 * v + 2] == z);
+    };
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+        if (lies(mesh.origin[h]) && lies(mesh.target(h))
+            && (sharp ? hmf::is_sharp(mesh, position, h) : lies(mesh.origin[mesh.prev(h)])))
+            return h;
+    return hmf::NONE;
+}
+
+class OnAnEdge : public ::testing::Test {
+protected:
+    OnAnEdge() :
+        memory(nullptr, nullptr, nullptr, 0), call(memory, nullptr, nullptr, nullptr), made(test::plate(2, 1, 2)) {
+        mesh = made.mesh();
+        const double* const position = made.positions.data();
+        const uint32_t side[3] = {half_edge_at(mesh, position, false, -1, 1), half_edge_at(mesh, position, true, 0, 1),
+                                  half_edge_at(mesh, position, false, 0, -1)};
+        std::mt19937 random(3);
+        std::uniform_real_distribution<double> off(-0.15, 0.15);
+        quads.start(memory);
+        bool room = true;
+        for (uint32_t row = 0; row < 3; ++row)
+            for (uint32_t i = 0; i < COLUMNS; ++i) {
+                const bool slides = row == 1 && i > 0 && i + 1 < COLUMNS;
+                room = room && quads.positions.push(even(i) + (slides ? off(random) : 0))
+                    && quads.positions.push(row == 0 ? 0.5 : 0) && quads.positions.push(row == 2 ? 0.5 : 1)
+                    && quads.sides.push(side[row]) && quads.held.push(slides ? hmf::ON_CREASE : uint8_t{1});
+            }
+        for (uint32_t row = 0; row < 2; ++row)
+            for (uint32_t i = 0; i + 1 < COLUMNS; ++i)
+                for (const uint32_t v :
+                     {(row + 1) * COLUMNS + i, (row + 1) * COLUMNS + i + 1, row * COLUMNS + i + 1, row * COLUMNS + i})
+                    room = room && quads.quads.push(v);
+        EXPECT_TRUE(room);
+    }
+
+    static double even(uint32_t column) { return 1 + 0.5 * column; }
+    bool is_on_the_edge(uint32_t v) const { return quads.positions[3 * v + 1] == 0 && quads.positions[3 * v + 2] == 1; }
+
+    hmf::Memory memory;
+    hmf::Call call;
+    test::MadeMesh made;
+    Mesh mesh;
+    hmf::QuadMesh quads;
+};
+
+} // namespace
+
+TEST_F(OnAnEdge, VerticesSlide) {
+    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, false, quads, call), HMF_OK);
+    for (uint32_t i = 0; i < COLUMNS; ++i) {
+        EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
+        EXPECT_NEAR(quads.positions[3 * (COLUMNS + i)], even(i), 1e-6);
+    }
+}
+
+// The middle of a side on the edge slides along it as well.
+TEST_F(OnAnEdge, FinerQuadsStay) {
+    ASSERT_EQ(hmf::refine_quads(mesh, made.positions.data(), quads, call), HMF_OK);
+    size_t sliding = 0;
+    for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
+        if (quads.held[v] != hmf::ON_CREASE) continue;
+        ++sliding;
+        EXPECT_TRUE(is_on_the_edge(v));
+        EXPECT_TRUE(hmf::is_sharp(mesh, made.positions.data(), quads.sides[v]));
+    }
+    EXPECT_EQ(sliding, (COLUMNS - 2) + (COLUMNS - 3)); // where both ends slide
+}
