@@ -479,9 +479,7 @@ TEST(SpatialOrder, FollowsTheCurve) {
                 EXPECT_EQ(words[s], internal[mesh.triangles[3 * size_t{ordered.number(f)} + s]]);
             const uint32_t lowest = std::min({words[0], words[1], words[2]});
             EXPECT_LE(before, lowest);
-            if (f > 0 && before == lowest) {
-                EXPECT_LT(ordered.number(f - 1), ordered.number(f));
-            }
+            if (f > 0 && before == lowest) { EXPECT_LT(ordered.number(f - 1), ordered.number(f)); }
             before = lowest;
         }
     }
