@@ -272,7 +272,7 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     // Coarser levels may have more blocks than this one, or none.
     for (uint32_t k = 0; k <= (block_count > 0 ? most_blocks : 0); ++k)
         if (!queue[k].allocate(memory)) return false;
-    return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, std::max(vertex_end, edge_end))
+    return degree.allocate(memory, vertex_end) && link.allocate(memory, std::max(vertex_end, edge_end))
         && marks.allocate_filled(memory, vertex_end, 0) && at_border.allocate(memory, vertex_end)
         && bucket.allocate(memory, edge_end) && (!with_quadrics || quadrics.allocate(memory, vertex_end));
 }

@@ -82,7 +82,7 @@ struct WorkMesh {
     BucketQueue queue[most_blocks + 1];
     bool has_double_edges = false; // two vertices may have several edges
 
-    // For a mesh with room for all its elements.
+    // For a mesh with room for all its elements.  Its degrees are to be set.
     static constexpr uint32_t smallest_block_shift = 12;
     void find_blocks(); // of the mesh as it is
     Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
