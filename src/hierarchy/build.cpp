@@ -163,10 +163,15 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
-    status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
-    if (status) return status;
-    is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
-    if (is_delaunay_) metric_ = Metric();
+    if (options_.has_weights) {
+        status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
+        if (status) return status;
+        is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
+        if (is_delaunay_) metric_ = Metric();
+    } else { // as if it were Delaunay
+        std::memset(weight_, 0, edge_count_ * sizeof(double));
+        is_delaunay_ = true;
+    }
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
