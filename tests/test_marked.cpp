@@ -370,7 +370,8 @@ TEST(Marked, EvenZerosWithoutOrientation) {
     ASSERT_TRUE(below);
     const LevelMesh level = read_level(below, 0);
     Loops loops;
-    loops.add(section(level, [](const double* x) { return x[0] - 0.0123; }, [](const double*) { return 1.0; }));
+    loops.add(section(
+        level, [](const double* x) { return x[0] - 0.0123; }, [](const double*) { return 1.0; }));
     const Solution solution = solve(below, &loops, solve_options(HMF_METHOD_NEWTON, 0));
     expect_report(solution, 0, 4);
     // The two vertices nearest to two places inside of the faces, away from the critical leaves through the corners.
