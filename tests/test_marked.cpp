@@ -376,6 +376,23 @@ TEST(Marked, OneMarkOnATorusChangesNothing) {
     EXPECT_LE(largest_difference(a.values, b.values), 1e-8);
 }
 
+// All leaves turn back at a marked vertex, so it is balanced wherever the foliation is: only the others can move.
+TEST(Marked, ResidualIsOfTheOthers) {
+    const Hierarchy hierarchy(sphere(3, 0.3, 4), with_marks({3, 40, 77, 90, 120, 131}, 0.5, 40));
+    ASSERT_TRUE(hierarchy);
+    const LevelMesh level = read_level(hierarchy, 0);
+    const Foliation rough = interpolate(initialize(hierarchy, library_loops(hierarchy, hierarchy.coarsest())), 0);
+    const Solution best = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    const std::vector<double> before = residuals(rough, level.vertex_count);
+    const std::vector<double> after = residuals(create(hierarchy, 0, best.values), level.vertex_count);
+    for (const uint32_t mark : {3, 40, 77, 90, 120, 131}) {
+        EXPECT_EQ(before[mark], 0) << mark;
+        EXPECT_EQ(after[mark], 0) << mark;
+    }
+    EXPECT_GT(*std::max_element(before.begin(), before.end()), 0.01);
+    EXPECT_LE(*std::max_element(after.begin(), after.end()), 1e-6);
+}
+
 TEST(Marked, LoopsAreChecked) {
     const TriMesh mesh = tetrahedron(12);
     const Marks marks = {0, 1, 2, 3};

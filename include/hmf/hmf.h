@@ -816,11 +816,11 @@ HMF_API hmf_status hmf_energy(const hmf_foliation *foliation, const hmf_control 
 /* residuals: vertex_count of the level.  Violation of [W] Eq. 4 at each vertex,
    max(0, 2 max_k P_k - P) / max(P, 0.01 mean P), where P_k is the sum of
    weight * F over sector k and P over all edges; sectors that are one
-   direction around a cluster of zero edges count as one.  0 everywhere means:
-   this is the unique minimum.  Where the 60 bits inside are too short for the
-   tolerance of a solve (needles, caps) it is that of values with a part of a
-   unit more at some vertices, which the foliation keeps.  Returns HMF_OK, or an
-   error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
+   direction around a cluster of zero edges count as one; 0 at marked vertices.
+   0 everywhere means: this is the unique minimum.  Where the 60 bits inside are
+   too short for the tolerance of a solve (needles, caps) it is that of values
+   with a part of a unit more at some vertices, which the foliation keeps.
+   Returns HMF_OK, or an error of classes 100, 200, or HMF_ERROR_VALUE_POLE. */
 HMF_API hmf_status hmf_residuals(const hmf_foliation *foliation, const hmf_control *control, double *residuals,
                                  size_t capacity, hmf_error *error);
 

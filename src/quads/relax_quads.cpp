@@ -25,6 +25,7 @@ constexpr uint32_t SLICE = 16384;    // vertices between ticks
 constexpr double WELL = 0.1;         // sine of a corner that needs no care
 constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
 constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
+constexpr uint64_t MOST_STEPS = 60, MORE_MOVES = 250000; // of all quads, and of single ones, to untangle bad ones
 
 class Relaxation {
 public:
@@ -96,12 +97,14 @@ private:
 
     // Where quads have a corner of nearly 180 degrees or more, some rings round them
     // are relaxed further, and then vertices moved where that helps the worst corner.
-    // Each round that was not enough is followed by one with more rings and steps.
+    // Each round that was not enough is followed by one with more rings and steps, until the moves are used up: a
+    // corner of a boundary between two leaves stays as it is.
     hmf_status untangle() {
         Memory& memory = call_.memory;
         const uint32_t n = quads_.vertex_count();
         const size_t count = quads_.quad_count();
-        for (int round = 0; round < ROUNDS; ++round) {
+        uint64_t moves = 0;
+        for (int round = 0; round < ROUNDS && moves < MOST_STEPS * count + MORE_MOVES; ++round) {
             bool any = false;
             for (size_t q = 0; q < count && !any; ++q) {
                 if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
@@ -131,8 +134,10 @@ private:
                 }
                 region_.swap(next);
             }
-            for (int k = 0; k < STEPS_ROUND_BAD * (round + 1); ++k)
+            const int steps = STEPS_ROUND_BAD * (round + 1);
+            for (int k = 0; k < steps; ++k)
                 if (!step(list_.size())) return call_.was_cancelled();
+            moves += static_cast<uint64_t>(steps) * list_.size();
             if (improve_worst()) return call_.status();
         }
         return HMF_OK;
