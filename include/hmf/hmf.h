@@ -699,7 +699,7 @@ typedef struct hmf_level_report {
     uint64_t edges;
     uint64_t raised_count;       /* edges with a raised weight */
     uint64_t iterations;         /* sweeps of Whitehead moves */
-    uint64_t linear_solves;      /* a solve that goes on with some unknowns held is one */
+    uint64_t linear_solves;      /* of the whole level; one that goes on with some unknowns held is one */
     double optimize_seconds;
     double interpolate_seconds;  /* from the next coarser level to this one */
 } hmf_level_report;
