@@ -361,7 +361,7 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
     }
 }
 
-// A pillow, and above it two sheets that meet in its corners and in two vertices more: genus 2, and both zeros are even,
+    // The vertices nearest to two places inside of the faces, away from the critical leaves through the corners.
 // but (u, v) comes back with the opposite sign round some loops.  What rounding leaves of the flux has to go round one.
 TEST(Marked, EvenZerosWithoutOrientation) {
     const TriMesh pillow = jittered_tetrahedron(24, 0.4, 5);
