@@ -361,8 +361,8 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
     }
 }
 
-    // The vertices nearest to two places inside of the faces, away from the critical leaves through the corners.
-// but (u, v) comes back with the opposite sign round some loops.  What rounding leaves of the flux has to go round one.
+// A pillow, and above it two sheets that meet in its corners and in two vertices more: genus 2, and both zeros are
+// even, but (u, v) comes back with the opposite sign round some loops.  What rounding leaves of the flux goes round one.
 TEST(Marked, EvenZerosWithoutOrientation) {
     const TriMesh pillow = jittered_tetrahedron(24, 0.4, 5);
     const Marks corners = {0, 1, 2, 3};
