@@ -362,7 +362,7 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
 }
 
 // A pillow, and above it two sheets that meet in its corners and in two vertices more: genus 2, and both zeros are
-// even, but (u, v) comes back with the opposite sign round some loops.  What rounding leaves of the flux goes round one.
+// even, but (u, v) comes back with the opposite sign round some loops: what rounding leaves of the flux goes round one.
 TEST(Marked, EvenZerosWithoutOrientation) {
     const TriMesh pillow = jittered_tetrahedron(24, 0.4, 5);
     const Marks corners = {0, 1, 2, 3};
