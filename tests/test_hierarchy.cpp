@@ -274,6 +274,7 @@ TEST(Hierarchy, BordersOfBlocksAreKnown) {
     Array<Collapse> log;
     Array<CollapseRun> runs;
     runs.start(memory);
+    std::vector<uint32_t> scratch(mesh.edge_count);
     ASSERT_TRUE(copy.allocate(mesh, memory) && work.allocate(memory, copy.of(mesh), false)
                 && log.allocate(memory, mesh.vertex_count));
     ASSERT_GE(work.block_count, 4u);
@@ -281,7 +282,8 @@ TEST(Hierarchy, BordersOfBlocksAreKnown) {
     work.position = positions.data();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) work.degree[v] = work.mesh.degree(v);
     size_t count = 0;
-    ASSERT_EQ(collapse_level(work, HMF_COLLAPSE_MIDPOINT, mesh.edge_count / 2, 4, log.data(), count, runs, call, 0, 1),
+    ASSERT_EQ(collapse_level(work, HMF_COLLAPSE_MIDPOINT, mesh.edge_count / 2, 4, log.data(), count, runs,
+                             scratch.data(), call, 0, 1),
               HMF_OK);
     ASSERT_GT(count, mesh.vertex_count / 3);
     uint32_t crossing = 0;

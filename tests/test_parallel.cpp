@@ -131,7 +131,7 @@ TEST(Parallel, SameSentenceOfADefect) {
     };
     const auto forget = [&](TriMesh& mesh) { mesh.positions.insert(mesh.positions.end(), {1, 2, 3}); };
     const std::function<void(TriMesh&)> defects[] = {turn, repeat, reverse, forget};
-    for (int round = 0; round < 24; ++round) {
+    for (int round = 0; round < 8; ++round) {
         TriMesh mesh = sound;
         for (int n = 0; n < 3; ++n) defects[round % 4](mesh);
         const auto sentence = [&](const hmf_control* control) {

@@ -163,10 +163,15 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
-    status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
-    if (status) return status;
-    is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
-    if (is_delaunay_) metric_ = Metric();
+    if (options_.has_weights) {
+        status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
+        if (status) return status;
+        is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
+        if (is_delaunay_) metric_ = Metric();
+    } else { // as if it were Delaunay
+        std::memset(weight_, 0, edge_count_ * sizeof(double));
+        is_delaunay_ = true;
+    }
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
@@ -252,20 +257,21 @@ hmf_status Builder::make_coarser(uint64_t target, uint32_t minimum) {
     const uint32_t edges_before = work_.mesh.edge_count;
     finer.collapse_begin = collapse_count_;
     finer.run_begin = runs_.size();
+    Numbering numbering;
+    if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
+        || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
+        || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)))
+        return call_.out_of_memory();
     hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum, h_.collapses,
-                                       collapse_count_, runs_, call_, from, middle);
+                                       collapse_count_, runs_, numbering.edge, call_, from, middle);
     if (status) return status;
     finer.run_end = runs_.size();
     finer.collapse_end = collapse_count_;
     if (work_.mesh.edge_count == edges_before) return HMF_OK;
-    Numbering numbering;
-    if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
-        || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
-        || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
-        return call_.out_of_memory();
+    if (!numberings_.push(numbering)) return call_.out_of_memory();
     number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering,
                  call_.parallel);
-    compact(work_, numbering);
+    compact(work_, numbering, call_.parallel);
     finer.flip_begin = flips_.size();
     status = delaunay_flips(work_, flips_, call_, middle);
     if (status) return status;

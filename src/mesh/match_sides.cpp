@@ -148,6 +148,16 @@ private:
         const uint32_t low = std::min(v[0], v[1]);
         return std::min(low, v[2]);
     }
+    // Of a face: its lowest vertex and the two others, the sides that begin there, the third one opposite.
+    struct Corners {
+        uint32_t low, v, w;
+        uint32_t first, third, last; // places: low -> v -> w -> low
+    };
+    Corners corners(uint32_t face, uint32_t low) const {
+        const uint32_t place = 4 * face, s = (words_[place + 1] == low) + 2 * (words_[place + 2] == low);
+        const uint32_t first = place + s, third = side_after(first), last = side_after(third);
+        return {low, words_[third], words_[last], first, third, last};
+    }
     uint32_t first_vertex(uint32_t k) const { return k << shift_; }
     uint32_t vertex_end(uint32_t k) const { return k + 1 == block_count_ ? mesh_.vertex_count : first_vertex(k + 1); }
 
@@ -177,22 +187,21 @@ private:
             mesh_.out[v] = NONE; // lists of those that wait begin here
         }
         uint32_t* const list = listed_ + block.face;
+        block.sides = 3 * (block.face_end - block.face);
         for (uint32_t face = block.face; face < block.face_end; ++face) {
-            const uint32_t place = 4 * face, low = lowest(face);
-            uint32_t inside = 0, waits_inside = 0, third = place + 3;
-            for (uint32_t s = 0; s < 3; ++s) {
-                const uint32_t v = words_[place + s], w = words_[side_after(place + s)];
-                if (is_in(v, k)) {
-                    ++degree_[v];
-                    ++inside;
-                }
-                if (v == low || w == low) continue;
-                waits_inside = is_in(std::min(v, w), k);
-                if (!waits_inside) third = place + s;
+            const Corners at = corners(face, lowest(face));
+            const bool has_v = is_in(at.v, k), has_w = is_in(at.w, k);
+            ++degree_[at.low];
+            if (has_v && has_w) { // nearly always
+                ++degree_[at.v];
+                ++degree_[at.w];
+                continue;
             }
-            block.sides += 2 + waits_inside;
-            list[block.listed] = third;
-            block.listed += inside < 3;
+            const bool waits_outside = !has_v && !has_w;
+            if (has_v) ++degree_[at.v];
+            if (has_w) ++degree_[at.w];
+            block.sides -= waits_outside;
+            list[block.listed++] = waits_outside ? at.third : 4 * face + 3;
         }
     }
 
@@ -250,14 +259,13 @@ private:
     void gather(uint32_t k, uint32_t low, const Keys& keys, uint32_t& face, Bucket& bucket) {
         bucket.size = 0;
         for (; face < blocks_[k].face_end; ++face) {
-            const uint32_t place = 4 * face, a = words_[place], b = words_[place + 1], c = words_[place + 2];
-            if ((a != low) & (b != low) & (c != low)) break;
-            const uint32_t s = (b == low) + 2 * (c == low); // the corner that is lowest
-            const uint32_t next = side_after(place + s), last = side_after(next), v = words_[next], w = words_[last];
-            bucket.add(keys(v, place + s), place + s);
-            bucket.add(keys(w, last), last);
-            const uint32_t lower = std::min(w, v);
-            if (is_in(lower, k)) wait(next, lower, std::max(v, w));
+            const uint32_t* const corner = words_ + size_t{4} * face;
+            if ((corner[0] != low) & (corner[1] != low) & (corner[2] != low)) break;
+            const Corners at = corners(face, low);
+            bucket.add(keys(at.v, at.first), at.first);
+            bucket.add(keys(at.w, at.last), at.last);
+            const uint32_t lower = std::min(at.v, at.w);
+            if (is_in(lower, k)) wait(at.third, lower, std::max(at.v, at.w));
         }
         for (uint32_t third = mesh_.out[low]; third != NONE; third = waiting_next_[third / 4])
             bucket.add(keys(waiting_high_[third / 4], third), third);
@@ -317,14 +325,25 @@ private:
             const uint32_t side = listed_[block.face + n];
             if (side % 4 != 3) words_[side] = waiting_high_[side / 4];
         }
-        const uint32_t begin = first_vertex(k), end = vertex_end(k);
+        const uint32_t begin = first_vertex(k), end = vertex_end(k), half_edge_end = block.half_edge + block.sides;
         for (uint32_t v = begin; v < end; ++v) part_[v] = v;
-        block.parts = end - begin;
+        // A lower neighbour, if there is one: trees that cover almost everything.
         uint32_t* const list = crossing_ + block.half_edge / 2;
-        for (uint32_t h = block.half_edge; h < block.half_edge + block.sides; h += 2) {
+        for (uint32_t h = block.half_edge; h < half_edge_end; h += 2) {
+            const uint32_t low = std::min(mesh_.origin[h], mesh_.origin[h + 1]),
+                           high = std::max(mesh_.origin[h], mesh_.origin[h + 1]);
+            const bool inside = is_in(high, k);
+            list[block.crossing] = h;
+            block.crossing += !inside;
+            part_[inside ? high : low] = inside ? low : part_[low];
+        }
+        for (uint32_t v = begin; v < end; ++v) {
+            block.parts += part_[v] == v;
+            part_[v] = part_[part_[v]];
+        }
+        for (uint32_t h = block.half_edge; h < half_edge_end && block.parts > 1; h += 2) {
             const uint32_t v = mesh_.origin[h], w = mesh_.origin[h + 1];
-            if (is_in(v, k) && is_in(w, k)) block.parts -= unite(part_, v, w);
-            else list[block.crossing++] = h;
+            if (is_in(std::max(v, w), k) && part_[v] != part_[w]) block.parts -= unite(part_, v, w);
         }
     }
 
