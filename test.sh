@@ -37,7 +37,8 @@ fuzz          replays the corpora and a short random run, with sanitizers
 valgrind      the quick tests under valgrind
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 corpus-large  all real meshes (long; not in the default run)
-campaign      2 000 random problems with three hierarchies each (long; not in the default run; a sample is in release)
+campaign      2 000 random problems with three hierarchies each, 500 surfaces with random holes, 500 with random marked
+              vertices (long; not in the default run; samples are in release)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
 static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
 tsan          threads under the thread sanitizer (minutes; not in the default run)
@@ -269,6 +270,11 @@ variant_campaign() {
     build release || return
     HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_campaign
     grep -A14 ' problems, seeds ' "$results/campaign.log"
+    HMF_MARKED_CASES=${HMF_MARKED_CASES:-500} run_gtest campaign-marks 7200 build/release/tests/test_marked \
+        --gtest_filter=Marked.RandomMarks
+    HMF_MESHES=$meshes HMF_HOLES=${HMF_HOLES:-500} HMF_HOLES_MAX_VERTICES=${HMF_HOLES_MAX_VERTICES:-300000} \
+        run_gtest campaign-holes 14400 build/release/tests/test_boundary_campaign
+    grep -A3 ' cases, ' "$results/campaign-holes.log"
 }
 # What cannot be installed is skipped there.
 install_if_possible() { # package ...

@@ -32,7 +32,7 @@ src/solve/cascade.cpp  s/^        std::memcpy(f.value, values.data(), .*//  test
 
 # Marked vertices stay, and are no poles
 src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v) || rings/if (rings/  test_marked  Marked.*-*RealSurfaces*
-src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return 0;.*//  test_marked  Marked.*-*RealSurfaces*
+src/foliation/whitehead.cpp  s/if (f.mesh.is_marked(v)) return 0;.*//  test_marked  Marked.ResidualIsOfTheOthers
 src/foliation/cluster.cpp  s/result.marked += mesh.is_marked(v)/result.marked += 0/  test_marked  Marked.*-*RealSurfaces*
 src/foliation/cluster_move.cpp  s/part.closed_corners >= 2 || part.marked > 0/part.closed_corners >= 2/  test_marked  Marked.*-*RealSurfaces*
 src/hierarchy/simplify.cpp  s/if (work.mesh.is_marked(v) || work.mesh.is_marked(w)) return place_on_mark.*//  test_marked  Marked.StayInPlace*
@@ -41,7 +41,7 @@ src/mesh/marked_vertices.cpp  s/if (mark)$/if (false)/  test_marked  Marked.Unus
 # The interface: results, limits, values
 src/api/shared_flat.cpp  s/if (!is_minimum(foliation)) return HMF_OK;//  test_parameterize  Parameterize.Refusals
 src/api/shared_flat.cpp  s/else free_part(h, made);//  test_parameterize  Parameterize.IsShared*
-src/api/shared_flat.cpp  s/^            free_part(h, made);//  test_resources  Resources.EveryAllocationMayFail
+src/api/shared_flat.cpp  s/^            free_part(h, made);//  test_resources  Shares/OfEachFunction.EveryAllocationMayFail/*
 src/api/shared_flat.cpp  s/SharedFlat\* part = foliation.flat.load(.*/SharedFlat* part = nullptr;/  test_parameterize  Parameterize.IsShared*
 src/api/result.cpp  s/h.allocator_user, bytes}/h.allocator_user, size}/  test_parameterize  Parameterize.IsShared*
 src/api/result.cpp  s/return (bytes + 15) \/ 16 \* 16;/return bytes;/  test_parameterize  Parameterize.Arrays*
@@ -91,6 +91,8 @@ include/hmf/hmf.hpp  s/(on != HMF_NONE \&\& k != on)/(false)/  test_hpp  Hpp.Loo
 src/hierarchy/simplify.cpp  s/ | work_.at_border\[mesh_.origin\[2 \* e + 1\]\];/;/  test_parallel  Parallel.SameBitsOfTheBuild
 src/hierarchy/simplify.cpp  s/return (v ^ w) >> work_.block_shift != 0;/return false;/  test_parallel  Parallel.SameBitsOfTheBuild
 src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_hierarchy  Hierarchy.BordersOfBlocksAreKnown
+src/foliation/cluster.cpp  s/if (!f.may_look(w, f.members.size())) return result;//  test_sweeps  SweepTask.*
+src/foliation/whitehead.cpp  s/if (!f.may_look(mesh.origin\[g\], 0)) return NONE;//  test_sweeps  SweepTask.*
 src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SweepMatrix.*
 src/solve/signed_aggregation.cpp  s/, a) : undecided;/, a) : undecided, a.of[i] = choice[i] != undecided ? choice[i] \/ 2 : a.of[i];/  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
 src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.BlocksAreThoseOfTheProblem

@@ -1,7 +1,8 @@
-// Surfaces with boundary: closed forms, the linear problem, loops of the library, random arcs, real meshes.
+// Surfaces with boundary: closed forms, the linear problem, loops of the library, random arcs.
 #include "../src/api/foliation_object.hpp"
+#include "../src/loops/double_loops.hpp"
+#include "../src/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
-#include "support/read_obj.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <set>
 
@@ -305,49 +305,46 @@ TEST(Boundary, MethodsAgree) {
     }
 }
 
-// Random holes cut into real meshes, those of HMF_MESHES and HMF_SURFACES: HMF_HOLES says how many cases (60 take some
-// minutes), each with 1 to 50 holes.
-TEST(Boundary, HolesInRealMeshes) {
-    const char* wished = std::getenv("HMF_HOLES");
-    std::vector<std::string> paths;
-    for (const char* name : {"HMF_MESHES", "HMF_SURFACES"}) {
-        std::error_code failure;
-        if (const char* folder = std::getenv(name))
-            for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
-                if (entry.path().extension() == ".obj" && count_obj_vertices(entry.path().string()) < 25000)
-                    paths.push_back(entry.path().string());
-    }
-    if (!wished || paths.empty()) GTEST_SKIP() << "skipped: set HMF_HOLES to a number and HMF_MESHES to a folder";
-    std::sort(paths.begin(), paths.end());
-    size_t solved = 0, unlucky = 0;
-    const uint64_t cases = std::strtoull(wished, nullptr, 10);
-    for (uint64_t k = 0; k < cases; ++k) {
-        SCOPED_TRACE(testing::Message() << paths[k % paths.size()] << " case " << k);
-        TriMesh whole;
-        ASSERT_TRUE(read_obj(paths[k % paths.size()], whole));
-        TriMesh mesh;
-        hmf_status status = HMF_ERROR_MESH_GENUS;
-        for (uint64_t tries = 0; tries < 8 && status != HMF_OK; ++tries) { // holes may meet
-            const size_t holes = 1 + k * 7 % 50;
-            mesh = with_holes(whole, std::max(holes >> tries, size_t{1}), 1 + k % 3, 8 * k + tries);
-            hmf_hierarchy* h = nullptr;
-            status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                               nullptr, nullptr, &h, nullptr);
-            if (h) mesh.genus = hmf_genus(h);
-            hmf_destroy(h);
+// The loops of the library tell which of them go round a boundary, as one finds by cutting the double along all.
+TEST(Boundary, LoopsRoundABoundaryAreKnown) {
+    size_t round = 0, others = 0;
+    const auto compare = [&](const Hierarchy& hierarchy) {
+        ASSERT_TRUE(hierarchy);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            hmf_error error{};
+            hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+            hmf::Call call(memory, &error, nullptr, nullptr);
+            hmf::FoundLoops found;
+            ASSERT_EQ(hmf::surface_loops(*hierarchy.get(), kind, call, found), HMF_OK) << error.message;
+            hmf::SurfaceLoops given = {HMF_LOOP_TRIANGLES,     found.count(),     found.offsets.data(),
+                                       found.triangles.data(), found.arcs.data(), found.is_round.data()};
+            hmf::DoubledLoops known, searched;
+            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, known), HMF_OK) << error.message;
+            given.is_round = nullptr;
+            ASSERT_EQ(hmf::double_loops(*hierarchy.get(), given, call, searched), HMF_OK) << error.message;
+            ASSERT_EQ(known.factor.size(), searched.factor.size());
+            for (size_t c = 0; c < known.factor.size(); ++c) {
+                EXPECT_EQ(known.factor[c], searched.factor[c]) << c;
+                ++(known.factor[c] == 2 ? round : others);
+            }
         }
-        if (status != HMF_OK) { // no surface in one piece before, or a sphere
-            ++unlucky;
-            continue;
-        }
-        const Hierarchy hierarchy(mesh);
-        Solution s = solve(hierarchy, nullptr, solve_options(0, 0));
-        EXPECT_TRUE(s.foliation) << s.error.message;
-        if (!s.foliation) continue;
-        expect_result(hierarchy, s, boundary_count(mesh));
-        EXPECT_TRUE(quads_of(s, quad_options(2000, k % 2 != 0)));
-        ++solved;
+    };
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed);
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 2) : torus(24, 12, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 1 + seed % 3, seed);
+        if (!is_sound(mesh)) continue;
+        compare(Hierarchy(mesh));
+        // The first vertex lies inside or on a boundary, the others somewhere.
+        compare(Hierarchy(mesh, with_marks({0, 17, uint32_t(mesh.vertex_count() - 1)})));
     }
-    std::printf("%zu of %zu cases solved, %zu without a surface\n", solved, size_t(cases), unlucky);
-    EXPECT_GE(2 * solved, size_t(cases));
+    compare(Hierarchy(annulus(40, 8, 3, 0.3, 1)));
+    compare(Hierarchy(annulus(40, 8, 3, 0.3, 1), with_marks({0})));
+    compare(Hierarchy(annulus(40, 8, 3, 0.3, 1), with_marks({0, 8, 13})));
+    const TriMesh plate = rectangle(12, 10, 3, 2, 0.3, 1);
+    compare(Hierarchy(plate, with_marks({0, 10, 11 * 12, 11 * 12 + 10})));
+    compare(Hierarchy(plate, with_marks({25, 60, 93})));
+    compare(Hierarchy(plate, with_marks({0, 25, 60, 93})));
+    EXPECT_GT(round, 20u);
+    EXPECT_GT(others, 20u);
 }

@@ -139,6 +139,19 @@ class Components(Case):
         found = {frozenset(v + self.first[k] for v in edge): x for edge, x in self.values("alone.csv").items()}
         return found, json.loads(self.read("alone.json"))
 
+    def test_quads_beside_two_triangles(self):
+        """Two triangles back to back carry nothing: they are named, the quads of the rest are written, by any number of threads."""
+        points, triangles = beside(self.small, ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 1)]))
+        scene, outs = self.write("two.obj", obj_text(points, triangles)), [self.path("1.obj"), self.path("2.obj")]
+        for threads, out in zip("12", outs):
+            done = self.run_tool("quads", scene, out, "--count", "300", "--threads", threads)
+            self.assertIn("component 1 (2 triangles", done.stderr)
+        self.assertEqual(self.read("1.obj"), self.read("2.obj"))
+        found = json.loads(self.run_tool("info", outs[0], "--json").stdout)
+        self.assertEqual((found["genus"], found["components"]), (1, 1))
+        # Alone they are an error.
+        self.refused(3, "quads", self.write("flat.obj", obj_text(points[-3:], [(0, 1, 2), (0, 2, 1)])), outs[0], says=["No loops"])
+
     def test_each_as_on_its_own(self):
         done = self.run_tool("solve", self.scene, "--marks", "none", "--values", self.path("v.csv"), "--values", self.path("v.npy"),
                              "--report", self.path("r.json"), "--history", self.path("h.csv"), "--conformality")

@@ -274,6 +274,7 @@ TEST(Hierarchy, BordersOfBlocksAreKnown) {
     Array<Collapse> log;
     Array<CollapseRun> runs;
     runs.start(memory);
+    std::vector<uint32_t> scratch(mesh.edge_count);
     ASSERT_TRUE(copy.allocate(mesh, memory) && work.allocate(memory, copy.of(mesh), false)
                 && log.allocate(memory, mesh.vertex_count));
     ASSERT_GE(work.block_count, 4u);
@@ -281,7 +282,8 @@ TEST(Hierarchy, BordersOfBlocksAreKnown) {
     work.position = positions.data();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) work.degree[v] = work.mesh.degree(v);
     size_t count = 0;
-    ASSERT_EQ(collapse_level(work, HMF_COLLAPSE_MIDPOINT, mesh.edge_count / 2, 4, log.data(), count, runs, call, 0, 1),
+    ASSERT_EQ(collapse_level(work, HMF_COLLAPSE_MIDPOINT, mesh.edge_count / 2, 4, log.data(), count, runs,
+                             scratch.data(), call, 0, 1),
               HMF_OK);
     ASSERT_GT(count, mesh.vertex_count / 3);
     uint32_t crossing = 0;
@@ -469,7 +471,6 @@ TEST(SpatialOrder, FollowsTheCurve) {
         OrderedTriangles ordered;
         std::vector<uint32_t> sides(3 * size_t{F});
         ASSERT_EQ(order_triangles(mesh.triangles.data(), F, internal.data(), V, sides.data(), ordered, call), HMF_OK);
-        for (uint32_t f = 0; f < F; ++f) EXPECT_EQ(sides[3 * size_t{ordered.number(f)}], f);
         std::vector<char> seen(F, 0);
         uint32_t before = 0;
         for (uint32_t f = 0; f < F; ++f) {
@@ -480,6 +481,7 @@ TEST(SpatialOrder, FollowsTheCurve) {
                 EXPECT_EQ(words[s], internal[mesh.triangles[3 * size_t{ordered.number(f)} + s]]);
             const uint32_t lowest = std::min({words[0], words[1], words[2]});
             EXPECT_LE(before, lowest);
+            if (f > 0 && before == lowest) { EXPECT_LT(ordered.number(f - 1), ordered.number(f)); }
             before = lowest;
         }
     }

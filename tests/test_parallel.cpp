@@ -113,6 +113,42 @@ TEST(Parallel, SameBitsOfTheBuild) {
     }
 }
 
+// Of several defects the first one counts, whatever block it is in.
+TEST(Parallel, SameSentenceOfADefect) {
+    const TriMesh sound = large_meshes()[0];
+    const size_t F = sound.triangle_count();
+    Random random(3);
+    const auto turn = [&](TriMesh& mesh) {
+        std::swap(mesh.triangles[3 * random.below(F)], mesh.triangles[3 * random.below(F)]);
+    };
+    const auto repeat = [&](TriMesh& mesh) {
+        const size_t t = random.below(F);
+        for (size_t s = 0; s < 3; ++s) mesh.triangles.push_back(mesh.triangles[3 * t + s]);
+    };
+    const auto reverse = [&](TriMesh& mesh) {
+        const size_t t = random.below(F);
+        std::swap(mesh.triangles[3 * t], mesh.triangles[3 * t + 1]);
+    };
+    const auto forget = [&](TriMesh& mesh) { mesh.positions.insert(mesh.positions.end(), {1, 2, 3}); };
+    const std::function<void(TriMesh&)> defects[] = {turn, repeat, reverse, forget};
+    for (int round = 0; round < 8; ++round) {
+        TriMesh mesh = sound;
+        for (int n = 0; n < 3; ++n) defects[round % 4](mesh);
+        const auto sentence = [&](const hmf_control* control) {
+            hmf_hierarchy* h = nullptr;
+            hmf_error error{};
+            EXPECT_NE(hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                mesh.triangle_count(), nullptr, control, &h, &error),
+                      HMF_OK);
+            return std::to_string(error.status) + " " + std::to_string(error.index) + " " + error.message;
+        };
+        UnrulyThreads host(7, static_cast<uint64_t>(round));
+        const hmf_control control = host.lend();
+        EXPECT_EQ(sentence(&control), sentence(nullptr));
+        EXPECT_EQ(host.violations, 0u);
+    }
+}
+
 TEST(Parallel, SameBitsOfEveryFunction) {
     for (const TriMesh& mesh : large_meshes()) {
         hmf_build_options build{};

@@ -112,6 +112,17 @@ TEST(ReadOff, Dialects) {
     expect("STOFF\n" + counts + off_rows(s, " 0.5 0.5", " # face"));
     expect("STCNOFF\n" + counts + off_rows(s, " 0 0 1 1 1 1 1 0 0", " 0.1 0.2 0.3"));
     expect("OFF\n" + counts + plain.substr(0, plain.size() - 1));
+    // "4 0 1 2 3" as some programs write it: two numbers on the first line, each further one on its own.
+    const std::string rows = off_rows(s, "", "");
+    size_t at = 0;
+    for (size_t v = 0; v < s.vertex_count(); ++v) at = rows.find('\n', at) + 1;
+    std::string spread = rows.substr(0, at);
+    for (int numbers = 0; at < rows.size(); ++at) {
+        spread += rows[at];
+        numbers = rows[at] == '\n' ? 0 : numbers + (rows[at] == ' ');
+        if (rows[at] == ' ' && numbers > 1) spread += '\n';
+    }
+    expect("OFF\n" + counts + spread);
 }
 
 TEST(ReadOff, Refusals) {
@@ -133,6 +144,7 @@ TEST(ReadOff, Refusals) {
     refused("OFF\n3 1 0\n0 0 0\n1 0 0\n", {"ends after 2 of 3 vertices", "cut"});
     refused("OFF\n3 2 0\n" + points + "3 0 1 2\n", {"ends after 1 of 2 faces", "cut"});
     refused("OFF\n3 1 0\n" + points + "3 0 1\n", {":6:", "face 0 has 2 of 3 corners"});
+    refused("OFF\n3 2 0\n" + points + "3 0 1\n3 0 1 2\n", {"face 0 has 2 of 3 corners"});
     refused("OFF\n3 1 0\n" + points + "2 0 1\n", {":6:", "face 0", "three corners"});
     refused("OFF\n3 1 0\n" + points + "3 0 1 3\n", {":6:", "face 0 names vertex 3", "has 3 vertices, counted from 0"});
     refused("OFF\n3 1 0\n" + points + "3 0 1 -1\n", {":6:", "\"-1\" is not a vertex"});
@@ -195,6 +207,30 @@ TEST(ReadPly, SkipsWhatIsNotTheMesh) {
     }
 }
 
+// Three triangles in a strip, a strip whose triangles all have a vertex twice, and one of one triangle.
+TEST(ReadPly, Strips) {
+    const std::vector<double> points = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0, 0, 2, 1, 0};
+    // 0 1 2 | 2 1 3 | 2 3 4 | a new strip | 4 3 3 5: two that have a vertex twice | a new strip: 5 4 3
+    const int32_t strip[] = {0, 1, 2, 3, 4, -1, 4, 3, 3, 5, -1, 5, 4, 3};
+    const std::vector<uint32_t> triangles = {0, 1, 2, 2, 1, 3, 2, 3, 4, 5, 4, 3};
+    for (const PlyKind kind : {ascii, little, big}) {
+        SCOPED_TRACE(kind);
+        const char* const format = kind == ascii  ? "ascii"
+                                 : kind == little ? "binary_little_endian"
+                                                  : "binary_big_endian";
+        std::string file = std::string("ply\nformat ") + format
+                         + " 1.0\nelement vertex 6\nproperty double x\nproperty double y\nproperty double z\n"
+                           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+        for (size_t v = 0; v < 6; ++v)
+            file += (PlyRow(kind) << points[3 * v] << points[3 * v + 1] << points[3 * v + 2]).end();
+        PlyRow row(kind);
+        row << static_cast<int32_t>(std::size(strip));
+        for (const int32_t v : strip) row << v;
+        file += row.end();
+        expect_same(read_mesh(file, Format::ply), points, triangles);
+    }
+}
+
 TEST(ReadPly, Dialects) {
     const Sample s = make_sample();
     const std::string list = "property list uchar int vertex_indices\n";
@@ -250,8 +286,12 @@ TEST(ReadPly, Refusals) {
                      "element \x1b 1\nproperty list int int i\nelement vertex")
                 + std::string(5, '\1'),
             {"ends in ? 0 of 1"});
-    refused(start + "element vertex 3\n" + xyz + "element tristrips 1\nproperty list int int vertex_indices\n" + end,
-            {"triangle strips are not read"});
+    const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    refused(start + "element vertex 3\n" + xyz + strips + strips + end, {"\"tristrips\" twice"});
+    refused(start + "element vertex 3\n" + xyz + strips + end + points + "3 0 1 3\n", {"names vertex 3"});
+    refused(start + "element vertex 3\n" + xyz + strips + end + points + "3 0 1 -2\n", {"\"-2\""});
+    refused(start + "element vertex 3\n" + xyz + "element tristrips 1\nproperty list int float vertex_indices\n" + end,
+            {"of a strip", "whole type"});
     refused(head + "0 0 0\n1 0\n", {":11:", "vertex 1 has fewer numbers"});
     refused(head + "0 0 0 0\n", {":10:", "vertex 0 has more numbers"});
     refused(head + "0 0 0\n1 nan 0\n", {":11:", "\"nan\" is not finite"});

@@ -2,6 +2,7 @@
 // the interface: the n-th allocation fails, the n-th progress call cancels, the
 // memory limit; no memory is lost, and nothing is given.  Lifetimes, and the
 // same bits twice and from many threads.
+#include "../src/hierarchy/hierarchy.hpp"
 #include "support/meter.hpp"
 #include "support/story.hpp"
 #include "support/surface.hpp"
@@ -28,6 +29,26 @@ hmf_status build(const TriMesh& mesh, const hmf_build_options& options, const hm
 
 std::vector<TriMesh> story_meshes() { return {pretzel(2, 1), with_random_flips(pretzel(2, 1), 400, 0.7, 3)}; }
 
+// Each mesh of a story with every SHARES-th of its functions: quick cases.
+constexpr size_t SHARES = 4;
+struct OfEachFunction : testing::TestWithParam<size_t> {
+    template <class Each>
+    void run(Each each) {
+        const TriMesh mesh = story_meshes().at(GetParam() / SHARES);
+        Meter meter;
+        {
+            Story story(mesh, meter.options(80));
+            for (size_t i = GetParam() % SHARES; i < story.functions.size(); i += SHARES) {
+                SCOPED_TRACE(story.functions[i].name);
+                each(story, story.functions[i], meter);
+                if (HasFatalFailure()) return;
+            }
+        }
+        EXPECT_EQ(meter.used, 0u);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Shares, OfEachFunction, testing::Range(size_t{0}, 2 * SHARES));
+
 } // namespace
 
 // --- Memory ------------------------------------------------------------------
@@ -48,40 +69,32 @@ TEST(Resources, EveryAllocationMayFailInTheBuild) {
     }
 }
 
-TEST(Resources, EveryAllocationMayFail) {
-    for (const TriMesh& mesh : story_meshes()) {
-        Meter meter;
-        {
-            Story story(mesh, meter.options(80));
-            for (const Function& function : story.functions) {
-                SCOPED_TRACE(function.name);
-                // Runs the call on a foliation without anything kept; what it keeps goes with the foliation.
-                uint64_t calls = 0;
-                const auto run = [&](uint64_t fail, Bits* bits) {
-                    if (function.keeps) story.refresh();
-                    const uint64_t held = meter.used;
-                    meter.calls = 0;
-                    meter.fail = fail;
-                    const hmf_status status = function.call(nullptr, bits);
-                    calls = meter.calls;
-                    meter.fail = 0;
-                    if (!function.keeps) { EXPECT_EQ(meter.used, held); }
-                    return status;
-                };
-                Bits expected, bits;
-                ASSERT_EQ(run(0, &expected), HMF_OK);
-                const uint64_t all = calls;
-                EXPECT_GT(all, 0u);
-                // All of the first ones, then fewer: loops of the same allocations.
-                for (uint64_t fail = 1; fail <= all; fail += 1 + fail / 128)
-                    ASSERT_EQ(run(fail, nullptr), HMF_ERROR_MEMORY) << "allocation " << fail << " of " << all;
-                // After a failure the same foliation is as good as before.
-                ASSERT_EQ(function.call(nullptr, &bits), HMF_OK);
-                EXPECT_EQ(bits, expected);
-            }
-        }
-        EXPECT_EQ(meter.used, 0u);
-    }
+TEST_P(OfEachFunction, EveryAllocationMayFail) {
+    run([](Story& story, const Function& function, Meter& meter) {
+        // Runs the call on a foliation without anything kept; what it keeps goes with the foliation.
+        uint64_t calls = 0;
+        const auto run = [&](uint64_t fail, Bits* bits) {
+            if (function.keeps) story.refresh();
+            const uint64_t held = meter.used;
+            meter.calls = 0;
+            meter.fail = fail;
+            const hmf_status status = function.call(nullptr, bits);
+            calls = meter.calls;
+            meter.fail = 0;
+            if (!function.keeps) { EXPECT_EQ(meter.used, held); }
+            return status;
+        };
+        Bits expected, bits;
+        ASSERT_EQ(run(0, &expected), HMF_OK);
+        const uint64_t all = calls;
+        EXPECT_GT(all, 0u);
+        // All of the first ones, then fewer: loops of the same allocations.
+        for (uint64_t fail = 1; fail <= all; fail += 1 + fail / 128)
+            ASSERT_EQ(run(fail, nullptr), HMF_ERROR_MEMORY) << "allocation " << fail << " of " << all;
+        // After a failure the same foliation is as good as before.
+        ASSERT_EQ(function.call(nullptr, &bits), HMF_OK);
+        EXPECT_EQ(bits, expected);
+    });
 }
 
 // Large enough for several levels of the linear solver.
@@ -144,6 +157,71 @@ TEST(Resources, MemoryLimitIsKept) {
     hmf_build_options options = meter.options();
     options.memory_limit = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
     EXPECT_EQ(build(mesh, options), HMF_OK) << "the estimate is an upper bound";
+}
+
+// Every function: what it takes beside the hierarchy stays below the limit, or it says so; and as much as it needs
+// without a limit is enough with one.
+TEST_P(OfEachFunction, MemoryLimitIsKept) {
+    run([](Story& story, const Function& function, Meter& meter) {
+        hmf_hierarchy& h = const_cast<hmf_hierarchy&>(*story.h);
+        const std::string name = function.name;
+        // These have a hierarchy of their own: see MemoryLimitOfMeshes.
+        if (name == "hmf_components" || name == "hmf_suggest_marks" || name == "hmf_even_design") return;
+        const uint64_t held = hmf_hierarchy_memory(&h);
+        const auto taken = [&](uint64_t limit, hmf_status& status) {
+            if (function.keeps) story.refresh();
+            meter.peak = meter.used;
+            const uint64_t before = meter.used;
+            h.memory_limit = limit;
+            status = function.call(nullptr, nullptr);
+            h.memory_limit = 0;
+            return meter.peak - before;
+        };
+        hmf_status status = HMF_OK;
+        const uint64_t most = taken(0, status);
+        ASSERT_EQ(status, HMF_OK);
+        for (const double share : {0.0, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
+            const uint64_t room = static_cast<uint64_t>(share * static_cast<double>(most));
+            EXPECT_LE(taken(held + room, status), room) << share;
+            EXPECT_EQ(status, room < most ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
+        }
+    });
+}
+
+// Likewise where a mesh is given: the limit is that of the build options.
+TEST(Resources, MemoryLimitOfMeshes) {
+    const TriMesh mesh = pretzel(2, 1);
+    const auto call = [&](int which, const hmf_build_options& build) {
+        const double* const x = mesh.positions.data();
+        const uint32_t* const t = mesh.triangles.data();
+        const size_t n = mesh.vertex_count(), m = mesh.triangle_count();
+        if (which == 0)
+            return one_call<hmf_component_set>(
+                nullptr, [&](auto out, auto e) { return hmf_components(x, n, t, m, &build, nullptr, out, e); });
+        if (which == 1)
+            return one_call<hmf_mark_set>(
+                nullptr, [&](auto out, auto e) { return hmf_suggest_marks(x, n, t, m, &build, nullptr, out, e); });
+        hmf_design_options options{};
+        options.struct_size = sizeof options;
+        options.build = &build;
+        options.solve_limit = 5;
+        return one_call<hmf_design>(
+            nullptr, [&](auto out, auto e) { return hmf_even_design(x, n, t, m, &options, nullptr, out, e); });
+    };
+    for (const int which : {0, 1, 2}) {
+        SCOPED_TRACE(which);
+        Meter free;
+        ASSERT_EQ(call(which, free.options()), HMF_OK);
+        const uint64_t enough = free.peak + sizeof(hmf_hierarchy); // counted, wherever it lies
+        for (const double share : {0.01, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
+            Meter meter;
+            hmf_build_options build = meter.options();
+            build.memory_limit = static_cast<uint64_t>(share * static_cast<double>(enough));
+            EXPECT_EQ(call(which, build), build.memory_limit < enough ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
+            EXPECT_LE(meter.peak, build.memory_limit) << share;
+            EXPECT_EQ(meter.used, 0u);
+        }
+    }
 }
 
 // The object itself counts as well.
@@ -277,44 +355,37 @@ TEST(ProgressOf, TheBuild) {
 }
 
 // Solve and relax may give a foliation all the same: see below.
-TEST(ProgressOf, EveryFunction) {
-    for (const TriMesh& mesh : story_meshes()) {
-        Meter meter;
-        {
-            Story story(mesh, meter.options(80));
-            for (const Function& function : story.functions) {
-                SCOPED_TRACE(function.name);
-                const auto run = [&](Progress& progress, Bits* bits) {
-                    if (function.keeps) story.refresh();
-                    const uint64_t held = meter.used;
-                    const hmf_control control = progress.control();
-                    const hmf_status status = function.call(&control, bits);
-                    if (!function.keeps) { EXPECT_EQ(meter.used, held); }
-                    EXPECT_TRUE(progress.rising);
-                    return status;
-                };
-                Bits alone, watched;
-                ASSERT_EQ(function.call(nullptr, &alone), HMF_OK);
-                Progress all;
-                ASSERT_EQ(run(all, &watched), HMF_OK);
-                EXPECT_EQ(alone, watched);
-                EXPECT_GT(all.calls, 0u);
-                EXPECT_EQ(all.last, 1);
-                const std::string name = function.name;
-                if (name.compare(0, 9, "hmf_solve") == 0 || name == "hmf_relax") continue;
-                for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, -5})
-                    for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / 50) {
-                        Progress progress;
-                        progress.stop = stop;
-                        progress.answer = answer;
-                        ASSERT_EQ(run(progress, nullptr), HMF_CANCELLED)
-                            << "call " << stop << " of " << all.calls << " answers " << answer;
-                        EXPECT_EQ(progress.calls, stop) << "called again after the answer";
-                    }
+TEST_P(OfEachFunction, EveryReportMayCancel) {
+    run([](Story& story, const Function& function, Meter& meter) {
+        const auto run = [&](Progress& progress, Bits* bits) {
+            if (function.keeps) story.refresh();
+            const uint64_t held = meter.used;
+            const hmf_control control = progress.control();
+            const hmf_status status = function.call(&control, bits);
+            if (!function.keeps) { EXPECT_EQ(meter.used, held); }
+            EXPECT_TRUE(progress.rising);
+            return status;
+        };
+        Bits alone, watched;
+        ASSERT_EQ(function.call(nullptr, &alone), HMF_OK);
+        Progress all;
+        ASSERT_EQ(run(all, &watched), HMF_OK);
+        EXPECT_EQ(alone, watched);
+        EXPECT_GT(all.calls, 0u);
+        EXPECT_EQ(all.last, 1);
+        // These may give a foliation all the same: see SolveAndRelax.
+        const std::string name = function.name;
+        if (name.compare(0, 9, "hmf_solve") == 0 || name == "hmf_relax") return;
+        for (const int32_t answer : {HMF_PROGRESS_CANCEL, HMF_PROGRESS_FINISH, -5})
+            for (uint64_t stop = 1; stop < all.calls; stop += 1 + all.calls / 50) {
+                Progress progress;
+                progress.stop = stop;
+                progress.answer = answer;
+                ASSERT_EQ(run(progress, nullptr), HMF_CANCELLED)
+                    << "call " << stop << " of " << all.calls << " answers " << answer;
+                EXPECT_EQ(progress.calls, stop) << "called again after the answer";
             }
-        }
-        EXPECT_EQ(meter.used, 0u);
-    }
+    });
 }
 
 TEST(ProgressOf, SolveAndRelax) {

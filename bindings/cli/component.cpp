@@ -78,7 +78,9 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
     const std::string advice =
         repair_advice(is_sheet ? HMF_ERROR_MESH_BOUNDARY : status, request.repairs, request.joins);
     build_seconds_ = seconds_since(start);
-    if (status != HMF_OK && (alone_ || status < 300 || status >= 400)) fail_with(status, error, subject_, advice);
+    const bool concerns_component = (status >= 300 && status < 400) || status == HMF_ERROR_UNSUPPORTED;
+    if (status != HMF_OK && (alone_ || !concerns_component)) fail_with(status, error, subject_, advice);
+    if (status == HMF_ERROR_UNSUPPORTED) return refuse(status, "no loops were found for an even design of it");
     if (status != HMF_OK) {
         // The sentence of the library has the numbers of this component.
         std::string reason = hmf_status_string(status);

@@ -24,6 +24,7 @@ Options quads_options(SolveRequest& r) {
         repair_option(r.repairs),
         join_option(r.joins),
         mollify_option(r),
+        threads_option(r),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),

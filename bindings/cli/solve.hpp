@@ -52,6 +52,7 @@ Option through_option(SolveRequest& request);
 Option weights_option(SolveRequest& request);
 Option marks_option(SolveRequest& request);
 Option mollify_option(SolveRequest& request);
+Option threads_option(SolveRequest& request);
 // Of every command that reads a mesh.
 Option repair_option(bool& target);
 Option join_option(bool& target);

@@ -49,6 +49,11 @@ Option marks_option(SolveRequest& r) {
         .reads("");
 }
 
+Option threads_option(SolveRequest& r) {
+    return Option{"--threads", &r.threads, "N", "else one for each processor; 1: none is started; the same results"}.in(
+        "[1, 256]");
+}
+
 Option mollify_option(SolveRequest& r) {
     return Option{"--mollify", &r.mollify, "X",
                   "accept triangles without area: margin of the triangle inequalities,\n"
@@ -90,8 +95,7 @@ Options solve_options(SolveRequest& r) {
                "newton: largest residual, else 1e-8; others: change of energy, else 1e-6"}
             .in("(0, 1)"),
         Option{"--time-limit", &r.time_limit, "X", "seconds"}.in("[0, inf)"),
-        Option{"--threads", &r.threads, "N", "else one for each processor; 1: none is started; the same results"}.in(
-            "[1, 256]"),
+        threads_option(r),
         Option{"--values", &r.values, "FILE", "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV"}.writes(
             ".csv .npy"),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),

@@ -8,8 +8,15 @@
 //     property list uchar int vertex_indices     or vertex_index, of any whole types
 //     end_header
 //
-// Other elements are skipped, but triangle strips are refused.  In a text each row is a line, and a float is rounded
-// to a float, as other programs do.  Format: Greg Turk, "The PLY Polygon File Format".
+// Instead of faces, or beside them, triangle strips, as in scans of Stanford: a row is a list of vertices, in which -1
+// begins a new strip.
+//
+//     0---2---4          0 1 2 3 4: triangles 0 1 2, 2 1 3, 2 3 4
+//      \ / \ / \         one that has a vertex twice only leads on
+//       1---3---
+//
+// Other elements are skipped.  In a text each row is a line, and a float is rounded to a float, as other programs do.
+// Format: Greg Turk, "The PLY Polygon File Format".
 #include "byte_order.hpp"
 #include "polygon_fan.hpp"
 #include "text_cursor.hpp"
@@ -163,6 +170,12 @@ public:
         expect_word();
         return text_.whole(what);
     }
+    bool takes_break(Type) {
+        expect_word();
+        if (text_.word() != "-1") return false;
+        text_.skip(2);
+        return true;
+    }
     void skip(Type, uint64_t count) {
         for (uint64_t k = 0; k < count; ++k) {
             expect_word();
@@ -219,6 +232,11 @@ public:
         if (value < 0) fail("has " + std::to_string(value) + " where " + what + " is expected");
         return static_cast<uint64_t>(value);
     }
+    bool takes_break(Type type) {
+        if (integer(take(size_of(type)), type) == -1) return true;
+        at_ -= size_of(type);
+        return false;
+    }
     void skip(Type type, uint64_t count) {
         if (count > left() / size_of(type)) ends_early();
         at_ += count * size_of(type);
@@ -261,9 +279,9 @@ private:
 
 // What makes up the mesh.
 struct Layout {
-    const Element *vertices = nullptr, *faces = nullptr;
-    size_t axis[3]; // property of the vertices
-    size_t corners; // property of the faces
+    const Element *vertices = nullptr, *faces = nullptr, *strips = nullptr;
+    size_t axis[3];                // property of the vertices
+    size_t corners, strip_corners; // property of the faces, of the strips
 };
 
 size_t property_named(const Element& element, std::string_view name, bool is_list) {
@@ -274,19 +292,28 @@ size_t property_named(const Element& element, std::string_view name, bool is_lis
     return k;
 }
 
+size_t list_of_corners(const Element& element, const std::string& name) {
+    size_t corners = property_named(element, "vertex_indices", true);
+    if (corners == element.properties.size()) corners = property_named(element, "vertex_index", true);
+    if (corners == element.properties.size()) throw MeshError("the " + name + "s have no list vertex_indices");
+    if (element.properties[corners].type >= Type::float32)
+        throw MeshError("the list of vertices of a " + name + " must have a whole type, as int");
+    return corners;
+}
+
 Layout find_mesh(const Header& header) {
     Layout layout{};
     for (const Element& element : header.elements) {
         const bool vertices = element.name == "vertex" || element.name == "vertices";
         const bool faces = element.name == "face" || element.name == "faces";
-        if ((vertices && layout.vertices) || (faces && layout.faces))
+        const bool strips = element.name == "tristrips" && element.count > 0;
+        if ((vertices && layout.vertices) || (faces && layout.faces) || (strips && layout.strips))
             throw MeshError("the header declares the element " + in_quotes(element.name) + " twice");
         if (vertices) layout.vertices = &element;
         if (faces) layout.faces = &element;
-        if (element.name == "tristrips" && element.count > 0)
-            throw MeshError("triangle strips are not read; save the mesh with faces");
+        if (strips) layout.strips = &element;
     }
-    if (!layout.vertices || !layout.faces)
+    if (!layout.vertices || !(layout.faces || layout.strips))
         throw MeshError(std::string("the header declares no element ") + (layout.vertices ? "face" : "vertex")
                         + "; a mesh needs vertices and faces");
     constexpr std::string_view axes[] = {"x", "y", "z"};
@@ -295,12 +322,8 @@ Layout find_mesh(const Header& header) {
         if (layout.axis[k] == layout.vertices->properties.size())
             throw MeshError("the vertices have no property " + std::string(axes[k]));
     }
-    const std::vector<Property>& properties = layout.faces->properties;
-    layout.corners = property_named(*layout.faces, "vertex_indices", true);
-    if (layout.corners == properties.size()) layout.corners = property_named(*layout.faces, "vertex_index", true);
-    if (layout.corners == properties.size()) throw MeshError("the faces have no list vertex_indices");
-    if (properties[layout.corners].type >= Type::float32)
-        throw MeshError("the list of vertices of a face must have a whole type, as int");
+    if (layout.faces) layout.corners = list_of_corners(*layout.faces, "face");
+    if (layout.strips) layout.strip_corners = list_of_corners(*layout.strips, "strip");
     return layout;
 }
 
@@ -317,7 +340,9 @@ public:
             const uint64_t corners = faces ? 3 * size_of(element.properties[layout_.corners].type) : 0;
             rows_.begin(element, element.least_size() + corners);
             if (&element == layout_.vertices) read_vertices();
-            else if (faces) read_faces();
+            else if (faces) read_rows(element, layout_.corners, [&](const Property& list) { read_face(list); });
+            else if (&element == layout_.strips)
+                read_rows(element, layout_.strip_corners, [&](const Property& list) { read_strips(list); });
             else rows_.skip_rows(element);
         }
         return std::move(mesh_);
@@ -340,28 +365,50 @@ private:
         }
     }
 
-    void read_faces() {
-        const Element& element = *layout_.faces;
+    // Rows of which one list is wanted.
+    template <typename ReadList>
+    void read_rows(const Element& element, size_t wanted, const ReadList& read_list) {
         for (uint64_t row = 0; row < element.count; ++row) {
             rows_.begin_row({element.name, row, element.count});
             for (size_t k = 0; k < element.properties.size(); ++k)
-                if (k == layout_.corners) read_corners(element.properties[k]);
+                if (k == wanted) read_list(element.properties[k]);
                 else skip(element.properties[k]);
             rows_.end_row();
         }
     }
 
-    void read_corners(const Property& list) {
+    void read_face(const Property& list) {
         const uint64_t corners = rows_.whole(list.count_type, "a number of corners");
         if (corners < 3) rows_.fail("has fewer than three corners; remove it");
         PolygonFan fan(mesh_.triangles);
-        while (fan.corners() < corners) {
-            const uint64_t vertex = rows_.whole(list.type, "a vertex");
-            if (vertex >= layout_.vertices->count)
-                rows_.fail("names vertex " + std::to_string(vertex) + ", which does not exist; the file has "
-                           + std::to_string(layout_.vertices->count) + " vertices, counted from 0");
-            fan.add(static_cast<uint32_t>(vertex));
+        while (fan.corners() < corners) fan.add(read_vertex(list.type));
+    }
+
+    void read_strips(const Property& list) {
+        const uint64_t length = rows_.whole(list.count_type, "the length of a list");
+        uint32_t before = 0, last = 0;
+        uint64_t in_strip = 0;
+        for (uint64_t k = 0; k < length; ++k) {
+            if (rows_.takes_break(list.type)) {
+                in_strip = 0;
+                continue;
+            }
+            const uint32_t vertex = read_vertex(list.type);
+            const bool turned = in_strip % 2 == 1; // every second triangle runs against the strip
+            if (in_strip >= 2 && before != last && last != vertex && vertex != before)
+                mesh_.triangles.insert(mesh_.triangles.end(), {turned ? last : before, turned ? before : last, vertex});
+            before = last;
+            last = vertex;
+            ++in_strip;
         }
+    }
+
+    uint32_t read_vertex(Type type) {
+        const uint64_t vertex = rows_.whole(type, "a vertex");
+        if (vertex >= layout_.vertices->count)
+            rows_.fail("names vertex " + std::to_string(vertex) + ", which does not exist; the file has "
+                       + std::to_string(layout_.vertices->count) + " vertices, counted from 0");
+        return static_cast<uint32_t>(vertex);
     }
 
     void skip(const Property& property) {

@@ -128,7 +128,8 @@ typedef struct hmf_line {
     int32_t closed;              /* 1: the last point joins the first, which is not repeated; 0 */
     int32_t begin, end;          /* HMF_END_* */
     uint32_t begin_zero, end_zero; /* which zero, in the list of hmf_singularities; else HMF_NONE */
-    uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves */
+    uint32_t cylinder;           /* in the list of hmf_cylinders; HMF_NONE for critical leaves, and for all on a surface
+                                    with boundary where a part that no leaf crosses holds a boundary and more */
     uint32_t source;             /* number of the point; of the level from the lower side of its cylinder; of the
                                     critical leaf */
     double height;               /* above the lower side of the cylinder, in the unit of the values; 0 for critical

@@ -66,7 +66,8 @@ hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* lo
     if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
     state.load(given.level, Triangulation::input);
     initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
-    if (make_symmetric(state, call)) return call.status();
+    Symmetrised made;
+    if (make_symmetric(state, call, made)) return call.status();
     Making making;
     making.unit = given.unit;
     return make_foliation(state, making, call, out) ? call.status() : entry.end();

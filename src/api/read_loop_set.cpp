@@ -17,7 +17,8 @@ namespace {
 struct Given {
     GivenLoops loops{};
     const double* weights = nullptr;
-    DoubledLoops doubled; // of a double
+    const uint8_t* is_round = nullptr; // as in SurfaceLoops
+    DoubledLoops doubled;              // of a double
     Array<uint32_t> internal;
 };
 
@@ -51,8 +52,8 @@ hmf_status read_on_double(const hmf_hierarchy& h, const hmf_loop_set& all, Weigh
         if (all.offsets[c + 1] == all.offsets[c])
             return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c, "Loop %llu has no elements.",
                              static_cast<unsigned long long>(c));
-    const SurfaceLoops surface = {all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements,
-                                  all.arcs};
+    const SurfaceLoops surface = {all.element_kind, static_cast<size_t>(all.count), all.offsets, all.elements, all.arcs,
+                                  given.is_round};
     if (double_loops(h, surface, call, given.doubled)) return call.status();
     out.loops.swap(given.doubled.loops);
     out.of.swap(given.doubled.of);
@@ -95,7 +96,7 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
         const double w = given.weights[c];
         if (!(w > 0) || !(w < 1e100) || w < 1e-100)
             return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
-                             "The weight of loop %llu is %g. Weights are positive and finite.",
+                             "The weight of loop %llu is %g. Weights are at least 1e-100 and below 1e100.",
                              static_cast<unsigned long long>(c), w);
         largest = std::max(largest, w);
         smallest = std::min(smallest, w);
@@ -114,22 +115,8 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
     return HMF_OK;
 }
 
-} // namespace
-
-hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t own, WeightedLoops& out, Call& call) {
-    Given given;
-    if (!set && h.is_double()) {
-        FoundLoops found;
-        if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
-                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
-        return read_loop_set(h, &made, own, out, call);
-    }
-    if (!set) {
-        out.level = own;
-        if (reference_loops(h, own, HMF_LOOPS_CUT, call, out.loops)) return call.status();
-        return read_weights(h.is_double(), given, out, call);
-    }
+// given: with what is known of the loops of the library.
+hmf_status read_given(const hmf_hierarchy& h, const hmf_loop_set* set, WeightedLoops& out, Given& given, Call& call) {
     hmf_loop_set all;
     if (read_options(set, all, "hmf_loop_set", call) || check_shape(h, all, call)) return call.status();
     out.level = static_cast<size_t>(all.level);
@@ -141,6 +128,24 @@ hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t
     const Mesh& mesh = loop_mesh(h, out.level);
     const hmf_status status = check_loops(mesh, out.loops, call, &given.loops);
     return status ? status : pull_tight(mesh, call, out.loops);
+}
+
+} // namespace
+
+hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t own, WeightedLoops& out, Call& call) {
+    Given given;
+    if (set) return read_given(h, set, out, given, call);
+    if (h.is_double()) {
+        FoundLoops found;
+        if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
+        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
+                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
+        given.is_round = found.is_round.data();
+        return read_given(h, &made, out, given, call);
+    }
+    out.level = own;
+    if (reference_loops(h, own, HMF_LOOPS_CUT, call, out.loops)) return call.status();
+    return read_weights(false, given, out, call);
 }
 
 } // namespace hmf

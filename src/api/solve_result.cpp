@@ -117,9 +117,10 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
-    if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call)) return call.status();
+    Symmetrised made;
+    if (options.method != HMF_METHOD_PAPER && make_symmetric(state, call, made)) return call.status();
     if (watched && !call.tick(0, true)) return call.was_cancelled();
-    const SingularityCount count = count_singularities(state.foliation, {}, watched);
+    const SingularityCount count = made.exact ? made.count : count_singularities(state.foliation, {}, watched);
     if (watched && call.cancelled()) return call.was_cancelled();
     if (count.broken_triangles > 0)
         return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0,

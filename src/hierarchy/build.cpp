@@ -121,8 +121,8 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     Arena& arena = h_.arena;
     vertex_count_ = static_cast<uint32_t>(vertex_count);
     face_count_ = static_cast<uint32_t>(triangle_count);
-    edge_count_ = static_cast<uint32_t>(3 * triangle_count / 2);
-    const bool is_double = h_.mirror.triangle_count > 0; // its triangles and mirror are there
+    edge_count_ = static_cast<uint32_t>((3 * triangle_count + 1) / 2); // of an odd number one side is left over
+    const bool is_double = h_.mirror.triangle_count > 0;               // its triangles and mirror are there
     if ((!is_double && !(h_.triangle_vertices = arena.take<uint32_t>(3 * triangle_count)))
         || !(h_.triangle_edges = arena.take<uint32_t>(3 * triangle_count))
         || !(h_.vertex_internal = arena.take<uint32_t>(vertex_count))
@@ -130,8 +130,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         return call_.out_of_memory();
     if (!is_double) std::memcpy(h_.triangle_vertices, triangles, 3 * triangle_count * sizeof(uint32_t));
     OrderedTriangles ordered;
-    const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, options_.mollify > 0, h_.mirror,
-                               doubling_.boundary_side.data()};
+    const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, h_.mirror, doubling_.boundary_side.data()};
     hmf_status status =
         order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
     if (!status)
@@ -147,10 +146,12 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
         return call_.out_of_memory();
     work_.position = input_position_;
     work_.has_double_edges = is_double;
-    status =
-        link_triangles(ordered, work_.position, caller, work_.mesh, work_.degree, work_.link.data(), boundary, call_);
+    uint32_t* const part = work_.link.data();
+    uint32_t part_count = 0;
+    if (options_.mollify <= 0) status = check_areas(ordered, work_.position, caller, call_);
+    if (!status) status = match_sides(ordered, caller, work_.mesh, work_.degree, part, part_count, boundary, call_);
     if (!status && !boundary.empty()) return HMF_OK;
-    if (!status) status = check_connection(work_.mesh, work_.degree, caller, work_.link.data(), call_);
+    if (!status) status = check_connection(work_.mesh, work_.degree, caller, part, part_count, call_);
     if (status) return status;
     const int64_t euler = static_cast<int64_t>(vertex_count_) - edge_count_ + face_count_;
     h_.genus = static_cast<uint32_t>((2 - euler) / 2);
@@ -162,10 +163,15 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     // Now, while triangles that are close together have close numbers.
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
-    status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
-    if (status) return status;
-    is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
-    if (is_delaunay_) metric_ = Metric();
+    if (options_.has_weights) {
+        status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
+        if (status) return status;
+        is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
+        if (is_delaunay_) metric_ = Metric();
+    } else { // as if it were Delaunay
+        std::memset(weight_, 0, edge_count_ * sizeof(double));
+        is_delaunay_ = true;
+    }
     if (options_.collapse == HMF_COLLAPSE_QSLIM) initial_quadrics(work_);
     return call_.tick(0.2) ? HMF_OK : HMF_CANCELLED;
 }
@@ -251,20 +257,21 @@ hmf_status Builder::make_coarser(uint64_t target, uint32_t minimum) {
     const uint32_t edges_before = work_.mesh.edge_count;
     finer.collapse_begin = collapse_count_;
     finer.run_begin = runs_.size();
+    Numbering numbering;
+    if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
+        || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
+        || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)))
+        return call_.out_of_memory();
     hmf_status status = collapse_level(work_, options_.collapse, static_cast<uint32_t>(target), minimum, h_.collapses,
-                                       collapse_count_, runs_, call_, from, middle);
+                                       collapse_count_, runs_, numbering.edge, call_, from, middle);
     if (status) return status;
     finer.run_end = runs_.size();
     finer.collapse_end = collapse_count_;
     if (work_.mesh.edge_count == edges_before) return HMF_OK;
-    Numbering numbering;
-    if (!(numbering.vertex = scratch_.take<uint32_t>(work_.vertex_end))
-        || !(numbering.edge = scratch_.take<uint32_t>(work_.edge_end))
-        || !(numbering.face = scratch_.take<uint32_t>(work_.face_end)) || !numberings_.push(numbering))
-        return call_.out_of_memory();
+    if (!numberings_.push(numbering)) return call_.out_of_memory();
     number_level(work_, h_.collapses + finer.collapse_begin, finer.collapse_end - finer.collapse_begin, numbering,
                  call_.parallel);
-    compact(work_, numbering);
+    compact(work_, numbering, call_.parallel);
     finer.flip_begin = flips_.size();
     status = delaunay_flips(work_, flips_, call_, middle);
     if (status) return status;

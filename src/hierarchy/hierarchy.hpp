@@ -36,6 +36,7 @@ struct BuildOptions {
     const uint32_t* marked_vertices = nullptr; // in the caller's numbers
     uint64_t marked_count = 0;
     bool sphere_allowed = false; // although nothing can be solved on it
+    bool has_weights = true;     // on level 0; without them loops can be found, nothing can be solved
 };
 
 struct Level {

@@ -70,28 +70,85 @@ void number_level(const WorkMesh& work, const Collapse* records, size_t record_c
         work.face_end, mesh.face_count, out.face, [&](uint32_t f) { return out.face[f] == NONE; }, parallel);
 }
 
-void compact(WorkMesh& work, const Numbering& numbers) {
-    // In place: no number rises.  Branch-free (mispredicted half the time): each element is
-    // written to the next free number, and the next one overwrites a removed one.
+namespace {
+
+// In place, as no number rises.  Each block closes its own gaps first.  Then what is left of it moves down, with all
+// that is left of the blocks behind it whose places are free by now: those of blocks that have moved.
+//
+//     | aa  | b   | cc  | d   |
+//     | aab | cc..            |     b: the place of `cc` is free now
+class Compaction {
+public:
+    // count: of elements, of which `kept` stay, by their numbers.
+    template <class Removed>
+    Compaction(uint32_t count, uint32_t kept, const uint32_t* number, Removed removed, const Parallel& parallel) :
+        count_(count), size_(Parallel::pass_block(count)), parallel_(parallel) {
+        for (; blocks_ * size_ < count; ++blocks_) {
+            const uint32_t x = static_cast<uint32_t>(blocks_ * size_);
+            before_[blocks_] = removed(x) ? kept + x - number[x] : number[x];
+        }
+        before_[blocks_] = kept;
+    }
+    // close(x, to): writes element x to the place `to` of the same block.  Branch-free (mispredicted half the
+    // time): each element is written to the next free place, and the next one overwrites a removed one.
+    template <class Close>
+    void close_gaps(Close close) const {
+        parallel_.for_blocks(count_, size_, [&](size_t begin, size_t end) {
+            for (size_t x = begin, to = begin; x < end; ++x)
+                to += close(static_cast<uint32_t>(x), static_cast<uint32_t>(to));
+        });
+    }
+    template <class T>
+    void move(T* array, size_t width) const {
+        for (size_t first = 0, last = 0; first < blocks_; first = last) {
+            last = first + 1;
+            while (last < blocks_ && before_[last + 1] <= first * size_) ++last;
+            parallel_.for_each(static_cast<uint32_t>(last - first), [&](uint32_t n, uint32_t) {
+                const size_t k = first + n;
+                std::memmove(array + width * before_[k], array + width * k * size_,
+                             width * (before_[k + 1] - before_[k]) * sizeof(T));
+            });
+        }
+    }
+
+private:
+    const size_t count_, size_;
+    size_t blocks_ = 0;
+    uint32_t before_[Parallel::most_parts + 1]; // elements that stay
+    const Parallel& parallel_;
+};
+
+} // namespace
+
+void compact(WorkMesh& work, const Numbering& numbers, const Parallel& parallel) {
     Mesh& mesh = work.mesh;
-    for (uint32_t e = 0, to = 0; e < work.edge_end; ++e) {
+    const Compaction edges(
+        work.edge_end, mesh.edge_count, numbers.edge, [&](uint32_t e) { return work.removed(e); }, parallel);
+    edges.close_gaps([&](uint32_t e, uint32_t to) {
         const uint32_t stays = !work.removed(e);
         for (uint32_t side = 0; side < 2; ++side) {
             const uint32_t h = 2 * e + side, face = mesh.face[h] & (0 - stays); // no face at all: any
-            mesh.origin[to + side] = numbers.vertex[mesh.origin[h]];
-            mesh.next[to + side] = renumbered_side(numbers.edge, mesh.next[h]);
-            mesh.face[to + side] = numbers.face[face];
+            mesh.origin[2 * to + side] = numbers.vertex[mesh.origin[h]];
+            mesh.next[2 * to + side] = renumbered_side(numbers.edge, mesh.next[h]);
+            mesh.face[2 * to + side] = numbers.face[face];
         }
-        to += 2 * stays;
-    }
-    for (uint32_t v = 0, to = 0; v < work.vertex_end; ++v) {
+        return stays;
+    });
+    for (uint32_t* const array : {mesh.origin, mesh.next, mesh.face}) edges.move(array, 2);
+    const Compaction vertices(
+        work.vertex_end, mesh.vertex_count, numbers.vertex, [&](uint32_t v) { return mesh.out[v] == NONE; }, parallel);
+    vertices.close_gaps([&](uint32_t v, uint32_t to) {
         const uint32_t stays = mesh.out[v] != NONE;
         mesh.out[to] = renumbered_side(numbers.edge, mesh.out[v] & (0 - stays));
         work.degree[to] = work.degree[v];
         for (int c = 0; c < 3; ++c) work.at(to)[c] = work.at(v)[c];
         if (!work.quadrics.empty()) work.quadrics[to] = work.quadrics[v];
-        to += stays;
-    }
+        return stays;
+    });
+    vertices.move(mesh.out, 1);
+    vertices.move(work.degree.data(), 1);
+    vertices.move(work.position, 3);
+    if (!work.quadrics.empty()) vertices.move(work.quadrics.data(), 1);
     work.vertex_end = mesh.vertex_count;
     work.edge_end = mesh.edge_count;
     work.face_end = mesh.face_count;

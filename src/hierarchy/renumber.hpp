@@ -16,7 +16,7 @@ void number_level(const WorkMesh& work, const Collapse* records, size_t record_c
                   const Parallel& parallel);
 
 // Drops what was removed and moves the rest to its new numbers.
-void compact(WorkMesh& work, const Numbering& numbers);
+void compact(WorkMesh& work, const Numbering& numbers, const Parallel& parallel);
 
 // Follows what stays on the coarser level to its number there; from
 // number_level to the final numbers, if `coarser` has those.

@@ -272,7 +272,7 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     // Coarser levels may have more blocks than this one, or none.
     for (uint32_t k = 0; k <= (block_count > 0 ? most_blocks : 0); ++k)
         if (!queue[k].allocate(memory)) return false;
-    return degree.allocate_filled(memory, vertex_end, 0) && link.allocate(memory, std::max(vertex_end, edge_end))
+    return degree.allocate(memory, vertex_end) && link.allocate(memory, std::max(vertex_end, edge_end))
         && marks.allocate_filled(memory, vertex_end, 0) && at_border.allocate(memory, vertex_end)
         && bucket.allocate(memory, edge_end) && (!with_quadrics || quadrics.allocate(memory, vertex_end));
 }
@@ -320,10 +320,11 @@ namespace {
 class Collapser {
 public:
     Collapser(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum, Collapse* log,
-              size_t& log_count, Array<CollapseRun>& runs, Call& call, double from, double to) :
+              size_t& log_count, Array<CollapseRun>& runs, uint32_t* scratch, Call& call, double from, double to) :
         work_(work),
         mesh_(work.mesh), strategy_(strategy), edge_target_(edge_target), vertex_minimum_(vertex_minimum), log_(log),
-        log_count_(log_count), runs_(runs), call_(call), from_(from), to_(to), edges_before_(work.mesh.edge_count) {}
+        log_count_(log_count), runs_(runs), list_(scratch), call_(call), from_(from), to_(to),
+        edges_before_(work.mesh.edge_count) {}
 
     hmf_status run() {
         work_.find_blocks();
@@ -363,19 +364,72 @@ private:
                     work_.bucket[e] = static_cast<uint16_t>(BucketQueue::bucket(place(work_, strategy_, 2 * e).cost));
         };
         if (!call_.pass(end, from_, find_buckets)) return false;
-        for (uint32_t v = 0; v < work_.vertex_end; ++v) work_.at_border[v] = work_.block_count == 0;
-        for (uint32_t e = 0; e < end && work_.block_count > 0; ++e) {
-            if (work_.removed(e)) continue;
-            const uint32_t v = mesh_.origin[2 * e], w = mesh_.origin[2 * e + 1];
-            if (is_in_two_blocks(v, w)) work_.at_border[v] = work_.at_border[w] = 1;
+        if (work_.block_count > 0) {
+            mark_borders();
+            return share_edges();
         }
+        for (uint32_t v = 0; v < work_.vertex_end; ++v) work_.at_border[v] = 1;
         // Backwards: lists give the latest first, so each is taken in order.
-        for (uint32_t e = end; e-- > 0;) {
-            if (e % 65536 == 0 && !call_.tick(from_)) return false;
-            if (work_.removed(e)) continue;
-            const uint32_t k = touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
-            work_.queue[k].put(e, work_.bucket[e], work_.link);
+        for (uint32_t e = end; e-- > 0;)
+            if (!work_.removed(e)) border_queue().put(e, work_.bucket[e], work_.link);
+        return true;
+    }
+
+    void mark_borders() {
+        const Parallel& parallel = call_.parallel;
+        parallel.for_blocks(work_.vertex_end,
+                            [&](size_t begin, size_t end) { std::memset(&work_.at_border[begin], 0, end - begin); });
+        // Edges between two blocks, listed where they are.
+        const size_t size = Parallel::pass_block(work_.edge_end);
+        uint32_t listed[Parallel::most_parts];
+        parallel.for_blocks(work_.edge_end, size, [&](size_t begin, size_t end) {
+            uint32_t count = 0;
+            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
+                work_.link[begin + count] = e;
+                count += !work_.removed(e) && is_in_two_blocks(mesh_.origin[2 * e], mesh_.origin[2 * e + 1]);
+            }
+            listed[begin / size] = count;
+        });
+        for (size_t begin = 0; begin < work_.edge_end; begin += size)
+            for (uint32_t n = 0; n < listed[begin / size]; ++n) {
+                const uint32_t e = work_.link[begin + n];
+                work_.at_border[mesh_.origin[2 * e]] = work_.at_border[mesh_.origin[2 * e + 1]] = 1;
+            }
+    }
+
+    // A stable sort by queue, from which each queue takes its own, all at the same time.
+    Done share_edges() {
+        // One queue more, of removed edges.
+        constexpr uint32_t most_parts = 16, queues = WorkMesh::most_blocks + 1, none = queues;
+        const size_t end = work_.edge_end, size = (end + most_parts - 1) / most_parts;
+        uint32_t at[most_parts][queues + 1], begin_of[queues + 1], total = 0;
+        call_.parallel.for_blocks(end, size, [&](size_t begin, size_t stop) {
+            uint32_t* const count = at[begin / size];
+            std::memset(count, 0, sizeof at[0]);
+            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e) {
+                const uint32_t k = touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
+                work_.link[e] = work_.removed(e) ? none : k;
+                ++count[work_.link[e]];
+            }
+        });
+        for (uint32_t k = 0; k <= queues; ++k) {
+            begin_of[k] = total;
+            for (size_t part = 0; part * size < end; ++part) {
+                const uint32_t here = at[part][k];
+                at[part][k] = total;
+                total += here;
+            }
         }
+        if (!call_.tick(from_)) return false;
+        call_.parallel.for_blocks(end, size, [&](size_t begin, size_t stop) {
+            uint32_t* const to = at[begin / size];
+            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e) list_[to[work_.link[e]]++] = e;
+        });
+        call_.parallel.for_each(work_.block_count + 1, [&](uint32_t k, uint32_t) {
+            // Backwards: lists give the latest first, so each is taken in order.
+            for (uint32_t n = begin_of[k + 1]; n-- > begin_of[k];)
+                work_.queue[k].put(list_[n], work_.bucket[list_[n]], work_.link);
+        });
         return true;
     }
 
@@ -524,6 +578,7 @@ private:
     Collapse* log_;
     size_t& log_count_;
     Array<CollapseRun>& runs_;
+    uint32_t* const list_; // of edges, by queue
     Call& call_;
     double from_, to_;
     uint32_t edges_before_, steps_ = 0;
@@ -535,9 +590,9 @@ private:
 } // namespace
 
 hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
-                          Collapse* log, size_t& log_count, Array<CollapseRun>& runs, Call& call, double from,
-                          double to) {
-    return Collapser(work, strategy, edge_target, vertex_minimum, log, log_count, runs, call, from, to).run();
+                          Collapse* log, size_t& log_count, Array<CollapseRun>& runs, uint32_t* scratch, Call& call,
+                          double from, double to) {
+    return Collapser(work, strategy, edge_target, vertex_minimum, log, log_count, runs, scratch, call, from, to).run();
 }
 
 } // namespace hmf

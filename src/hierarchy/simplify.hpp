@@ -82,7 +82,7 @@ struct WorkMesh {
     BucketQueue queue[most_blocks + 1];
     bool has_double_edges = false; // two vertices may have several edges
 
-    // For a mesh with room for all its elements.
+    // For a mesh with room for all its elements.  Its degrees are to be set.
     static constexpr uint32_t smallest_block_shift = 12;
     void find_blocks(); // of the mesh as it is
     Done allocate(Memory& memory, const Mesh& all, bool with_quadrics);
@@ -96,9 +96,10 @@ void initial_quadrics(WorkMesh& work);
 
 // Collapses until at most edge_target edges are left or nothing more can be
 // collapsed.  Writes the records to log and counts them; log has room for all
-// vertices but vertex_minimum.  runs: of the log, for undo_collapses.
+// vertices but vertex_minimum.  runs: of the log, for undo_collapses.  scratch:
+// a word for each edge.
 [[nodiscard]] hmf_status collapse_level(WorkMesh& work, int32_t strategy, uint32_t edge_target, uint32_t vertex_minimum,
-                                        Collapse* log, size_t& log_count, Array<CollapseRun>& runs, Call& call,
-                                        double from, double to);
+                                        Collapse* log, size_t& log_count, Array<CollapseRun>& runs, uint32_t* scratch,
+                                        Call& call, double from, double to);
 
 } // namespace hmf

@@ -16,7 +16,8 @@ public:
     Symmetry(Foliation& f, const Reflection& reflection, Call& call) :
         f_(f), mesh_(f.mesh), mirror_(reflection), call_(call) {}
 
-    hmf_status run(bool& exact) {
+    hmf_status run(Symmetrised& made) {
+        bool& exact = made.exact;
         Memory& memory = call_.memory;
         Array<int64_t> before;
         if (!before.allocate(memory, mesh_.edge_count) || !ahead_.allocate_filled(memory, mesh_.vertex_count, NONE)
@@ -36,7 +37,7 @@ public:
         if (exact && find_rings(exact)) return call_.status();
         for (size_t k = 0; exact && k < rings_.size(); ++k)
             if (shift(rings_[k], exact)) return call_.status();
-        if (exact) reflect(exact);
+        if (exact) reflect(made);
         if (!exact) std::memcpy(f_.value, before.data(), mesh_.edge_count * sizeof(int64_t));
         return HMF_OK;
     }
@@ -244,13 +245,14 @@ private:
     }
 
     // The values of the front on the back.
-    void reflect(bool& exact) {
+    void reflect(Symmetrised& made) {
+        bool& exact = made.exact;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
             if (mirror_.is_front[h]) f_.value[edge_of(mirror_.half_edge[h])] = f_.at(h);
         for (uint32_t v = 0; v < mesh_.vertex_count && exact; ++v)
             if (is_boundary(v) && !settle_extremum(f_, v)) exact = false;
-        const SingularityCount count = count_singularities(f_);
-        exact = exact && count.poles == 0 && count.broken_triangles == 0;
+        made.count = count_singularities(f_);
+        exact = exact && made.count.poles == 0 && made.count.broken_triangles == 0;
     }
 
     Foliation& f_;
@@ -266,8 +268,8 @@ private:
 
 } // namespace
 
-hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, bool& exact) {
-    return Symmetry(f, reflection, call).run(exact);
+hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrised& made) {
+    return Symmetry(f, reflection, call).run(made);
 }
 
 } // namespace hmf

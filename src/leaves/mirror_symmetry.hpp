@@ -40,9 +40,14 @@ struct Reflection {
     bool on_boundary(uint32_t h) const { return half_edge[h] == h; }
 };
 
+struct Symmetrised {
+    bool exact = false;
+    SingularityCount count; // of f as it is now, if exact
+};
+
 // exact: false, and f is as it was, if a cluster that goes round a part of the surface, or
 // holds a marked vertex, would have to be taken apart, or if f is so far from symmetric
 // that this takes longer than about a sweep over the mesh.
-[[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, bool& exact);
+[[nodiscard]] hmf_status make_symmetric(Foliation& f, const Reflection& reflection, Call& call, Symmetrised& made);
 
 } // namespace hmf

@@ -272,7 +272,8 @@ hmf_status Doubler::run(DoubledLoops& out) {
     Loops pushed; // crossings
     if (push_paths_off(mesh_, all, !is_triangles(), call_, pushed)) return call_.status();
     Array<uint8_t> is_round;
-    if (find_round_boundary(pushed, is_round)) return call_.status();
+    if (!given_.is_round && find_round_boundary(pushed, is_round)) return call_.status();
+    const uint8_t* const round = given_.is_round ? given_.is_round : is_round.data();
     // Without the images of loops round a boundary.
     Loops& loops = out.loops;
     out.of.start(call_.memory);
@@ -282,11 +283,11 @@ hmf_status Doubler::run(DoubledLoops& out) {
     if (!loops.start(call_.memory) || !out.offsets.push(0)) return call_.out_of_memory();
     for (size_t k = 0; k < pushed.count(); ++k) {
         const uint32_t c = of[k];
-        if (k >= count && is_round[c]) continue;
+        if (k >= count && round[c]) continue;
         for (uint64_t i = given_.offsets[c]; i < given_.offsets[c + 1]; ++i)
             if (!out.elements.push(given_.elements[i])) return call_.out_of_memory();
         if (!loops.add(pushed, k) || !out.offsets.push(out.elements.size()) || !out.of.push(c)
-            || !out.factor.push(is_round[c] ? 2 : 1))
+            || !out.factor.push(round[c] ? 2 : 1))
             return call_.out_of_memory();
     }
     return HMF_OK;

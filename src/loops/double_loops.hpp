@@ -21,6 +21,7 @@ struct SurfaceLoops {
     const uint64_t* offsets;
     const uint32_t* elements; // in the caller's numbers of level 0
     const uint8_t* arcs;      // per loop, or NULL: none is an arc
+    const uint8_t* is_round;  // per loop, if that is known: it bounds an annulus with its mirror image
 };
 
 // hmf_loop_set::arcs of an arc of triangles that begins and ends at these sides of its first and last triangle.

@@ -34,10 +34,11 @@ private:
     [[nodiscard]] Done find_boundaries();
     Done push(uint32_t triangle);
     Done walk(uint32_t side, bool forward);
-    Done finish(bool is_arc);
+    Done finish(bool is_arc, bool is_round = false);
     hmf_status add_closed(int32_t kind);
     Done add_capped(const uint32_t* triangles, size_t n);
-    Done add_round(uint32_t boundary);
+    Done add_round(uint32_t boundary, bool is_round);
+    bool has_marks(uint32_t boundary) const;
     hmf_status add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside);
     uint8_t number_in_triangle(uint32_t side) const;
     hmf_status add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last);
@@ -103,14 +104,13 @@ Done Finder::walk(uint32_t side, bool forward) {
     }
 }
 
-Done Finder::finish(bool is_arc) {
+Done Finder::finish(bool is_arc, bool is_round) {
     size_t begin = 0, end = loop_.size();
     while (!is_arc && end - begin > 1 && loop_[begin] == loop_[end - 1]) --end;
     for (size_t i = begin; i < end; ++i)
         if (!out_->triangles.push(loop_[i])) return false;
     loop_.clear();
-    if (!out_->offsets.push(out_->triangles.size())) return false;
-    return out_->arcs.push(is_arc);
+    return out_->offsets.push(out_->triangles.size()) && out_->is_round.push(is_round) && out_->arcs.push(is_arc);
 }
 
 // A loop of the capped surface; triangle m + q is the cap beyond side q.
@@ -165,6 +165,8 @@ hmf_status Finder::add_closed(int32_t kind) {
     BuildOptions options;
     options.mollify = 1e-6;
     options.sphere_allowed = true;
+    options.ratio = 0.1; // few steps, as nothing is solved on the levels
+    options.has_weights = false;
     options.marked_vertices = marked.data();
     options.marked_count = marked.size();
     if (build_hierarchy(closed, position.data(), size_t{n} + boundaries, 0, triangles.data(), m + side_.size(), options,
@@ -182,10 +184,16 @@ hmf_status Finder::add_closed(int32_t kind) {
     return HMF_OK;
 }
 
-Done Finder::add_round(uint32_t boundary) {
+Done Finder::add_round(uint32_t boundary, bool is_round) {
     for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
         if (!walk(q, true)) return false;
-    return finish(false);
+    return finish(false, is_round);
+}
+
+bool Finder::has_marks(uint32_t boundary) const {
+    for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
+        if (mesh_.is_marked(mesh_.origin[side_[q]])) return true;
+    return false;
 }
 
 // 0, 1 or 2: which side of its triangle a side of the boundary is.
@@ -234,6 +242,7 @@ hmf_status Finder::run(int32_t kind, FoundLoops& out) {
     out.offsets.start(call_.memory);
     out.triangles.start(call_.memory);
     out.arcs.start(call_.memory);
+    out.is_round.start(call_.memory);
     loop_.start(call_.memory);
     if (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL)
         return call_.fail(HMF_ERROR_MESH_BOUNDARY, HMF_ELEMENT_NONE, 0,
@@ -255,8 +264,8 @@ hmf_status Finder::run(int32_t kind, FoundLoops& out) {
     if (has_closed && add_closed(kind)) return call_.status();
     const bool is_disk = h_.genus == 0, is_annulus = genus == 0 && boundaries == 2 && inside == 0;
     if (!is_disk || inside >= 2)
-        for (uint32_t b = 0; b < (is_annulus ? 1 : boundaries); ++b)
-            if (!add_round(b)) return call_.out_of_memory();
+        for (uint32_t b = 0; b < (is_annulus ? 1 : boundaries); ++b) // the one of an annulus goes round both
+            if (!add_round(b, !has_marks(b) || (is_annulus && !has_marks(1)))) return call_.out_of_memory();
     if (kind == HMF_LOOPS_PANTS || (is_disk && inside < 2))
         for (uint32_t b = 0; b < boundaries; ++b)
             if (add_arcs(b, kind, inside)) return call_.status();

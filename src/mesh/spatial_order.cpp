@@ -22,7 +22,6 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t TICK = 1u << 16;
 constexpr uint32_t AXIS_BITS = 10, DIGITS = 3, DIGIT_SIZE = 1u << AXIS_BITS; // as many digits as axes
 
 bool finite(double x) { return x - x == 0; }
@@ -169,54 +168,118 @@ static hmf_status refuse_triangle(const uint32_t* triangles, size_t t, size_t ve
                      corner[0], corner[1], corner[2]);
 }
 
-hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal,
-                           size_t vertex_count, uint32_t* sides, OrderedTriangles& out, Call& call) {
-    Array<uint32_t> begin;
-    if (!begin.allocate_filled(call.memory, vertex_count, 0) || !out.words.allocate(call.memory, 4 * triangle_count))
-        return call.out_of_memory();
-    constexpr size_t ahead = 16;
-    const auto lowest = [](const uint32_t* v) {
+namespace {
+
+// A stable sort by the lowest vertex: into blocks of vertices first, then by vertex
+// in each block.
+class TriangleSort {
+public:
+    TriangleSort(const uint32_t* sides, size_t triangle_count, size_t vertex_count) :
+        sides_(sides), triangles_(triangle_count), vertices_(vertex_count) {
+        while ((vertex_count - 1) >> shift_ >= most_blocks) ++shift_;
+        part_size_ = std::max(Parallel::smallest, (triangle_count + most_parts - 1) / most_parts);
+    }
+
+    hmf_status run(Array<uint32_t>& words, Call& call) {
+        if (!list_.allocate(call.memory, triangles_) || !begin_.allocate(call.memory, vertices_)
+            || !count_.allocate(call.memory, most_parts * most_blocks))
+            return call.out_of_memory();
+        const Parallel& parallel = call.parallel;
+        parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { count(first, end); });
+        uint32_t total = 0, block_begin[most_blocks + 1];
+        for (size_t block = 0; block < most_blocks; ++block) {
+            block_begin[block] = total;
+            for (size_t part = 0; part * part_size_ < triangles_; ++part) {
+                uint32_t& at = count_[part * most_blocks + block];
+                const uint32_t here = at;
+                at = total;
+                total += here;
+            }
+        }
+        block_begin[most_blocks] = total;
+        if (!call.tick(0.03)) return HMF_CANCELLED;
+        parallel.for_blocks(triangles_, part_size_, [&](size_t first, size_t end) { list(first, end); });
+        if (!call.tick(0.035)) return HMF_CANCELLED;
+        parallel.for_each(static_cast<uint32_t>(((vertices_ - 1) >> shift_) + 1), [&](uint32_t block, uint32_t) {
+            place(block, block_begin[block], block_begin[block + 1], words.data());
+        });
+        return HMF_OK;
+    }
+
+private:
+    static constexpr size_t most_parts = 16, most_blocks = 256;
+
+    uint32_t lowest(size_t triangle) const {
+        const uint32_t* v = sides_ + 3 * triangle;
         const uint32_t low = std::min(v[1], v[0]);
         return std::min(v[2], low);
-    };
+    }
+    void count(size_t first, size_t end) {
+        uint32_t* const count = &count_[first / part_size_ * most_blocks];
+        std::memset(count, 0, most_blocks * sizeof(uint32_t));
+        for (size_t t = first; t < end; ++t) ++count[lowest(t) >> shift_];
+    }
+    void list(size_t first, size_t end) {
+        uint32_t* const at = &count_[first / part_size_ * most_blocks];
+        for (size_t t = first; t < end; ++t) {
+            const uint32_t low = lowest(t);
+            list_[at[low >> shift_]++] = uint64_t{low} << 32 | t;
+        }
+    }
+    void place(uint32_t block, uint32_t first, uint32_t end, uint32_t* words) {
+        constexpr uint32_t ahead = 16; // the caller's order may have nothing to do with this one
+        const size_t v_begin = size_t{block} << shift_, v_end = std::min(v_begin + (size_t{1} << shift_), vertices_);
+        std::memset(&begin_[v_begin], 0, (v_end - v_begin) * sizeof(uint32_t));
+        for (uint32_t n = first; n < end; ++n) ++begin_[list_[n] >> 32];
+        uint32_t total = first;
+        for (size_t v = v_begin; v < v_end; ++v) {
+            const uint32_t here = begin_[v];
+            begin_[v] = total;
+            total += here;
+        }
+        for (uint32_t n = first; n < end; ++n) {
+            if (end - n > ahead) prefetch(sides_ + size_t{3} * static_cast<uint32_t>(list_[n + ahead]));
+            const uint32_t t = static_cast<uint32_t>(list_[n]);
+            uint32_t* const to = words + size_t{4} * begin_[list_[n] >> 32]++;
+            for (size_t s = 0; s < 3; ++s) to[s] = sides_[size_t{3} * t + s];
+            to[3] = t;
+        }
+    }
+
+    const uint32_t* const sides_;
+    const size_t triangles_, vertices_;
+    size_t part_size_ = 0;
+    uint32_t shift_ = 8;
+    Array<uint64_t> list_;          // lowest vertex and triangle
+    Array<uint32_t> begin_, count_; // of each vertex; of each part and block
+};
+
+} // namespace
+
+hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count, const uint32_t* vertex_internal,
+                           size_t vertex_count, uint32_t* sides, OrderedTriangles& out, Call& call) {
+    if (!out.words.allocate(call.memory, 4 * triangle_count)) return call.out_of_memory();
     const auto is_usable = [&](const uint32_t* corner) {
         return corner[0] < vertex_count && corner[1] < vertex_count && corner[2] < vertex_count
             && corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0];
     };
-    const auto translate = [&](size_t first, size_t end) {
-        for (size_t t = first; t < end; ++t) {
+    struct Least {
+        size_t triangle = SIZE_MAX;
+        void operator+=(const Least& other) { triangle = std::min(triangle, other.triangle); }
+    };
+    const Least bad = call.parallel.sum_blocks<Least>(triangle_count, [&](size_t begin, size_t end) {
+        Least least;
+        for (size_t t = begin; t < end; ++t) {
             const uint32_t* corner = triangles + 3 * t;
             const bool usable = is_usable(corner);
-            for (size_t s = 0; s < 3; ++s) sides[3 * t + s] = usable ? vertex_internal[corner[s]] : NONE;
+            if (!usable) least += {t};
+            for (size_t s = 0; s < 3; ++s) sides[3 * t + s] = usable ? vertex_internal[corner[s]] : 0;
         }
-    };
-    if (!call.pass(triangle_count, 0.02, translate)) return HMF_CANCELLED;
-    for (size_t t = 0; t < triangle_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.02 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))
-            return HMF_CANCELLED;
-        const uint32_t first = lowest(sides + 3 * t);
-        if (first == NONE) return refuse_triangle(triangles, t, vertex_count, call);
-        ++begin[first];
-    }
-    uint32_t total = 0;
-    for (uint32_t& entry : begin) {
-        const uint32_t size = entry;
-        entry = total;
-        total += size;
-    }
-    for (size_t t = 0; t < triangle_count; ++t) {
-        if (t % TICK == 0 && !call.tick(0.03 + 0.01 * static_cast<double>(t) / static_cast<double>(triangle_count)))
-            return HMF_CANCELLED;
-        if (triangle_count - t > 2 * ahead) prefetch(&begin[lowest(sides + 3 * (t + 2 * ahead))]);
-        if (triangle_count - t > ahead) prefetch(&out.words[size_t{4} * begin[lowest(sides + 3 * (t + ahead))]]);
-        uint32_t* internal = sides + 3 * t;
-        const uint32_t face = begin[lowest(internal)]++;
-        uint32_t* words = &out.words[size_t{4} * face];
-        for (int s = 0; s < 3; ++s) words[s] = internal[s];
-        words[3] = static_cast<uint32_t>(t);
-        internal[0] = face;
-    }
-    return HMF_OK;
+        return least;
+    });
+    if (bad.triangle != SIZE_MAX) return refuse_triangle(triangles, bad.triangle, vertex_count, call);
+    if (!call.tick(0.02)) return HMF_CANCELLED;
+    return TriangleSort(sides, triangle_count, vertex_count).run(out.words, call);
 }
 
 } // namespace hmf

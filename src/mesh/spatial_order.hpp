@@ -26,9 +26,8 @@ struct OrderedTriangles {
 [[nodiscard]] hmf_status order_vertices(const double* positions, size_t vertex_count, size_t position_stride,
                                         uint32_t* vertex_internal, double* position, double& scale, Call& call);
 
-// Refuses indices out of range and triangles with a repeated vertex.  sides has
-// 3 words for each of the caller's triangles; the first one becomes its place
-// in the order.
+// Refuses indices out of range and triangles with a repeated vertex.  sides: room
+// for 3 words for each of the caller's triangles, where its corners are left.
 [[nodiscard]] hmf_status order_triangles(const uint32_t* triangles, size_t triangle_count,
                                          const uint32_t* vertex_internal, size_t vertex_count, uint32_t* sides,
                                          OrderedTriangles& out, Call& call);

@@ -18,30 +18,33 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
         || !reflection.is_front.allocate_filled(call.memory, sides, uint8_t{0})
         || !reflection.is_boundary.allocate_filled(call.memory, mesh.vertex_count, uint8_t{0}))
         return call.out_of_memory();
+    // The half-edge of an edge that begins at a vertex of the caller.
+    const auto from = [&](size_t place, uint32_t vertex) {
+        const uint32_t side = 2 * h.edge_internal[h.triangle_edges[place]];
+        return mesh.origin[side] == h.vertex_internal[vertex] ? side : twin(side);
+    };
     for (size_t t = 0; t < m; ++t) {
         if (t % STRIDE == 0 && !call.tick(0, true)) return call.was_cancelled();
-        const uint32_t front = internal_side(h, t), back = internal_side(h, m + t);
         for (size_t s = 0; s < 3; ++s) {
-            uint32_t a = front, b = back;
-            while (edge_of(a) != h.edge_internal[h.triangle_edges[3 * t + s]]) a = mesh.next[a];
-            while (edge_of(b) != h.edge_internal[h.triangle_edges[3 * (m + t) + 2 - s]]) b = mesh.next[b];
-            reflection.half_edge[a] = twin(b);
-            reflection.half_edge[twin(b)] = a;
-            reflection.half_edge[b] = twin(a);
-            reflection.half_edge[twin(a)] = b;
+            const uint32_t corner = h.triangle_vertices[3 * t + s];
+            const uint32_t a = from(3 * t + s, corner), b = from(3 * (m + t) + 2 - s, h.mirror.vertex[corner]);
+            reflection.half_edge[a] = b;
+            reflection.half_edge[b] = a;
+            reflection.half_edge[twin(a)] = twin(b);
+            reflection.half_edge[twin(b)] = twin(a);
             reflection.is_front[a] = 1;
-            if (a == twin(b)) reflection.is_boundary[mesh.origin[a]] = reflection.is_boundary[mesh.target(a)] = 1;
+            if (a == b) reflection.is_boundary[mesh.origin[a]] = reflection.is_boundary[mesh.target(a)] = 1;
         }
     }
     return HMF_OK;
 }
 
-hmf_status make_symmetric(State& state, Call& call) {
+hmf_status make_symmetric(State& state, Call& call, Symmetrised& made) {
+    made.exact = false;
     if (state.level > 0 || !state.hierarchy->is_double()) return HMF_OK;
     Reflection reflection;
-    bool exact = false;
     if (read_reflection(*state.hierarchy, reflection, call)) return call.status();
-    return make_symmetric(state.foliation, reflection, call, exact);
+    return make_symmetric(state.foliation, reflection, call, made);
 }
 
 } // namespace hmf

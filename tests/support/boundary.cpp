@@ -128,17 +128,17 @@ TriMesh with_holes(const TriMesh& mesh, size_t holes, size_t rings, uint64_t see
     Random random(seed);
     std::vector<char> gone(mesh.triangle_count(), 0);
     for (size_t k = 0; k < holes; ++k) {
-        std::set<uint32_t> vertices{uint32_t(random.below(mesh.vertex_count()))};
+        std::vector<char> inside(mesh.vertex_count(), 0), more;
+        inside[random.below(mesh.vertex_count())] = 1;
         for (size_t r = 0; r < rings; ++r) {
-            std::set<uint32_t> more = vertices;
+            more = inside;
             for (size_t t = 0; t < mesh.triangle_count(); ++t) {
-                bool touches = false;
-                for (size_t s = 0; s < 3; ++s) touches = touches || vertices.count(mesh.triangles[3 * t + s]);
-                if (!touches) continue;
+                const uint32_t* v = &mesh.triangles[3 * t];
+                if (!inside[v[0]] && !inside[v[1]] && !inside[v[2]]) continue;
                 gone[t] = 1;
-                for (size_t s = 0; s < 3; ++s) more.insert(mesh.triangles[3 * t + s]);
+                for (size_t s = 0; s < 3; ++s) more[v[s]] = 1;
             }
-            vertices = more;
+            inside = more;
         }
     }
     TriMesh out;
@@ -230,15 +230,17 @@ void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64
     std::map<std::pair<uint32_t, uint32_t>, int> of_mesh;
     for (size_t c = 0; c < mesh.triangles.size(); ++c)
         ++of_mesh[{mesh.triangles[c], mesh.triangles[c - c % 3 + (c + 1) % 3]}];
+    std::vector<std::pair<uint32_t, uint32_t>> rim;
+    for (const auto& side : of_mesh)
+        if (!of_mesh.count({side.first.second, side.first.first})) rim.push_back(side.first);
     double size = 0, worst = 0;
     for (const double x : mesh.positions) size = std::max(size, std::fabs(x));
     for (const auto& step : next) {
         double nearest = HUGE_VAL;
-        for (const auto& side : of_mesh)
-            if (!of_mesh.count({side.first.second, side.first.first}))
-                nearest = std::min(nearest, distance_to_segment(quads.positions + 3 * step.first,
-                                                                &mesh.positions[3 * side.first.first],
-                                                                &mesh.positions[3 * side.first.second]));
+        for (const auto& side : rim)
+            nearest = std::min(nearest, distance_to_segment(quads.positions + 3 * step.first,
+                                                            &mesh.positions[3 * size_t{side.first}],
+                                                            &mesh.positions[3 * size_t{side.second}]));
         worst = std::max(worst, nearest);
     }
     EXPECT_LE(worst, 1e-9 * size);

@@ -1,0 +1,131 @@
+// A task of a sweep: it looks only at the stars of the vertices inside of its block.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "../src/foliation/whitehead.hpp"
+#include "support/make_mesh.hpp"
+#include "support/meshes.hpp"
+
+using namespace hmf;
+
+namespace {
+
+using Values = std::vector<int64_t>;
+constexpr uint32_t around = 12, along = 16;
+
+Values differences(const Mesh& mesh, const std::vector<int64_t>& height) {
+    Values values(mesh.edge_count);
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const int64_t d = std::llabs(height[mesh.origin[2 * e]] - height[mesh.target(2 * e)]);
+        values[e] = d > 50 * around ? std::llabs(100 * around - d) : d;
+    }
+    return values;
+}
+
+// Differences of a height on a torus that rises by 100 from column to column and by 0, 50 or 100 within one: no poles.
+// Then vertices go down to a neighbour where that makes none: clusters of zero edges of any shape.
+Values random_values(Foliation& f, test::Random& random) {
+    const Mesh& mesh = f.mesh;
+    std::vector<int64_t> height(mesh.vertex_count);
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) height[v] = 100 * (v / along) + 50 * int64_t(random.below(3));
+    Values values = differences(mesh, height);
+    for (int n = 0; n < 1500; ++n) {
+        const uint32_t h = static_cast<uint32_t>(random.below(2 * mesh.edge_count)), v = mesh.origin[h];
+        const int64_t before = height[v];
+        if (before - height[mesh.target(h)] > 100 || height[mesh.target(h)] >= before) continue;
+        height[v] = height[mesh.target(h)];
+        Values changed = differences(mesh, height);
+        f.value = changed.data();
+        const SingularityCount count = count_singularities(f);
+        if (count.poles == 0 && count.broken_triangles == 0) values.swap(changed);
+        else height[v] = before;
+    }
+    return values;
+}
+
+// The vertices nearest to one, by edges: those are inside of block 0.
+std::vector<uint32_t> ball(const Mesh& mesh, uint32_t centre, size_t count) {
+    std::vector<uint32_t> block(mesh.vertex_count, NONE), queue{centre};
+    block[centre] = 0;
+    for (size_t i = 0; i < queue.size(); ++i)
+        for (const uint32_t h : mesh.around(queue[i])) {
+            const uint32_t w = mesh.target(h);
+            if (block[w] == 0 || queue.size() >= count) continue;
+            block[w] = 0;
+            queue.push_back(w);
+        }
+    return block;
+}
+
+// What a task did at a vertex; the values that it may see.
+struct Outcome {
+    bool moved = false, outside = false;
+    double energy_change = 0;
+    Values seen;
+    bool operator==(const Outcome& other) const {
+        return moved == other.moved && outside == other.outside && energy_change == other.energy_change
+            && seen == other.seen;
+    }
+};
+
+} // namespace
+
+// The values beyond are exchanged for others: a task that reads them goes another way, and none are written.  Where a
+// cluster goes on there the vertex waits as it is, or the task has no need to know how.
+TEST(SweepTask, LooksNoFurtherThanItsBlock) {
+    test::MadeMesh made(test::torus(around, along));
+    test::Random random(5);
+    Foliation whole;
+    whole.mesh = made.mesh();
+    const Mesh& mesh = whole.mesh;
+    std::vector<double> weight(mesh.edge_count);
+    for (double& w : weight) w = std::exp(4 * random.unit());
+    Memory memory(nullptr, nullptr, nullptr, 0);
+    Rings rings;
+    Star star;
+    ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                && whole.allocate_scratch(mesh.vertex_count, memory));
+    std::vector<Values> drawn;
+    while (drawn.size() < 50) drawn.push_back(random_values(whole, random));
+    size_t moved = 0, waited = 0, with_others = 0;
+    for (int n = 0; n < 20000; ++n) {
+        const uint32_t v = static_cast<uint32_t>(random.below(mesh.vertex_count));
+        const std::vector<uint32_t> block = ball(mesh, v, 1 + random.below(n % 2 ? 20 : 4));
+        std::vector<uint8_t> seen(mesh.edge_count, 0); // in the stars of the block
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+            if (block[mesh.origin[h]] == 0) seen[edge_of(h)] = seen[edge_of(mesh.next[h])] = 1;
+        const auto run = [&](const Values& before, const std::vector<uint32_t>& inside) {
+            Outcome outcome;
+            Foliation task;
+            EXPECT_TRUE(task.share(whole, inside.data(), memory));
+            Values after = before;
+            task.value = after.data();
+            task.epoch = whole.epoch;
+            SweepResult result;
+            outcome.moved = relax_vertex(task, rings, weight.data(), v, star, result);
+            whole.epoch = task.epoch;
+            outcome.outside = task.outside;
+            outcome.energy_change = result.energy_change;
+            if (!outcome.moved) { EXPECT_EQ(after, before); }
+            with_others += outcome.moved && task.pushed.size() > 0;
+            for (size_t e = 0; e < after.size(); ++e)
+                if (seen[e]) outcome.seen.push_back(after[e]);
+                else EXPECT_EQ(after[e], before[e]);
+            return outcome;
+        };
+        const Values& one = drawn[random.below(drawn.size())];
+        Values other = drawn[random.below(drawn.size())];
+        for (size_t e = 0; e < other.size(); ++e)
+            if (seen[e]) other[e] = one[e];
+        const Outcome outcome = run(one, block);
+        ASSERT_TRUE(outcome == run(other, block)) << "case " << n;
+        moved += outcome.moved;
+        waited += outcome.outside;
+    }
+    EXPECT_GT(moved, 1000u);
+    EXPECT_GT(waited, 1000u);
+    EXPECT_GT(with_others, 100u);
+}
