@@ -4,6 +4,7 @@
 # The library compiles without a build system and without a warning, and
 # gives the same bits with each compiler and optimisation, also where the
 # processor could multiply and add in one (-O3 runs with -march=haswell if it can).
+# Flags that would give other bits are refused with a sentence.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$1
@@ -17,6 +18,16 @@ for cxx in g++ clang++; do
         echo "skip plain $cxx (skipped: not installed)"
         continue
     fi
+    for flags in "-O2 -ffast-math" -Ofast; do
+        # shellcheck disable=SC2086
+        if $cxx -std=c++17 $flags -I"$root/include" -c "$root/src/base/memory.cpp" -o "$work/refused.o" > "$work/refused.log" 2>&1 ||
+            ! grep -q 'error.*hmf needs' "$work/refused.log"; then
+            echo "not ok plain-refuses $cxx $flags"
+            failed=1
+        else
+            echo "ok plain-refuses $cxx $flags"
+        fi
+    done
     for level in -O0 -O2 -O3; do
         name=$cxx$level
         [ $level = -O3 ] && grep -qw fma /proc/cpuinfo 2> /dev/null && level="-O3 -march=haswell"

@@ -74,7 +74,7 @@ def defects(source, is_header=False):
         # Not sizes of arrays; not first values of members, which are set before they are read.
         if re.search(r"\w+\[\d+\][;,{ ]|uint\d*_t\{|int\d+_t\{", line) or "enum" in line:
             continue
-        if not (is_header and re.match(r" +[\w:<>*]+ \w+ = \d+;", line)):
+        if not (is_header and re.match(r" +[\w:<>*]+ \w+ = \d+(, \w+ = \d+)*;", line)):
             number = int(m[1])
             found.append((m.start(1), len(m[1]), str(number + 1 if number < 10 else number // 2), "number"))
     for m in re.finditer(r"\bif \(", text):

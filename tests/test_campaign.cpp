@@ -357,6 +357,8 @@ TEST(Campaign, FractionsBelongToAFoliation) {
     ASSERT_TRUE(rings.build(mesh, weight, memory) && star.allocate(memory, rings.max_degree));
     const double before = hmf::residuals(f, rings, weight, star, nullptr, call).max;
     EXPECT_GT(before, 10 * tolerance);
+    const std::vector<double> of_call = residuals(s.foliation, p.mesh.vertex_count());
+    EXPECT_DOUBLE_EQ(*std::max_element(of_call.begin(), of_call.end()), s.report.residual_max);
     ASSERT_TRUE(model.allocate(mesh, memory) && model.look(f, rings, weight, star, call));
     const hmf::SingularityCount zeros = hmf::count_singularities(f);
     constexpr int64_t finer = 8;

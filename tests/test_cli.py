@@ -90,6 +90,9 @@ class Usage(Case):
             self.refused(2, "solve", self.mesh, "--weights=" + weights, says=["--weights", "not a number"])
         self.refused(2, "solve", self.mesh, "--conjugate=1", says=["--conjugate", "no value"])
         self.refused(2, "solve", self.mesh, "--coarsest", "1.5", says=["--coarsest", "whole number"])
+        self.refused(2, "solve", self.mesh, "--coarsest", "-1", says=["--coarsest", "whole number"])
+        for option in ("--spacing", "--ratio", "--tolerance", "--size"):
+            self.refused(2, "solve", self.mesh, option, "nan", says=[option, "nan is not in"])
         self.refused(2, "solve", self.mesh, "--method", "magic", says=["newton, whitehead, single-level or paper"])
         for command in ("demo", "info", "solve", "batch"):
             self.assertIn("usage: hmf " + command, self.run_tool(command, "--help").stdout)

@@ -90,6 +90,16 @@ T sized() {
 // have, which may cut a pointer in two, is refused.  call(structure, error)
 // returns a status; `least` bytes are enough for it to succeed.
 template <class T, class Call>
+auto expect_reserved(const T& good, Call&& call, int) -> decltype(good.reserved, void()) {
+    T other = good;
+    other.reserved = 5;
+    hmf_error error{};
+    expect_error(call(&other, &error), HMF_ERROR_OPTIONS, error);
+}
+template <class T, class Call>
+void expect_reserved(const T&, Call&&, long) {}
+
+template <class T, class Call>
 void expect_sizes(const T& good, Call&& call, size_t least = alignof(T)) {
     struct Longer {
         T known;
@@ -102,6 +112,7 @@ void expect_sizes(const T& good, Call&& call, size_t least = alignof(T)) {
     EXPECT_EQ(call(&longer.known, &error), HMF_OK) << error.message;
     longer.future = 1;
     expect_error(call(&longer.known, &error), HMF_ERROR_OPTIONS, error);
+    expect_reserved(good, call, 0);
     // What lies beyond struct_size is not read.
     T cut;
     for (size_t size = least; size < sizeof good; size += alignof(T)) {
@@ -346,6 +357,14 @@ TEST_F(OnTorus, BuildOptions) {
     expect_options([](hmf_build_options& o) { o.position_stride = 16; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_build_options& o) { o.position_stride = 25; }, HMF_ERROR_OPTIONS);
     expect_options([](hmf_build_options& o) { o.position_stride = 28; }, HMF_ERROR_OPTIONS);
+    // Steps that would go back by a few bytes.
+    for (const uint64_t near : {7u, 23u, 63u})
+        for (const uint64_t stride : {UINT64_MAX - near, (uint64_t{1} << 63) - near - 1, (uint64_t{1} << 61) + 24}) {
+            hmf_build_options options = sized<hmf_build_options>();
+            options.position_stride = stride;
+            hmf_error error{};
+            expect_error(build(t, error, &options), HMF_ERROR_OPTIONS, error);
+        }
 }
 
 TEST_F(OnTorus, StructuresOfOtherHeaders) {
@@ -405,13 +424,30 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
         SCOPED_TRACE("hmf_loop_set");
         Loops loops;
         loops.add(ring(1));
+        const size_t least = offsetof(hmf_loop_set, weights);
         expect_sizes(
             loops.view(),
             [&](const hmf_loop_set* set, hmf_error* error) {
                 *error = initialized(set);
                 return error->status;
             },
-            offsetof(hmf_loop_set, weights));
+            least);
+        expect_sizes(
+            loops.view(),
+            [&](const hmf_loop_set* set, hmf_error* error) {
+                *error = solved(set);
+                return error->status;
+            },
+            least);
+        expect_sizes(
+            loops.view(),
+            [&](const hmf_loop_set* set, hmf_error* error) {
+                *error = outcome<hmf_cylinder_set>([&](auto out, hmf_error* e) {
+                    return hmf_cylinders(harmonic.foliation.get(), set, nullptr, out, e);
+                });
+                return error->status;
+            },
+            least);
     }
     {
         SCOPED_TRACE("hmf_control");
@@ -737,6 +773,7 @@ TEST_F(OnTorus, LoopWeights) {
     for (const double bad :
          {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY), 1e100, 0.9e-100, 5e-324})
         expect_loops({ring(2)}, HMF_ERROR_LOOP_WEIGHT, 0, {bad});
+    for (const double good : {1e-100, 3.0, 0.999e100}) expect_loops({ring(2)}, HMF_OK, 0, {good});
 }
 
 TEST(BadLoops, WeightsSpanTooMuch) {
@@ -778,6 +815,22 @@ TEST_F(OnTorus, ValueDefects) {
     std::vector<double> values = good;
     values[33] += 5; // longer than the two other sides
     expect_values(values, HMF_ERROR_VALUE_NOT_CLOSED);
+    // Powers of two from one end of the doubles to the other: the same foliation, or a sentence.
+    for (int exponent = -1100; exponent <= 1000; exponent += 25) {
+        values = good;
+        for (double& x : values) x = std::ldexp(x, exponent);
+        const hmf_error error = created(values);
+        if (error.status == HMF_OK) {
+            const Foliation f = create(hierarchy, 0, values);
+            EXPECT_EQ(values_of(f), values) << exponent;
+            EXPECT_GT(hmf_foliation_unit(f.get()), 0) << exponent;
+        } else {
+            EXPECT_TRUE(exponent < -896 || exponent > 996) << exponent;
+            // As zeros they are all a pole.
+            const hmf_status expected = exponent < -1074 ? HMF_ERROR_VALUE_POLE : HMF_ERROR_VALUE_NOT_FINITE;
+            expect_error(error.status, expected, error);
+        }
+    }
     values = good;
     for (double& x : values) x = x > 0 ? x + 1e-30 : 1e-30; // no common unit
     values[7] = 1;

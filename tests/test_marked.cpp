@@ -361,6 +361,72 @@ TEST(Marked, BranchedDoubleCoverAgrees) {
     }
 }
 
+// A pillow, and above it two sheets that meet in its corners and in two vertices more: genus 2, and both zeros are
+// even, but (u, v) comes back with the opposite sign round some loops: what rounding leaves of the flux goes round one.
+TEST(Marked, EvenZerosWithoutOrientation) {
+    const TriMesh pillow = jittered_tetrahedron(24, 0.4, 5);
+    const Marks corners = {0, 1, 2, 3};
+    const Hierarchy below(pillow, with_marks(corners, 0.5, 60));
+    ASSERT_TRUE(below);
+    const LevelMesh level = read_level(below, 0);
+    Loops loops;
+    loops.add(section(
+        level, [](const double* x) { return x[0] - 0.0123; }, [](const double*) { return 1.0; }));
+    const Solution solution = solve(below, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+    expect_report(solution, 0, 4);
+    // The two vertices nearest to two places inside of the faces, away from the critical leaves through the corners.
+    Marks branches = corners;
+    for (const double wanted : {-0.4, 0.3}) {
+        uint32_t best = 0;
+        const auto off = [&](uint32_t v) {
+            const double* x = &pillow.positions[3 * size_t{v}];
+            return std::fabs(x[0] - wanted) + std::fabs(x[1] - 0.2);
+        };
+        for (uint32_t v = 0; v < pillow.vertex_count(); ++v)
+            if (off(v) < off(best)) best = v;
+        branches.push_back(best);
+    }
+    DoubleCover cover(pillow, level, branches);
+    ASSERT_EQ(mesh_defect(cover.mesh), "");
+    ASSERT_EQ(cover.mesh.genus, 2u);
+    const Hierarchy above(cover.mesh, 0.5, 60);
+    ASSERT_TRUE(above);
+    const LevelMesh level_above = read_level(above, 0);
+    cover.find_edges(level, level_above);
+    std::vector<double> lifted(level_above.edge_count);
+    for (size_t e = 0; e < lifted.size(); ++e) lifted[e] = solution.values[cover.below[e]];
+    const Foliation foliation = create(above, 0, lifted);
+    const auto flat = make<hmf_parameterization>([&](hmf_parameterization** out, hmf_error* error) {
+        return hmf_parameterize(foliation.get(), nullptr, nullptr, out, error);
+    });
+    ASSERT_TRUE(flat);
+    EXPECT_NEAR(flat->area, 2 * solution.report.energy, 1e-4 * flat->area);
+    EXPECT_NEAR(flat->dilatation_mean, 1, 1e-3);
+    size_t turned = 0, zeros = 0;
+    for (size_t e = 0; e < flat->edge_count; ++e) turned += flat->transition[3 * e] < 0;
+    EXPECT_GT(turned, 0u);
+    for (size_t v = 0; v < flat->vertex_count; ++v) {
+        EXPECT_TRUE(flat->cone[v] == 2 || flat->cone[v] == 4) << v;
+        zeros += flat->cone[v] == 4;
+    }
+    EXPECT_EQ(zeros, 2u);
+    // Both sides of every edge are where its transition says, to the bit.
+    std::vector<size_t> first(level_above.edge_count, SIZE_MAX);
+    for (size_t c = 0; c < level_above.triangle_edges.size(); ++c) {
+        const size_t e = level_above.triangle_edges[c], next = c - c % 3 + (c + 1) % 3;
+        if (first[e] == SIZE_MAX) {
+            first[e] = c;
+            continue;
+        }
+        const size_t d = first[e], next_d = d - d % 3 + (d + 1) % 3;
+        const double* g = &flat->transition[3 * e];
+        for (size_t x = 0; x < 2; ++x) {
+            ASSERT_EQ(g[0] * flat->corner_uv[2 * d + x] + g[1 + x], flat->corner_uv[2 * next + x]) << e;
+            ASSERT_EQ(g[0] * flat->corner_uv[2 * next_d + x] + g[1 + x], flat->corner_uv[2 * c + x]) << e;
+        }
+    }
+}
+
 // A torus without zeros does not notice where it is marked.
 TEST(Marked, OneMarkOnATorusChangesNothing) {
     const TriMesh mesh = torus(40, 20, 3, 1);

@@ -12,6 +12,7 @@
 
 #include "../src/foliation/whitehead.hpp"
 #include "../src/parameterize/seams.hpp"
+#include "../src/solve/part_system.hpp"
 #include "../src/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
 
@@ -121,6 +122,46 @@ void expect_combed(const std::vector<int64_t>& along) {
 }
 
 } // namespace
+
+// Its rows hold where the others stay at 0, and nothing else moves.
+TEST(PartSystem, RowsOfSomeUnknowns) {
+    Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
+    Foliation& f = combed.f;
+    std::vector<double> weight(f.mesh.edge_count);
+    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight[e] = 1 + 0.25 * (e % 7);
+    Memory& memory = combed.memory;
+    Call call(memory, nullptr, nullptr, nullptr);
+    Rings rings;
+    Star star;
+    TwistedModel model;
+    ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
+    model.assemble(f, rings, weight.data(), call);
+    model.rests[20] = 1;
+    Array<uint32_t> number;
+    ASSERT_TRUE(number.allocate_filled(memory, model.count, NONE));
+    for (uint32_t v = 10; v < 50; ++v) number[v] = v % 3;
+    PartSystem part;
+    SignedMultigrid multigrid;
+    ASSERT_TRUE(part.take(model, number, multigrid, call));
+    // Twice: it goes on where it was.
+    for (const double accuracy : {1e-2, 1e-12}) {
+        ASSERT_TRUE(part.solve(model, multigrid, accuracy, call));
+        double error = 0, size = 0;
+        for (uint32_t v = 0; v < model.count; ++v) {
+            if (v < 10 || v >= 50 || v == 20) {
+                EXPECT_EQ(model.d[v], 0) << v;
+                continue;
+            }
+            double rest = model.right[v] - model.diagonal[v] * model.d[v];
+            for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t)
+                rest -= model.entry[t] * model.d[model.column[t]];
+            error += rest * rest;
+            size += model.right[v] * model.right[v];
+        }
+        EXPECT_LE(error, 4 * accuracy * accuracy * size);
+    }
+}
 
 TEST(TwistedModel, RegularVertices) { expect_combed({0, 7, 3, 11, 5, 13, 2, 9}); }
 TEST(TwistedModel, ClustersOfTwo) { expect_combed({0, 0, 7, 7, 13, 13, 5, 5}); }

@@ -112,6 +112,17 @@ TEST(ReadOff, Dialects) {
     expect("STOFF\n" + counts + off_rows(s, " 0.5 0.5", " # face"));
     expect("STCNOFF\n" + counts + off_rows(s, " 0 0 1 1 1 1 1 0 0", " 0.1 0.2 0.3"));
     expect("OFF\n" + counts + plain.substr(0, plain.size() - 1));
+    // "4 0 1 2 3" as some programs write it: two numbers on the first line, each further one on its own.
+    const std::string rows = off_rows(s, "", "");
+    size_t at = 0;
+    for (size_t v = 0; v < s.vertex_count(); ++v) at = rows.find('\n', at) + 1;
+    std::string spread = rows.substr(0, at);
+    for (int numbers = 0; at < rows.size(); ++at) {
+        spread += rows[at];
+        numbers = rows[at] == '\n' ? 0 : numbers + (rows[at] == ' ');
+        if (rows[at] == ' ' && numbers > 1) spread += '\n';
+    }
+    expect("OFF\n" + counts + spread);
 }
 
 TEST(ReadOff, Refusals) {
@@ -133,6 +144,7 @@ TEST(ReadOff, Refusals) {
     refused("OFF\n3 1 0\n0 0 0\n1 0 0\n", {"ends after 2 of 3 vertices", "cut"});
     refused("OFF\n3 2 0\n" + points + "3 0 1 2\n", {"ends after 1 of 2 faces", "cut"});
     refused("OFF\n3 1 0\n" + points + "3 0 1\n", {":6:", "face 0 has 2 of 3 corners"});
+    refused("OFF\n3 2 0\n" + points + "3 0 1\n3 0 1 2\n", {"face 0 has 2 of 3 corners"});
     refused("OFF\n3 1 0\n" + points + "2 0 1\n", {":6:", "face 0", "three corners"});
     refused("OFF\n3 1 0\n" + points + "3 0 1 3\n", {":6:", "face 0 names vertex 3", "has 3 vertices, counted from 0"});
     refused("OFF\n3 1 0\n" + points + "3 0 1 -1\n", {":6:", "\"-1\" is not a vertex"});

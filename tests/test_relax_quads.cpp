@@ -71,7 +71,7 @@ protected:
 } // namespace
 
 TEST_F(OnAnEdge, VerticesSlide) {
-    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, false, quads, call), HMF_OK);
+    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
     for (uint32_t i = 0; i < COLUMNS; ++i) {
         EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
         EXPECT_NEAR(quads.positions[3 * (COLUMNS + i)], even(i), 1e-6);

@@ -2,6 +2,7 @@
 // the interface: the n-th allocation fails, the n-th progress call cancels, the
 // memory limit; no memory is lost, and nothing is given.  Lifetimes, and the
 // same bits twice and from many threads.
+#include "../src/hierarchy/hierarchy.hpp"
 #include "support/meter.hpp"
 #include "support/story.hpp"
 #include "support/surface.hpp"
@@ -156,6 +157,71 @@ TEST(Resources, MemoryLimitIsKept) {
     hmf_build_options options = meter.options();
     options.memory_limit = hmf_memory_estimate(mesh.vertex_count(), mesh.triangle_count(), &options);
     EXPECT_EQ(build(mesh, options), HMF_OK) << "the estimate is an upper bound";
+}
+
+// Every function: what it takes beside the hierarchy stays below the limit, or it says so; and as much as it needs
+// without a limit is enough with one.
+TEST_P(OfEachFunction, MemoryLimitIsKept) {
+    run([](Story& story, const Function& function, Meter& meter) {
+        hmf_hierarchy& h = const_cast<hmf_hierarchy&>(*story.h);
+        const std::string name = function.name;
+        // These have a hierarchy of their own: see MemoryLimitOfMeshes.
+        if (name == "hmf_components" || name == "hmf_suggest_marks" || name == "hmf_even_design") return;
+        const uint64_t held = hmf_hierarchy_memory(&h);
+        const auto taken = [&](uint64_t limit, hmf_status& status) {
+            if (function.keeps) story.refresh();
+            meter.peak = meter.used;
+            const uint64_t before = meter.used;
+            h.memory_limit = limit;
+            status = function.call(nullptr, nullptr);
+            h.memory_limit = 0;
+            return meter.peak - before;
+        };
+        hmf_status status = HMF_OK;
+        const uint64_t most = taken(0, status);
+        ASSERT_EQ(status, HMF_OK);
+        for (const double share : {0.0, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
+            const uint64_t room = static_cast<uint64_t>(share * static_cast<double>(most));
+            EXPECT_LE(taken(held + room, status), room) << share;
+            EXPECT_EQ(status, room < most ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
+        }
+    });
+}
+
+// Likewise where a mesh is given: the limit is that of the build options.
+TEST(Resources, MemoryLimitOfMeshes) {
+    const TriMesh mesh = pretzel(2, 1);
+    const auto call = [&](int which, const hmf_build_options& build) {
+        const double* const x = mesh.positions.data();
+        const uint32_t* const t = mesh.triangles.data();
+        const size_t n = mesh.vertex_count(), m = mesh.triangle_count();
+        if (which == 0)
+            return one_call<hmf_component_set>(
+                nullptr, [&](auto out, auto e) { return hmf_components(x, n, t, m, &build, nullptr, out, e); });
+        if (which == 1)
+            return one_call<hmf_mark_set>(
+                nullptr, [&](auto out, auto e) { return hmf_suggest_marks(x, n, t, m, &build, nullptr, out, e); });
+        hmf_design_options options{};
+        options.struct_size = sizeof options;
+        options.build = &build;
+        options.solve_limit = 5;
+        return one_call<hmf_design>(
+            nullptr, [&](auto out, auto e) { return hmf_even_design(x, n, t, m, &options, nullptr, out, e); });
+    };
+    for (const int which : {0, 1, 2}) {
+        SCOPED_TRACE(which);
+        Meter free;
+        ASSERT_EQ(call(which, free.options()), HMF_OK);
+        const uint64_t enough = free.peak + sizeof(hmf_hierarchy); // counted, wherever it lies
+        for (const double share : {0.01, 0.05, 0.2, 0.5, 0.7, 0.9, 0.99, 1.0}) {
+            Meter meter;
+            hmf_build_options build = meter.options();
+            build.memory_limit = static_cast<uint64_t>(share * static_cast<double>(enough));
+            EXPECT_EQ(call(which, build), build.memory_limit < enough ? HMF_ERROR_MEMORY_LIMIT : HMF_OK) << share;
+            EXPECT_LE(meter.peak, build.memory_limit) << share;
+            EXPECT_EQ(meter.used, 0u);
+        }
+    }
 }
 
 // The object itself counts as well.

@@ -437,6 +437,35 @@ TEST(SignedMultigrid, KeepsWhenSomeSignsChange) {
     EXPECT_LE(after.residual(x, b), 1.001e-8);
 }
 
+// A setup that does not fit is given up early; one that does is used to the end.
+TEST(SignedMultigrid, GivesUpWhereTheGoalIsOutOfReach) {
+    Random random(12);
+    std::vector<Edge> edges = twisted_torus(60, 60, 5, random);
+    const System before(3600, edges);
+    // Half of the unknowns change their signs: the same problem in other coordinates.
+    std::vector<int> turn(3600);
+    for (int& t : turn) t = random.sign();
+    for (Edge& e : edges) e.sign *= turn[e.i] * turn[e.j];
+    const System turned(3600, edges);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SignedMultigrid multigrid;
+    ASSERT_TRUE(multigrid.setup(before.matrix(), memory));
+    const std::vector<double> b = noise(3600, random);
+    hmf::LinearOptions options;
+    options.hopeless_ends = true;
+    std::vector<double> x(3600, 0);
+    const hmf::LinearResult good = multigrid.solve(before.matrix(), b.data(), x.data(), 1e-6, 16, call, options);
+    EXPECT_TRUE(good.converged);
+    x.assign(3600, 0);
+    const hmf::LinearResult bad = multigrid.solve(turned.matrix(), b.data(), x.data(), 1e-6, 16, call, options);
+    EXPECT_FALSE(bad.converged);
+    EXPECT_LT(bad.iterations, 8u);
+    x.assign(3600, 0);
+    options.hopeless_ends = false;
+    EXPECT_EQ(multigrid.solve(turned.matrix(), b.data(), x.data(), 1e-6, 16, call, options).iterations, 16u);
+}
+
 TEST(SignedMultigrid, SameBitsEveryTime) {
     Random random(12);
     const System s(22500, twisted_torus(150, 150, 12, random));

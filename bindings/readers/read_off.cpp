@@ -3,7 +3,8 @@
 //     OFF                     also COFF, NOFF, STOFF, ...: colours, normals and textures are skipped
 //     vertices faces edges    may stand behind OFF; the number of edges is not used
 //     x y z ...               one line a vertex
-//     3 i j k ...             one line a face: how many corners, vertices from 0, perhaps a colour
+//     3 i j k ...             one line a face: how many corners, vertices from 0, perhaps a colour; or each further
+//                             corner alone on the next line
 //
 // "#" begins a comment.  Format: Geomview manual, "OFF Files".
 #include "polygon_fan.hpp"
@@ -70,11 +71,21 @@ private:
         const uint64_t corners = text_.whole("a number of corners");
         if (corners < 3) text_.fail("face " + std::to_string(f) + " has fewer than three corners; remove it");
         PolygonFan fan(mesh_.triangles);
+        const size_t line = text_.line();
+        bool goes_on = false; // on lines of one corner each
         while (fan.corners() < corners) {
-            if (!text_.more())
-                text_.fail("face " + std::to_string(f) + " has " + std::to_string(fan.corners()) + " of "
-                           + std::to_string(corners) + " corners on its line");
+            const auto too_few = [&] {
+                throw MeshError("face " + std::to_string(f) + " has " + std::to_string(fan.corners()) + " of "
+                                    + std::to_string(corners) + " corners on its line",
+                                line);
+            };
+            if (goes_on || !text_.more()) {
+                text_.next_line();
+                goes_on = text_.more_lines();
+                if (!goes_on) too_few();
+            }
             const uint64_t vertex = text_.whole("a vertex");
+            if (goes_on && text_.more()) too_few();
             if (vertex >= vertices_)
                 text_.fail("face " + std::to_string(f) + " names vertex " + std::to_string(vertex)
                            + ", which does not exist; the file has " + std::to_string(vertices_)

@@ -154,10 +154,10 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_LOOP_CROSSING 404 /* two loops cross */
 #define HMF_ERROR_LOOP_TRIVIAL 405 /* a loop bounds a disk */
 #define HMF_ERROR_LOOP_PARALLEL 406 /* two loops are freely homotopic */
-#define HMF_ERROR_LOOP_WEIGHT 407 /* a weight is not finite, not positive, or the weights span more than 2^20 */
+#define HMF_ERROR_LOOP_WEIGHT 407 /* a weight is not in [1e-100, 1e100), or the weights span more than 2^20 */
 
 /* values */
-#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, infinite or not a number */
+#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, not a number or above 1e300, or all are below 1e-270 */
 #define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
 #define HMF_ERROR_VALUE_POLE 502 /* the values have a pole */
 #define HMF_ERROR_VALUE_NOT_HARMONIC 503 /* the values are too far from the minimum */
@@ -505,7 +505,7 @@ typedef struct hmf_loop_set {
     uint64_t count;
     const uint64_t *offsets;     /* count + 1; loop c is elements[offsets[c]] .. elements[offsets[c+1]-1] */
     const uint32_t *elements;    /* offsets[count] */
-    const double *weights;       /* count, > 0; NULL = all 1 */
+    const double *weights;       /* count, from 1e-100 to below 1e100, within a factor of 2^20; NULL = all 1 */
     const uint8_t *arcs;         /* count, on surfaces with boundary: not 0 = an arc, whose first and last element lie
                                     at the boundary; NULL = all are closed.  1 + 2 * a + 8 * b: an arc of triangles
                                     that begins at side a - 1 of its first triangle and ends at side b - 1 of the last
@@ -626,7 +626,8 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
 /*
  * A foliation from values, one for each edge of a level: results of the
  * library, also written with 17 digits and read again, or multiplied by a
- * power of two.  Validates them once: finite, not negative, closed (class 500).
+ * power of two.  Validates them once: closed, not negative, at most 1e300 and
+ * the largest at least 1e-270 (class 500).
  * Other numbers cannot be rounded edge by edge, for that breaks triangle
  * inequalities that hold with equality; start from loops instead.  Values with
  * poles are accepted for hmf_singularities and hmf_energy; all other calls
@@ -698,7 +699,7 @@ typedef struct hmf_level_report {
     uint64_t edges;
     uint64_t raised_count;       /* edges with a raised weight */
     uint64_t iterations;         /* sweeps of Whitehead moves */
-    uint64_t linear_solves;      /* a solve that goes on with some unknowns held is one */
+    uint64_t linear_solves;      /* of the whole level; one that goes on with some unknowns held is one */
     double optimize_seconds;
     double interpolate_seconds;  /* from the next coarser level to this one */
 } hmf_level_report;

@@ -17,7 +17,8 @@ static bool read(const hmf_build_options* from, hmf_build_options& all, BuildOpt
     options.marked_vertices = all.marked_vertices;
     options.marked_count = all.marked_count;
     return options.collapse >= HMF_COLLAPSE_MIDPOINT && options.collapse <= HMF_COLLAPSE_QSLIM && options.ratio >= 0.05
-        && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release;
+        && options.ratio <= 0.95 && options.mollify >= 0 && options.mollify <= 0.1 && !all.allocate == !all.release
+        && options.position_stride <= PTRDIFF_MAX;
 }
 
 bool read_build_options(const hmf_build_options* from, hmf_build_options& all, BuildOptions& options) {
@@ -28,9 +29,11 @@ bool read_build_options(const hmf_build_options* from, hmf_build_options& all, B
 }
 
 hmf_status refuse_build_options(Call& call) {
-    return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
-                     "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
-                     "is in [0.05, 0.95], mollify in [0, 0.1], allocate and release come together.");
+    return call.fail(
+        HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+        "hmf_build_options is unusable. Set struct_size to its size and unused fields to 0; ratio "
+        "is in [0.05, 0.95], mollify in [0, 0.1], position_stride fits into memory, allocate and release come "
+        "together.");
 }
 
 hmf_status MeshEntry::check(const void* out) {

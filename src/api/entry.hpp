@@ -6,8 +6,18 @@
 
 namespace hmf {
 
+// The field of this name, if there is one.
+template <class Options>
+auto reserved_in(const Options& options, int) -> decltype(options.reserved) {
+    return options.reserved;
+}
+template <class Options>
+uint32_t reserved_in(const Options&, long) {
+    return 0;
+}
+
 // A structure of the caller, read with its struct_size: missing fields become
-// zero, a longer structure must end in zeros.  NULL: all zero.  Sizes of structures
+// zero, a longer structure must end in zeros, and so is what is reserved.  NULL: all zero.  Sizes of structures
 // are multiples of their alignment; another number would cut a pointer in two.
 template <class Options>
 bool copy_options(const Options* from, Options& to) {
@@ -20,7 +30,7 @@ bool copy_options(const Options* from, Options& to) {
     for (size_t i = sizeof to; i < size; ++i)
         if (bytes[i] != 0) return false; // NOLINT(clang-analyzer-core*): the caller says that it has so many
     std::memcpy(static_cast<void*>(&to), from, size < sizeof to ? size : sizeof to);
-    return true;
+    return reserved_in(to, 0) == 0;
 }
 
 // As above; fails the call with a sentence that names the structure.

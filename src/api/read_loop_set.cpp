@@ -96,7 +96,7 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
         const double w = given.weights[c];
         if (!(w > 0) || !(w < 1e100) || w < 1e-100)
             return call.fail(HMF_ERROR_LOOP_WEIGHT, HMF_ELEMENT_LOOP, c,
-                             "The weight of loop %llu is %g. Weights are positive and finite.",
+                             "The weight of loop %llu is %g. Weights are at least 1e-100 and below 1e100.",
                              static_cast<unsigned long long>(c), w);
         largest = std::max(largest, w);
         smallest = std::min(smallest, w);

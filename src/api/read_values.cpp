@@ -13,6 +13,8 @@ namespace {
 constexpr int WEIGHT_BITS = 48;
 constexpr int DOUBLE_BITS = 53;
 constexpr int FEW_BITS = 40; // values with fewer are given a finer unit
+// Of the largest value: its unit is a normal double, and the values are finite in others.
+constexpr double LEAST_VALUE = 1e-270, MOST_VALUE = 1e300;
 
 // x = m * 2^exponent, 0.5 <= m < 1
 int exponent_of(double x) {
@@ -39,9 +41,9 @@ struct Range {
 hmf_status find_range(const double* values, size_t count, Range& range, Call& call) {
     for (size_t e = 0; e < count; ++e) {
         const double x = values[e];
-        if (!(x >= 0) || x > 1e300)
+        if (!(x >= 0) || x > MOST_VALUE)
             return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_EDGE, e,
-                             "The value of edge %llu is %g. Values are finite and not negative.",
+                             "The value of edge %llu is %g. Values are not negative, and at most 1e300.",
                              static_cast<unsigned long long>(e), x);
         range.largest = std::max(range.largest, x);
         if (x > 0) range.lowest = std::min(range.lowest, lowest_bit(x));
@@ -49,6 +51,10 @@ hmf_status find_range(const double* values, size_t count, Range& range, Call& ca
     if (range.largest == 0)
         return call.fail(HMF_ERROR_VALUE_POLE, HMF_ELEMENT_EDGE, 0,
                          "All values are zero. A foliation has at least one positive value.");
+    if (range.largest < LEAST_VALUE)
+        return call.fail(HMF_ERROR_VALUE_NOT_FINITE, HMF_ELEMENT_NONE, 0,
+                         "The largest value is %g. It is at least 1e-270: multiply all by a power of two.",
+                         range.largest);
     return HMF_OK;
 }
 

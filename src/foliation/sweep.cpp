@@ -55,16 +55,27 @@ void Sweeps::plan_rounds() {
     }
 }
 
-// Those of the finer level by number, and the others with a neighbour of that level.
-void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) const {
+// Those of the finer level by number; the others like a neighbour, as soon as it has one.
+void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) {
+    constexpr int pairs_of_passes = 4; // what is further from a vertex of the finer level has no block
     const uint32_t n = static_cast<uint32_t>(inside_.size()), first = coarser_count < n ? coarser_count : 0;
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) {
-            size_t from = v;
-            for (uint32_t t = rings.offset[v]; from < first && t < rings.offset[v + 1]; ++t) from = rings.neighbour[t];
-            block[v] = from < first ? NONE : static_cast<uint32_t>((from - first) * block_count_ / (n - first));
-        }
+        for (size_t v = begin; v < end; ++v)
+            block[v] = v < first ? NONE : static_cast<uint32_t>((v - first) * block_count_ / (n - first));
     });
+    uint32_t* const other = inside_.data(); // not needed yet
+    for (int pass = 0; pass < 2 * pairs_of_passes; ++pass) {
+        const uint32_t* const from = pass % 2 ? other : block;
+        uint32_t* const to = pass % 2 ? block : other;
+        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) {
+                uint32_t own = from[v];
+                for (uint32_t t = rings.offset[v]; own == NONE && t < rings.offset[v + 1]; ++t)
+                    own = from[rings.neighbour[t]];
+                to[v] = own;
+            }
+        });
+    }
 }
 
 // That of the first round in which it is inside of a block.

@@ -7,7 +7,7 @@
 // are joined, some times, and what lies inside of one now moves in the same way:
 //
 //     | o o o 1 | 1 o o o 2 | 2 o o o |       o inside of a block, 1 of two joined
-//     | o o o 1 | 1 o o o 2 | 2 o o o |       ones, 2 at a border: one in thirty
+//     | o o o 1 | 1 o o o 2 | 2 o o o |       ones, 2 at a border: one or two in a hundred
 //
 // The others come after that, one by one.
 //
@@ -50,7 +50,7 @@ private:
         uint32_t list;  // of the first one
     };
     void plan_rounds();
-    void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) const;
+    void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel);
     uint32_t list_of(uint32_t vertex) const;
     void sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
                      bool backward, SweepResult& result);

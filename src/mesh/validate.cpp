@@ -73,6 +73,10 @@ hmf_status validate_arguments(const double* positions, size_t vertex_count, size
         return call.fail(HMF_ERROR_MESH_COUNTS, HMF_ELEMENT_NONE, 0,
                          "The mesh has more than 2^31 / 3 %s. Simplify or divide it.",
                          vertex_count > limit ? "vertices" : "triangles");
+    if (position_stride > PTRDIFF_MAX / vertex_count)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, position_stride,
+                         "position_stride is %llu: so many bytes from vertex to vertex do not fit into memory.",
+                         static_cast<unsigned long long>(position_stride));
     return HMF_OK;
 }
 

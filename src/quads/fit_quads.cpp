@@ -10,6 +10,7 @@
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hmf {
@@ -43,41 +44,34 @@ bool leave_sharp_edges(QuadMesh& quads) {
 
 // Quads that look inwards are turned out, if no other quad gets inverted by that.
 hmf_status turn_outwards(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
-    Array<double> positions;
-    Array<uint32_t> sides;
-    Array<uint8_t> held;
+    QuadPlaces places;
     QuadFigures before, after;
-    if (!copy(quads.positions, positions, call.memory) || !copy(quads.sides, sides, call.memory)
-        || !copy(quads.held, held, call.memory))
-        return call.out_of_memory();
-    if (quad_figures(quads, before, call) || relax_quads(mesh, position, 0, true, quads, call)
+    if (!places.keep(quads, call.memory)) return call.out_of_memory();
+    if (quad_figures(quads, before, call) || relax_quads(mesh, position, 0, Untangle::all, true, quads, call)
         || quad_figures(quads, after, call))
         return call.status();
-    if (after.inverted > before.inverted) {
-        quads.positions.swap(positions);
-        quads.sides.swap(sides);
-        quads.held.swap(held);
-    }
+    if (after.inverted > before.inverted) places.give_back(quads);
     return HMF_OK;
 }
 
 hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
                bool to_sharp_edges, QuadMesh& quads, Call& call) {
-    if (relax_quads(mesh, position, steps, false, quads, call)) return call.status();
+    if (relax_quads(mesh, position, steps, Untangle::some, false, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
         if (reach_tips(mesh, position, front, quads, reached, call)
             || (to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
             return call.status();
         if (reached + snapped == 0) break;
-        if (relax_quads(mesh, position, steps, false, quads, call)) return call.status();
+        if (relax_quads(mesh, position, steps, Untangle::some, false, quads, call)) return call.status();
     }
-    if ((leave_sharp_edges(quads) && relax_quads(mesh, position, steps, false, quads, call))
+    const int again = leave_sharp_edges(quads) ? steps : 0;
+    if (relax_quads(mesh, position, again, Untangle::all, false, quads, call)
         || turn_outwards(mesh, position, quads, call))
         return call.status();
     for (; halvings > 0; --halvings)
         if (refine_quads(mesh, position, quads, call)
-            || relax_quads(mesh, position, steps < STEPS_ON_FINER ? steps : STEPS_ON_FINER, false, quads, call))
+            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), Untangle::all, false, quads, call))
             return call.status();
     return HMF_OK;
 }

@@ -38,6 +38,27 @@ struct QuadMesh {
     }
 };
 
+// Where the vertices of one lie, to go back to.
+struct QuadPlaces {
+    Array<double> positions;
+    Array<uint32_t> sides;
+    Array<uint8_t> held;
+
+    Done keep(const QuadMesh& quads, Memory& memory) {
+        const auto copy = [&](const auto& from, auto& to) {
+            if (!to.allocate(memory, from.size())) return false;
+            for (size_t i = 0; i < from.size(); ++i) to[i] = from[i];
+            return true;
+        };
+        return copy(quads.positions, positions) && copy(quads.sides, sides) && copy(quads.held, held);
+    }
+    void give_back(QuadMesh& quads) {
+        quads.positions.swap(positions);
+        quads.sides.swap(sides);
+        quads.held.swap(held);
+    }
+};
+
 struct QuadWish {
     double step = 0;         // length of an edge in the flat metric, in units of f
     int64_t count = 0;       // > 0: how many quads instead; the step is where the search begins

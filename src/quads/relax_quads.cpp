@@ -24,22 +24,22 @@ namespace {
 constexpr uint32_t SLICE = 16384;    // vertices between ticks
 constexpr double WELL = 0.1;         // sine of a corner that needs no care
 constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
-constexpr int RINGS = 4, ROUNDS = 8, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
-constexpr uint64_t MOST_STEPS = 60, MORE_MOVES = 250000; // of all quads, and of single ones, to untangle bad ones
+constexpr int RINGS = 4, ROUNDS = 8, FIRST_ROUNDS = 2, STEPS_ROUND_BAD = 20, IMPROVEMENTS = 30;
+constexpr uint64_t MOST_STEPS = 60, MORE_MOVES = 250000; // of all vertices, and of single ones, to untangle bad quads
 
 class Relaxation {
 public:
     Relaxation(const Mesh& mesh, const double* position, bool outwards, QuadMesh& quads, Call& call) :
         mesh_(mesh), position_(position), outwards_(outwards), quads_(quads), call_(call) {}
 
-    hmf_status run(int steps) {
+    hmf_status run(int steps, Untangle most) {
         if (!target_.allocate(call_.memory, quads_.vertex_count())
             || !weight_.allocate_filled(call_.memory, quads_.vertex_count(), 0.0))
             return call_.out_of_memory();
         list_.start(call_.memory);
         for (int k = 0; k < steps; ++k)
             if (!step(quads_.quad_count())) return call_.was_cancelled();
-        return untangle();
+        return untangle(most == Untangle::all ? ROUNDS : FIRST_ROUNDS);
     }
 
 private:
@@ -89,7 +89,10 @@ private:
 
     bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
 
+    bool may_move() const { return moves_ < MOST_STEPS * quads_.quad_count() + MORE_MOVES; }
+
     void move(uint32_t v, const Point& to) {
+        ++moves_;
         const double p[3] = {to.x, to.y, to.z};
         const auto walk = quads_.held[v] == ON_CREASE ? walk_along_sharp_edges : walk_to_nearest;
         quads_.sides[v] = walk(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
@@ -98,47 +101,71 @@ private:
     // Where quads have a corner of nearly 180 degrees or more, some rings round them
     // are relaxed further, and then vertices moved where that helps the worst corner.
     // Each round that was not enough is followed by one with more rings and steps, until the moves are used up: a
-    // corner of a boundary between two leaves stays as it is.
-    hmf_status untangle() {
+    // corner of a boundary between two leaves stays as it is. What was best is kept.
+    hmf_status untangle(int rounds) {
+        QuadPlaces best;
+        Bad least = {SIZE_MAX, SIZE_MAX}, now;
+        moves_ = 0;
+        for (int round = 0;; ++round) {
+            if (!count_bad(now)) return call_.was_cancelled();
+            if (now < least) {
+                least = now;
+                if (now.corners > 0 && !best.keep(quads_, call_.memory)) return call_.out_of_memory();
+            }
+            if (now.corners == 0 || round == rounds || !may_move()) break;
+            if (list_round_bad(round)) return call_.status();
+            for (int k = 0; k < STEPS_ROUND_BAD * (round + 1); ++k)
+                if (!step(list_.size())) return call_.was_cancelled();
+            if (improve_worst()) return call_.status();
+        }
+        if (least < now) best.give_back(quads_);
+        return HMF_OK;
+    }
+
+    struct Bad {
+        size_t inverted = 0, corners = 0; // quads with a corner of at least 180 degrees, or nearly
+        bool operator<(const Bad& b) const {
+            return inverted != b.inverted ? inverted < b.inverted : corners < b.corners;
+        }
+    };
+    Done count_bad(Bad& bad) {
+        bad = {};
+        for (size_t q = 0; q < quads_.quad_count(); ++q) {
+            if (q % SLICE == 0 && !call_.tick(0)) return false;
+            const double w = worst(q);
+            bad.inverted += !(w > 0);
+            bad.corners += !(w >= WELL);
+        }
+        return true;
+    }
+
+    // Vertices in rings round bad quads get a mark, their quads go on the list.
+    hmf_status list_round_bad(int round) {
         Memory& memory = call_.memory;
         const uint32_t n = quads_.vertex_count();
         const size_t count = quads_.quad_count();
-        uint64_t moves = 0;
-        for (int round = 0; round < ROUNDS && moves < MOST_STEPS * count + MORE_MOVES; ++round) {
-            bool any = false;
-            for (size_t q = 0; q < count && !any; ++q) {
-                if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
-                any = worst(q) < WELL;
-            }
-            if (!any) break;
-            Array<uint8_t> next;
-            if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
-            for (size_t q = 0; q < count; ++q)
-                if (worst(q) < WELL)
-                    for (size_t k = 0; k < 4; ++k) {
-                        region_[quads_.quads[4 * q + k]] = 1;
-                        uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
-                        if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
-                    }
-            list_.clear();
-            const int rings = RINGS * (round + 1);
-            for (int ring = 0; ring <= rings; ++ring) {
-                if (!call_.tick(0)) return call_.was_cancelled();
-                for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
-                for (size_t q = 0; q < count; ++q) {
-                    const uint32_t* const c = &quads_.quads[4 * q];
-                    if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
-                    if (ring < rings)
-                        for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
-                    else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
+        Array<uint8_t> next;
+        if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
+        for (size_t q = 0; q < count; ++q)
+            if (worst(q) < WELL)
+                for (size_t k = 0; k < 4; ++k) {
+                    region_[quads_.quads[4 * q + k]] = 1;
+                    uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
+                    if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
                 }
-                region_.swap(next);
+        list_.clear();
+        const int rings = RINGS * (round + 1);
+        for (int ring = 0; ring <= rings; ++ring) {
+            if (!call_.tick(0)) return call_.was_cancelled();
+            for (uint32_t v = 0; v < n; ++v) next[v] = region_[v];
+            for (size_t q = 0; q < count; ++q) {
+                const uint32_t* const c = &quads_.quads[4 * q];
+                if (!(region_[c[0]] | region_[c[1]] | region_[c[2]] | region_[c[3]])) continue;
+                if (ring < rings)
+                    for (size_t k = 0; k < 4; ++k) next[c[k]] = 1;
+                else if (!list_.push(static_cast<uint32_t>(q))) return call_.out_of_memory();
             }
-            const int steps = STEPS_ROUND_BAD * (round + 1);
-            for (int k = 0; k < steps; ++k)
-                if (!step(list_.size())) return call_.was_cancelled();
-            moves += static_cast<uint64_t>(steps) * list_.size();
-            if (improve_worst()) return call_.status();
+            region_.swap(next);
         }
         return HMF_OK;
     }
@@ -158,7 +185,7 @@ private:
                 const uint32_t v = quads_.quads[4 * size_t{q} + k];
                 corners[first[v] + filled[v]++] = 4 * q + k;
             }
-        for (int k = 0; k < IMPROVEMENTS; ++k) {
+        for (int k = 0; k < IMPROVEMENTS && may_move(); ++k) {
             bool moved = false;
             if (!call_.tick(0)) return call_.was_cancelled();
             for (const uint32_t q : list_) {
@@ -226,13 +253,14 @@ private:
     Array<double> weight_;
     Array<uint32_t> list_;  // quads round bad ones
     Array<uint8_t> region_; // vertices that may move there
+    uint64_t moves_ = 0;    // since untangling began
 };
 
 } // namespace
 
-hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, bool outwards, QuadMesh& quads,
-                       Call& call) {
-    return Relaxation(mesh, position, outwards, quads, call).run(steps);
+hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, Untangle most, bool outwards,
+                       QuadMesh& quads, Call& call) {
+    return Relaxation(mesh, position, outwards, quads, call).run(steps, most);
 }
 
 hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {

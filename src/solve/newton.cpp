@@ -13,15 +13,18 @@
 //      its triangle (so the class is kept) and the energy falls; else the
 //      place where it fails is held fast, or the whole step is halved
 //   4. moves near the singularities, where the model is not smooth
+// Where the residual is large in a part of the mesh only, 2 and 3 are done for the unknowns there (part_system.hpp).
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
 #include "fraction.hpp"
+#include "part_system.hpp"
 #include "signed_multigrid.hpp"
 #include "solve.hpp"
 #include "steering.hpp"
 #include "twisted_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hmf {
 
@@ -34,6 +37,7 @@ struct Effort {
     double residual; // of [W] Eq. 4, with which any solve may stop; 0: none
     bool go_on;      // to a tight solve, where the zeros stay
     bool close;      // near the minimum: more effort for a whole step pays
+    bool part;       // only what Newton::is_in_part has picked moves
 };
 
 class Newton {
@@ -50,8 +54,9 @@ public:
         picked_.start(memory);
         suspect_.start(memory);
         return model_.allocate(mesh, memory, w_.call.parallel) && backup_.allocate(memory, mesh.edge_count)
-            && step_.allocate(memory, n) && expected_.allocate(memory, n) && distance_.allocate(memory, n)
-            && patch_.reserve(n) && picked_.reserve(n + size_t{1}) && suspect_.reserve(n);
+            && step_.allocate(memory, n) && expected_.allocate(memory, n) && unbounded_.allocate(memory, n)
+            && distance_.allocate(memory, n) && patch_.reserve(n) && picked_.reserve(n + size_t{1})
+            && suspect_.reserve(n);
     }
 
     // Signs, energy and residual of the foliation as it is.
@@ -93,6 +98,32 @@ public:
 
     // Moves at the vertices within some rings of the zeros.
     void relax_near_zeros(uint32_t rings_around, uint32_t rounds) {
+        pick_near_zeros(rings_around);
+        SweepResult result;
+        for (uint32_t r = 0; r < rounds && go_on(); ++r)
+            for (size_t i = 0; i < picked_.size(); ++i)
+                relax_vertex(f_, w_.rings, weight_, picked_[r % 2 ? picked_.size() - 1 - i : i], w_.star, result);
+    }
+
+    // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
+    // them, for a step of the part; false: they are more than this share of all.
+    bool is_in_part(double residual, double share) {
+        pick_near_zeros(0);
+        for (uint32_t v = 0; v < model_.count; ++v)
+            if (distance_[v] == NONE && !model_.rests[v]
+                && std::fabs(model_.right[v]) * static_cast<double>(model_.row_scale[v]) > residual) {
+                distance_[v] = 0;
+                picked_.add(v);
+            }
+        const size_t most = static_cast<size_t>(share * model_.count);
+        if (picked_.size() > most) return false;
+        grow_picked(steering::part_rings);
+        return picked_.size() <= most;
+    }
+
+private:
+    // The vertices within some rings of the zeros of the last look, nearest first, with their distances.
+    void pick_near_zeros(uint32_t rings_around) {
         const Mesh& mesh = f_.mesh;
         picked_.clear();
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) distance_[v] = NONE;
@@ -107,26 +138,36 @@ public:
             const uint32_t corners[3] = {h, mesh.next[h], mesh.prev(h)};
             for (uint32_t g : corners) add(mesh.origin[g], 0);
         }
+        grow_picked(rings_around);
+    }
+
+    // By so many rings.
+    void grow_picked(uint32_t rings_around) {
         for (size_t i = 0; i < picked_.size(); ++i) {
             const uint32_t v = picked_[i];
             if (distance_[v] == rings_around) continue;
-            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t)
-                add(w_.rings.neighbour[t], distance_[v] + 1);
+            for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
+                const uint32_t u = w_.rings.neighbour[t];
+                if (distance_[u] != NONE) continue;
+                distance_[u] = distance_[v] + 1;
+                picked_.add(u);
+            }
         }
-        SweepResult result;
-        for (uint32_t r = 0; r < rounds && go_on(); ++r)
-            for (size_t i = 0; i < picked_.size(); ++i)
-                relax_vertex(f_, w_.rings, weight_, picked_[r % 2 ? picked_.size() - 1 - i : i], w_.star, result);
     }
 
-private:
     void restore() { w_.call.parallel.copy(f_.value, backup_.data(), f_.mesh.edge_count); }
 
     // Solves the model and sets the values of the whole step; false: see interrupted().
     Done propose(const Effort& effort, bool& tight) {
         model_.assemble(f_, w_.rings, weight_, w_.call);
         if (!go_on()) return false;
-        ++w_.statistics.linear_solves;
+        part_step_ = effort.part;
+        if (part_step_) {
+            multigrid_ready_ = false;
+            if (!part_.take(model_, distance_, multigrid_, w_.call)) return false;
+        } else {
+            ++w_.statistics.linear_solves;
+        }
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
         // a loose solve: then it is continued.
@@ -134,6 +175,7 @@ private:
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
             if (!solve_linear(accuracy, effort.residual)) return false;
             restore();
+            std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
             model_.project(f_, w_.rings, patch_, distance_);
             if (!go_on()) return false;
             set_values(1);
@@ -148,6 +190,7 @@ private:
             const uint64_t extrema = find_suspects();
             if (extrema <= few_extrema || accuracy < steering::end_of_doubles) return true;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
+            std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
         }
     }
 
@@ -206,7 +249,7 @@ private:
                 tight = true;
                 if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
-            } else if (sound && solves < steering::solves_of_a_step
+            } else if (sound && !part_step_ && solves < steering::solves_of_a_step
                        && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
                 ++w_.statistics.linear_solves;
@@ -269,14 +312,17 @@ private:
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     Done solve_linear(double accuracy, double residual) {
+        if (part_step_) return part_.solve(model_, multigrid_, accuracy, w_.call);
         const SignedMatrix matrix = model_.matrix();
-        const LinearOptions options = stop_at(residual);
+        LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
+            options.hopeless_ends = true;
             multigrid_.refresh(matrix, w_.call.parallel);
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                                                          steering::iterations_with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
             if (result.converged) return true;
+            options.hopeless_ends = false;
         }
         multigrid_ready_ = false;
         if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
@@ -528,9 +574,12 @@ private:
     TwistedModel model_;
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
+    PartSystem part_;
+    bool part_step_ = false; // the step in hand is one of the part
     bool smooth_only_;
     Array<int64_t> backup_, step_;
     Array<int32_t> expected_;
+    Array<double> unbounded_; // the solution of the model before it was brought into its bounds
     Array<uint32_t> patch_, distance_;
     Array<uint32_t> picked_;  // vertices near zeros, or those that a step has made unsound
     Array<uint32_t> suspect_; // vertices that may be unsound after a step,
@@ -562,6 +611,27 @@ private:
     double least_residual_ = none, least_energy_ = none;
     uint32_t without_ = 0;
 };
+
+// Steps of a part, between those of the whole level: zeros that have far to go through a limb, where values fall by
+// decades, and what they leave behind, for which the rest of the mesh has nothing to do.
+struct Parts {
+    uint32_t in_a_row = 0, shortened = 0;
+    double before = 0; // residual before the last step
+
+    bool are_worth_it(uint32_t round, double residual) {
+        const bool gains = residual < steering::part_gain * before;
+        before = residual;
+        return round > 0 && shortened < steering::parts_shortened && (in_a_row == 0 || gains)
+            && in_a_row < steering::parts_in_a_row;
+    }
+    void next(bool part) { in_a_row = part ? in_a_row + 1 : 0; }
+};
+
+Effort effort_for_part(Effort effort) {
+    effort.go_on = false;
+    effort.tight = effort.loose = steering::part_accuracy;
+    return effort;
+}
 
 // residual: before the step.  goal: the tolerance on the finest level.
 Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
@@ -616,6 +686,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint32_t patience = steering::patience;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : rounds;
     bool fineness_known = !finest;
+    Parts parts;
     for (uint32_t round = 0; round < rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
         if (work.call.finishing()) return HMF_CANCELLED;
@@ -629,7 +700,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
-        if (!progress.goes_on(residual, model.energy, patience)) break;
+        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) break;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
         // Is it the rounding that so many steps have not been enough?
@@ -645,8 +716,20 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         --steps_left;
         double accepted = 0;
         bool tight = false;
-        if (const hmf_status status = newton.step(effort_for(round, residual, goal, finest), accepted, tight))
-            return status;
+        Effort effort = effort_for(round, residual, goal, finest);
+        if (finest && !work.gated && parts.are_worth_it(round, residual))
+            effort.part = newton.is_in_part(std::max(steering::part_residual * residual, 0.5 * goal),
+                                            round < steering::early_part_rounds ? steering::early_part_share
+                                                                                : steering::part_share);
+        parts.next(effort.part);
+        if (effort.part) {
+            effort = effort_for_part(effort);
+            if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
+            if (accepted < 1) ++parts.shortened;
+            newton.relax_near_zeros(steering::near_rings, steering::near_passes);
+            continue;
+        }
+        if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         const bool far = finest && round > steering::far_after;
         newton.relax_near_zeros(far ? steering::far_rings : steering::near_rings,
                                 far ? steering::far_passes : steering::near_passes);

@@ -311,6 +311,32 @@ Projections project(size_t n, const float* scale, const float* output, const dou
     });
 }
 
+// Does an error that falls as in the last iterations reach its goal within the limit?
+class Pace {
+public:
+    explicit Pace(uint32_t limit) : left_(limit) {}
+    // After each iteration: by which factor the goal is missed.
+    bool is_hopeless(double missing) {
+        const double before = last_[0];
+        for (uint32_t i = 0; i + 1 < span; ++i) last_[i] = last_[i + 1];
+        last_[span - 1] = missing;
+        --left_;
+        if (known_ < span) {
+            ++known_;
+            return false;
+        }
+        const double rate = missing / before;
+        for (uint32_t i = 0; i + span <= left_; i += span) missing *= rate;
+        return missing > trust;
+    }
+
+private:
+    static constexpr uint32_t span = 3;
+    static constexpr double trust = 30; // the pace gets faster: then the prediction was too large by this much
+    double last_[span] = {};
+    uint32_t known_ = 0, left_;
+};
+
 } // namespace
 
 LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
@@ -341,6 +367,7 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     // The residual of the recurrence drifts from the true one; at the goal the
     // true one decides, and if need be the search starts again from it.
     double before_restart = 1e300;
+    Pace pace(iteration_limit);
     for (uint32_t restart = 0; restart < 8; ++restart) {
         if (restart > 0 || !is_zero(x, n, parallel)) multiply(matrix, x, r, parallel);
         else parallel.for_blocks(n, [=](size_t begin, size_t end) { std::memset(r + begin, 0, (end - begin) * 8); });
@@ -392,6 +419,11 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
                 return r[i] -= alpha * q[i];
             });
             norm = norms.norm();
+            if (!options.hopeless_ends || is_small()) continue;
+            double missing = norm / goal;
+            if (options.row_scale && norms.largest_row < missing * options.row_tolerance)
+                missing = norms.largest_row / options.row_tolerance;
+            if (pace.is_hopeless(missing)) return result;
         }
     }
     return result;

@@ -29,6 +29,8 @@ struct LinearOptions {
     // Where b is 0 the solution counts as 0, and they have to be.
     const uint32_t* fixed = nullptr;
     size_t fixed_count = 0;
+    // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
+    bool hopeless_ends = false;
 };
 
 struct LinearResult {

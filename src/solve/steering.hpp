@@ -14,7 +14,7 @@ namespace steering {
 
 // How far a level is solved.  The finest goes to the caller's tolerance, the coarsest
 // so far that the zeros are in place, those between only pass a start on.
-constexpr double coarsest_residual = 1e-4;
+constexpr double coarsest_residual = 1e-8;
 constexpr double middle_residual = 1e-2;
 constexpr uint32_t finest_rounds = 60; // guard
 constexpr uint32_t coarsest_rounds = 40;
@@ -96,6 +96,18 @@ constexpr uint32_t far_after = 2; // rounds
 constexpr uint32_t sweeps_after_short_step = 10;
 constexpr uint32_t late_sweeps = 2;
 constexpr uint32_t late_after = 1, late_after_tight = 3; // rounds
+
+// Where only a part of the mesh is left with more than this share of the largest residual, it is solved for alone, with
+// some rings round it: a part of the vertices up to part_share, in early rounds a smaller one.  Again as long as
+// the residual falls by part_gain, and no more after so many such steps that had to be shortened.
+constexpr double part_residual = 1e-3;
+constexpr uint32_t part_rings = 4;
+constexpr double part_share = 0.6, early_part_share = 0.15;
+constexpr uint32_t early_part_rounds = 3;
+constexpr double part_accuracy = 1e-6;
+constexpr double part_gain = 0.5;
+constexpr uint32_t parts_in_a_row = 20; // guard
+constexpr uint32_t parts_shortened = 2;
 
 // Vertices or steps that a search round a cluster may look at: on a small level all of
 // them, a few where there are many searches.  Sizes of levels in vertices.
