@@ -1,5 +1,6 @@
 // Atlases: each triangle once in the unit square, none over another one, charts
 // apart from each other, conformal as (u, v) is.
+#include "../src/atlas/pack.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -149,6 +150,16 @@ void expect_atlas(const TriMesh& mesh, const Foliation& foliation, const hmf_cha
     }
     EXPECT_EQ(collapsed, atlas.collapsed_triangles);
     EXPECT_NEAR(used, atlas.used_area, 1e-9);
+    double mean = 0, sum = 0, weight = 0;
+    for (int pass = 0; pass < 2; ++pass, mean = pass == 1 ? sum / weight : mean, sum = pass == 1 ? 0 : sum)
+        for (size_t t = 0; t < atlas.triangle_count; ++t) {
+            const double here = area_in_square(atlas.corner_uv + 6 * t), there = shape_of(mesh, t).area;
+            if (!(here > 0) || !(there > 0)) continue;
+            const double log_scale = std::log(here / there) / 2;
+            weight += pass == 0 ? there : 0;
+            sum += there * (pass == 0 ? log_scale : (log_scale - mean) * (log_scale - mean));
+        }
+    EXPECT_NEAR(std::sqrt(sum / weight), atlas.unevenness, 1e-6);
     // Nothing lies over anything else: by pixels, where the library compares sides.
     size_t twice = 0;
     const std::vector<uint32_t> owner = pixels_of(atlas, twice);
@@ -221,6 +232,27 @@ TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
             ASSERT_TRUE(atlas);
             expect_atlas(mesh, surface.solution.foliation, *atlas, margin);
         }
+    }
+}
+
+// Two triangles are a square, if the second is let down onto the slope of the first, and none lies in the other.
+TEST(Packer, LetsShapesDownOntoEachOther) {
+    constexpr double leg = 1000, column = 40;
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    for (const size_t pairs : {size_t{1}, size_t{4}}) {
+        hmf::Packer packer;
+        packer.start(memory, column, 0);
+        for (size_t k = 0; k < 2 * pairs; ++k) {
+            const double xy[6] = {0, 0, leg, 0, 0, leg};
+            ASSERT_TRUE(packer.begin_shape(0, 0, leg, leg));
+            packer.add_part(xy, 3);
+            packer.add_area(leg * leg / 2);
+        }
+        ASSERT_EQ(packer.search(1000000, call), HMF_OK);
+        EXPECT_GE(packer.side(), leg * std::sqrt(static_cast<double>(pairs)));
+        EXPECT_LE(packer.side(), 1.3 * leg * std::sqrt(static_cast<double>(pairs)));
     }
 }
 

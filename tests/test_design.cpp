@@ -298,6 +298,30 @@ TEST(EvenDesign, HandlesNeedNoPoles) {
     EXPECT_EQ(solve_design(mesh, *made).report.class_state, HMF_CLASS_PROVEN);
 }
 
+// A small torus behind a large one: with equal weights the scale is as uneven as their sizes, with the weights of
+// the search it is not.  With a hole the search is another one.
+TEST(EvenDesign, WeightsFollowTheSizeOfHandles) {
+    TriMesh mesh = joined_tori(40, 20, 9, 8);
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) { // about a similarity at each place, by 1 to 1/6
+        double* x = &mesh.positions[3 * v];
+        const double size = std::exp(-0.2 * x[0]);
+        x[0] = -5 * size;
+        x[1] *= size;
+        x[2] *= size;
+    }
+    for (const bool hole : {false, true}) {
+        SCOPED_TRACE(hole);
+        if (hole) mesh.triangles.resize(mesh.triangles.size() - 3);
+        const hmf_design_options options = design_options(0, 1, nullptr);
+        const auto made = design(mesh, &options);
+        ASSERT_TRUE(made);
+        EXPECT_LT(made->unevenness, 0.9 * made->unevenness_before);
+        const double* w = made->loops->weights;
+        ASSERT_GE(made->loops->count, 2u);
+        EXPECT_GT(*std::max_element(w, w + made->loops->count), 1.5 * *std::min_element(w, w + made->loops->count));
+    }
+}
+
 TEST(EvenDesign, MarkedVerticesStay) {
     const TriMesh mesh = torus_with_finger(40, 20, 30, 4);
     const uint32_t marks[3] = {5, 77, 400};

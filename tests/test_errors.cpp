@@ -21,6 +21,7 @@ void expect_error(hmf_status status, hmf_status expected, const hmf_error& error
     EXPECT_EQ(error.status, status);
     EXPECT_NE(std::memchr(error.message, 0, sizeof error.message), nullptr);
     EXPECT_GT(std::strlen(error.message), 10u);
+    if (expected == HMF_ERROR_NULL) { EXPECT_EQ(error.index, 0u); } // there is nothing to point at
 }
 
 // Of a call that makes an object, call(&object, &error): a failing one leaves NULL.

@@ -4,6 +4,7 @@
 
 #include <hmf/pool.h>
 
+#include <atomic>
 #include <thread>
 
 #include "../src/base/parallel.hpp"
@@ -332,6 +333,58 @@ TEST(Pool, ManyThreadsOnOneHierarchy) {
     for (int i = 0; i < 3; ++i) {
         EXPECT_EQ(solved[i], expected);
         EXPECT_EQ(mapped[i], map);
+    }
+    hmf_pool_destroy(pool);
+}
+
+// Three solves share a pool; another thread than theirs asks one of them to stop, the others end as if alone.
+TEST(Pool, CancelFromAnotherThread) {
+    const TriMesh mesh = large_meshes()[0];
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const Bits expected = bits_of(*make<hmf_foliation>(
+        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); }));
+    hmf_pool* const pool = hmf_pool_create(3);
+    struct Asked {
+        std::atomic<uint32_t> reports{0};
+        std::atomic<bool> stop{false};
+        static int32_t report(void* user, double) {
+            Asked& asked = *static_cast<Asked*>(user);
+            ++asked.reports;
+            // The one that will be stopped waits for that: it cannot end before.
+            while (asked.waits && asked.reports > 3 && !asked.stop) std::this_thread::yield();
+            return asked.stop ? HMF_PROGRESS_CANCEL : HMF_PROGRESS_CONTINUE;
+        }
+        bool waits = false;
+    } asked[3];
+    asked[1].waits = true;
+    hmf_status status[3];
+    Bits bits[3];
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 3; ++i)
+        threads.emplace_back([&, i] {
+            hmf_control control{};
+            control.struct_size = sizeof control;
+            control.workers = hmf_pool_threads(pool);
+            control.parallel_for = hmf_pool_run;
+            control.parallel_user = pool;
+            control.progress = Asked::report;
+            control.progress_user = &asked[i];
+            hmf_foliation* f = nullptr;
+            status[i] = hmf_solve(hierarchy.get(), nullptr, nullptr, &control, &f, nullptr);
+            if (f) bits[i] = bits_of(*f);
+            hmf_foliation_destroy(f);
+        });
+    while (asked[1].reports < 4) std::this_thread::yield();
+    const uint32_t before = asked[1].reports;
+    asked[1].stop = true;
+    for (std::thread& t : threads) t.join();
+    EXPECT_EQ(status[1], HMF_CANCELLED);
+    EXPECT_TRUE(bits[1].empty());
+    EXPECT_EQ(asked[1].reports, before) << "called again after the answer";
+    for (const int i : {0, 2}) {
+        EXPECT_EQ(status[i], HMF_OK);
+        EXPECT_EQ(bits[i], expected);
     }
     hmf_pool_destroy(pool);
 }

@@ -84,7 +84,8 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
         if (search.measure(plain.of_double(), weights, out.unevenness_before)) return call.status();
     }
     SurfaceClass pants;
-    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.of_double(), design.solves, weights, out.unevenness))
+    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.of_double(), design.solves, weights, out.unevenness)
+        || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.of_double(), weights, out.unevenness)))
         return call.status();
     out.solves = search.solves;
     if (!(out.unevenness < HUGE_VAL))

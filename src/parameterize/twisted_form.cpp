@@ -71,7 +71,7 @@ public:
         if (!call_.pass(m, 0, [&](size_t begin, size_t end) {
                 for (size_t e = begin; e < end; ++e) {
                     const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
-                    bundle_.turn[e] = a == 0 ? 1 : static_cast<int8_t>(-a * b);
+                    bundle_.turn[e] = a == 0 ? turn_across(static_cast<uint32_t>(e)) : static_cast<int8_t>(-a * b);
                     du_.value[e] = a * f_.value[e];
                 }
             }))
@@ -253,9 +253,15 @@ private:
         }
     }
 
-    // The sign of u says nothing about the turn of a zero edge.  A spanning tree
-    // of each cluster decides: the zeros of the cluster go one by one to the vertices with most closed
-    // corners, all others shall be even.
+    // That of a zero edge if u goes on from one side of it to the other, as across a leaf.
+    int8_t turn_across(uint32_t e) const {
+        const int a = sign_[mesh_.next[2 * e]], b = sign_[mesh_.next[2 * e + 1]]; // out of the edge, both
+        return a == 0 || b == 0 ? 1 : static_cast<int8_t>(-a * b);
+    }
+
+    // The zeros of a cluster go one by one to the vertices with most closed corners, all others
+    // shall be even: the turns along a spanning tree see to that.  Round a closed leaf made of edges
+    // they are even both ways, if u goes on across all edges and if it turns back at all: turn_across decides.
     Done turn_zero_edges() {
         Array<uint32_t> parent; // half-edge to the parent
         Array<uint8_t> closed, odd;
@@ -305,7 +311,8 @@ private:
                 const uint32_t u = queue_[i];
                 int8_t turn = 1;
                 for (const uint32_t h : mesh_.around(u)) turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
-                if ((turn < 0) != (odd[u] != 0)) bundle_.turn[edge_of(parent[u])] = -1;
+                int8_t& of_parent = bundle_.turn[edge_of(parent[u])];
+                if ((turn < 0) != (odd[u] != 0)) of_parent = static_cast<int8_t>(-of_parent);
             }
         }
         return true;

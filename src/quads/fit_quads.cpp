@@ -5,6 +5,7 @@
 // inverted all is done again without sharp edges, and the better of both kept.
 #include "fit_quads.hpp"
 
+#include "boundary_corners.hpp"
 #include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
@@ -76,10 +77,27 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     return HMF_OK;
 }
 
-} // namespace
+// The surface of a double without its back, where points would be seen from behind.
+struct Front {
+    Array<uint32_t> face;
+    Mesh mesh;
 
-hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-                     QuadMesh& quads, Call& call) {
+    // The vertices of the quads that were found behind are in front then.
+    Done build(const Mesh& whole, const Reflection& reflection, QuadMesh& quads, Memory& memory) {
+        const size_t sides = size_t{2} * whole.edge_count;
+        if (!face.allocate(memory, sides)) return false;
+        for (size_t h = 0; h < sides; ++h) face[h] = reflection.is_front[h] ? whole.face[h] : NONE;
+        mesh = whole;
+        mesh.face = face.data();
+        for (uint32_t& side : quads.sides)
+            if (face[side] == NONE) side = twin(reflection.half_edge[side]);
+        return true;
+    }
+};
+
+// With sharp edges, or without where that leaves fewer inverted.
+hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+                      QuadMesh& quads, Call& call) {
     QuadMesh free; // of sharp edges
     QuadFigures figures, without;
     if (!copy(quads.positions, free.positions, call.memory) || !copy(quads.quads, free.quads, call.memory)
@@ -92,6 +110,18 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
         return call.status();
     if (without.inverted < figures.inverted) std::swap(quads, free);
     return HMF_OK;
+}
+
+} // namespace
+
+hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
+                     QuadMesh& quads, Call& call) {
+    if (!front) return fit_better(mesh, position, front, steps, halvings, quads, call);
+    Front shown;
+    if (!shown.build(mesh, *front, quads, call.memory)) return call.out_of_memory();
+    size_t corners = 0;
+    if (steps > 0 && take_boundary_corners(shown.mesh, position, *front, quads, corners, call)) return call.status();
+    return fit_better(shown.mesh, position, front, steps, halvings, quads, call);
 }
 
 } // namespace hmf

@@ -77,7 +77,7 @@ uint32_t walk_to_nearest(const Mesh& mesh, const double* position, uint32_t side
         do {
             double point[3];
             int there = 0;
-            const double square = look(g, point, there);
+            const double square = mesh.face[g] == NONE ? best : look(g, point, there);
             ++looked;
             if (square < best) {
                 best = square;

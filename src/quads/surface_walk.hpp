@@ -14,7 +14,7 @@ double nearest_in_triangle(const double* p, const double* a, const double* b, co
                            int& on);
 
 // side: a half-edge of the triangle to start from; nearest: the point found.
-// Returns a half-edge of its triangle.
+// Returns a half-edge of its triangle.  Triangles with the number NONE are no part of the surface.
 uint32_t walk_to_nearest(const Mesh& mesh, const double* position, uint32_t side, const double* p, double* nearest);
 
 } // namespace hmf
