@@ -78,8 +78,8 @@ TEST_F(OnAnEdge, VerticesSlide) {
     }
 }
 
-// A free row goes to the edge, where the quads cover more of both faces: without that it stays where they are as high as
-// each other, .16 from it.
+// A free row goes to the edge, where the quads cover more of both faces: without that it stays where they are as high
+// as each other, .16 from it.
 TEST_F(OnAnEdge, RowsBesideItGoThere) {
     for (uint32_t i = 0; i < COLUMNS; ++i) {
         quads.positions[3 * i + 1] = 0.7;
