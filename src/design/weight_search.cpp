@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "../leaves/cylinders.hpp"
+#include "../solve/double_reflection.hpp"
 #include "whole_weights.hpp"
 
 namespace hmf {
@@ -20,6 +21,7 @@ constexpr int64_t LABELS = 16384, LARGEST = int64_t{1} << 40;
 constexpr double LARGEST_RATIO = 1024;
 constexpr uint32_t VERTICES = 4000; // of the double, on the level of the search
 constexpr uint64_t ROUNDS = 24;
+constexpr double TOLERANCE = 1e-4, FINE_TOLERANCE = 1e-8;
 
 // exp(x) for small x, the same bits everywhere.
 double growth(double x) {
@@ -33,7 +35,30 @@ double growth(double x) {
 hmf_status WeightSearch::start() {
     level_ = h_.level_count - 1;
     while (level_ > 0 && h_.levels[level_ - 1].mesh.vertex_count <= VERTICES) --level_;
+    tolerance_ = TOLERANCE;
     return state_.allocate(h_, 0, call_.memory) ? HMF_OK : call_.out_of_memory();
+}
+
+hmf_status WeightSearch::keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+                                          bool& bare) {
+    bool all = true;
+    for (const double w : weights) all = all && w > 0;
+    if (find_if_bare(loops, weights, bare)) return call_.status();
+    if (all || !bare) return HMF_OK;
+    for (double& w : weights) w = std::max(w, 1.0);
+    return measure(loops, weights, unevenness) || find_if_bare(loops, weights, bare) ? call_.status() : HMF_OK;
+}
+
+hmf_status WeightSearch::find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare) {
+    const size_t level = level_;
+    double unevenness = HUGE_VAL;
+    bare = false;
+    level_ = 0;
+    tolerance_ = FINE_TOLERANCE;
+    if (measure(loops, weights, unevenness) || (unevenness < HUGE_VAL && find_bare_parts(bare))) return call_.status();
+    level_ = level;
+    tolerance_ = TOLERANCE;
+    return HMF_OK;
 }
 
 hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness) {
@@ -61,7 +86,7 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
     if (!state_.go_to(coarsest, inner) || (coarsest == 0 && !state_.to_intrinsic(inner))) return failed();
     Recorder recorder(false, inner, 1);
     SolveOptions options;
-    options.tolerance = 1e-4;
+    options.tolerance = tolerance_;
     options.stop_level = level_;
     const hmf_status status = run_cascade(state_, options, inner, recorder);
     if (inner.cancelled() || status >= HMF_ERROR_NULL) return failed();
@@ -71,6 +96,26 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
                         unit_ * largest / static_cast<double>(LARGEST), call_.memory))
         return call_.out_of_memory();
     unevenness = scale_.unevenness();
+    return HMF_OK;
+}
+
+// What hmf_quads refuses: halves that cannot be made symmetric, zeros that are no disks.
+hmf_status WeightSearch::find_bare_parts(bool& any) {
+    Reflection reflection;
+    Symmetrised made;
+    if (make_symmetric(state_, call_, made)) return call_.status();
+    any = !made.exact;
+    if (any) return HMF_OK;
+    if (read_reflection(h_, reflection, call_)) return call_.status();
+    Cylinders cylinders;
+    cylinders.graph.on_boundary = reflection.is_boundary.data();
+    cylinders.graph.mirror = reflection.half_edge.data();
+    Call inner(&call_);
+    if (cylinders.build(state_.foliation, nullptr, nullptr, inner)) {
+        if (inner.cancelled()) return call_.was_cancelled();
+        return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
+    }
+    for (const Zero& zero : cylinders.graph.zeros) any = any || zero.euler != 1;
     return HMF_OK;
 }
 

@@ -27,18 +27,25 @@ public:
     [[nodiscard]] hmf_status run(const LoopsOfDouble& loops, uint64_t solves, Array<double>& weights,
                                  double& unevenness);
 
+    // Loops that were left out get the weight 1 where, on the finest level, a part without them would carry no quads.
+    // bare: there is such a part even so.
+    [[nodiscard]] hmf_status keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+                                              bool& bare);
+
     uint64_t solves = 0;
     double from = 0, to = 1; // progress
 
 private:
     hmf_status find_means(const LoopsOfDouble& loops, bool& known);
+    hmf_status find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare);
+    hmf_status find_bare_parts(bool& any); // in what was measured last, on level 0
 
     const hmf_hierarchy& h_;
     Call& call_;
     size_t level_ = 0; // of the search
     State state_;
     ConformalScale scale_;
-    double unit_ = 1;
+    double unit_ = 1, tolerance_ = 0;
     Array<int64_t> integers_; // per loop of the double
     Array<double> mean_;      // per loop of the surface: log scale of its cylinders
 };

@@ -53,9 +53,10 @@ public:
         patch_.start(memory);
         picked_.start(memory);
         suspect_.start(memory);
-        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, n)
-            && expected_.allocate(memory, n) && unbounded_.allocate(memory, n) && distance_.allocate(memory, n)
-            && patch_.reserve(n) && picked_.reserve(n + size_t{1}) && suspect_.reserve(n);
+        return model_.allocate(mesh, memory, w_.call.parallel) && backup_.allocate(memory, mesh.edge_count)
+            && step_.allocate(memory, n) && expected_.allocate(memory, n) && unbounded_.allocate(memory, n)
+            && distance_.allocate(memory, n) && patch_.reserve(n) && picked_.reserve(n + size_t{1})
+            && suspect_.reserve(n);
     }
 
     // Signs, energy and residual of the foliation as it is.
@@ -96,12 +97,15 @@ public:
     Done go_on() { return w_.call.tick(0, true) && !w_.call.finishing(); }
 
     // Moves at the vertices within some rings of the zeros.
-    void relax_near_zeros(uint32_t rings_around, uint32_t rounds) {
-        pick_near_zeros(rings_around);
+    void relax_after_step(bool far) {
+        pick_near_zeros(far ? steering::far_rings : steering::near_rings);
+        const size_t most = size_t{steering::moves_per_vertex} * f_.mesh.vertex_count / (picked_.size() + 1);
+        const size_t wanted = far ? steering::far_passes : steering::near_passes;
+        const size_t passes = std::min(wanted, std::max(size_t{steering::least_passes}, most));
         SweepResult result;
-        for (uint32_t r = 0; r < rounds && go_on(); ++r)
+        for (size_t pass = 0; pass < passes && go_on(); ++pass)
             for (size_t i = 0; i < picked_.size(); ++i)
-                relax_vertex(f_, w_.rings, weight_, picked_[r % 2 ? picked_.size() - 1 - i : i], w_.star, result);
+                relax_vertex(f_, w_.rings, weight_, picked_[pass % 2 ? picked_.size() - 1 - i : i], w_.star, result);
     }
 
     // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
@@ -686,10 +690,18 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : rounds;
     bool fineness_known = !finest;
     Parts parts;
+    bool moves_wait = false;
     for (uint32_t round = 0; round < rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
-        if (work.call.finishing()) return HMF_CANCELLED;
         const TwistedModel& model = newton.model();
+        // After a step that was solved for to the end moves are made only if it has not reached the goal.
+        if (moves_wait && model.residual_max > goal) {
+            newton.relax_after_step(finest && round > steering::far_after + 1);
+            if (round > steering::late_after_tight + 1) newton.sweeps(steering::late_sweeps);
+            if (!newton.look()) return interrupted(work.call);
+        }
+        moves_wait = false;
+        if (work.call.finishing()) return HMF_CANCELLED;
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
         if (next_to_double && residual < steering::double_residual) return HMF_OK;
@@ -725,17 +737,16 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             effort = effort_for_part(effort);
             if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
             if (accepted < 1) ++parts.shortened;
-            newton.relax_near_zeros(steering::near_rings, steering::near_passes);
+            newton.relax_after_step(false);
             continue;
         }
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
-        const bool far = finest && round > steering::far_after;
-        newton.relax_near_zeros(far ? steering::far_rings : steering::near_rings,
-                                far ? steering::far_passes : steering::near_passes);
+        moves_wait = accepted == 1 && tight && !middle;
+        if (moves_wait) continue;
+        newton.relax_after_step(finest && round > steering::far_after);
         if (accepted == 1 && middle && !(next_to_double && round == 0)) return HMF_OK; // it only provides a start
         if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
-        else if (round > (tight ? steering::late_after_tight : steering::late_after))
-            newton.sweeps(steering::late_sweeps);
+        else if (round > steering::late_after) newton.sweeps(steering::late_sweeps);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
     return finest ? end_beyond_rounding(work, goal) : HMF_OK;

@@ -20,7 +20,7 @@ constexpr uint32_t finest_rounds = 60; // guard
 constexpr uint32_t coarsest_rounds = 40;
 constexpr uint32_t middle_rounds = 3;
 // Sweeps of single moves before the first model.
-constexpr uint32_t coarsest_sweeps = 20;
+constexpr uint32_t coarsest_sweeps = 10;
 constexpr uint32_t finer_sweeps = 1;
 // What a coarser level got wrong are short waves, which the smoother takes out.  Long
 // ones add up over the levels: on every third one they are solved for, too.
@@ -92,6 +92,8 @@ constexpr uint32_t rounds_for_extrema = 8;
 constexpr uint32_t near_rings = 3, near_passes = 20;
 constexpr uint32_t far_rings = 6, far_passes = 40;
 constexpr uint32_t far_after = 2; // rounds
+// Where zeros are nearly everywhere: not more than so many moves for each vertex of the level, or so many passes.
+constexpr uint32_t moves_per_vertex = 8, least_passes = 4;
 // Sweeps over all vertices after a step that was shortened, and after late ones.
 constexpr uint32_t sweeps_after_short_step = 10;
 constexpr uint32_t late_sweeps = 2;

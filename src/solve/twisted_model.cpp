@@ -1,8 +1,10 @@
 #include "twisted_model.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
-Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
+Done TwistedModel::allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
     resting.start(memory);
@@ -10,10 +12,10 @@ Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     special_.start(memory);
     fixed.start(memory);
     return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n)
-        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n)
+        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0, parallel) && rests.allocate(memory, n)
         && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
-        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
-        && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
+        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN, parallel)
+        && upper.allocate_filled(memory, n, INT64_MAX, parallel) && d.allocate(memory, n);
 }
 
 constexpr uint32_t stride = 65536; // vertices between two calls of the progress function
@@ -284,7 +286,7 @@ void TwistedModel::rest(const Foliation& f, const Rings& rings, uint32_t k) {
 // Projected Gauss-Seidel in the neighbourhood of the patch, whose unknowns rest.
 void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<uint32_t>& patch,
                                 Array<uint32_t>& distance) {
-    constexpr uint32_t rings_around = 8, sweeps = 24;
+    constexpr uint32_t rings_around = 8;
     for (size_t i = 0; i < patch.size(); ++i) {
         const uint32_t k = patch[i];
         if (distance[k] == rings_around) continue;
@@ -295,7 +297,10 @@ void TwistedModel::relax_around(const Foliation& f, const Rings& rings, Array<ui
             patch.add(other);
         }
     }
-    for (uint32_t s = 0; s < sweeps; ++s)
+    // Fewer sweeps where the patch is most of the mesh: so many steps for each vertex.
+    constexpr size_t most_sweeps = 24, least_sweeps = 6, steps_per_vertex = 8;
+    const size_t affordable = std::max(least_sweeps, steps_per_vertex * count / (patch.size() + 1));
+    for (size_t s = 0, sweeps = std::min(most_sweeps, affordable); s < sweeps; ++s)
         for (size_t i = 0; i < patch.size(); ++i) {
             const uint32_t k = patch[s % 2 ? patch.size() - 1 - i : i];
             d[k] = relaxed(k);

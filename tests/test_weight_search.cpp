@@ -1,0 +1,115 @@
+// Loops without a weight in the even design of a surface with boundary: kept where quads need them.
+#include "../src/design/weight_search.hpp"
+#include "../src/hierarchy/hierarchy.hpp"
+#include "../src/loops/double_loops.hpp"
+#include "../src/loops/surface_loops.hpp"
+#include "support/boundary.hpp"
+#include "support/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+using namespace hmf;
+using test::TriMesh;
+
+namespace {
+
+// A strip with holes, such as two near each end:
+//
+//     +------------------- ... -------------------+
+//     |   o    o                         o    o   |
+//     +------------------- ... -------------------+
+TriMesh strip(size_t length, const std::vector<double>& holes) {
+    const TriMesh whole = test::rectangle(length, 8, static_cast<double>(length), 8, 0.1, 7);
+    TriMesh mesh;
+    std::map<uint32_t, uint32_t> number;
+    for (size_t t = 0; t < whole.triangle_count(); ++t) {
+        double middle[2] = {0, 0};
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < 2; ++k) middle[k] += whole.positions[3 * whole.triangles[3 * t + c] + k] / 3;
+        bool in_hole = false;
+        for (const double x : holes) in_hole = in_hole || std::hypot(middle[0] - x, middle[1] - 4) < 1.3;
+        if (in_hole) continue;
+        for (size_t c = 0; c < 3; ++c) {
+            const uint32_t v = whole.triangles[3 * t + c];
+            const auto [place, is_new] = number.try_emplace(v, static_cast<uint32_t>(number.size()));
+            if (is_new)
+                for (size_t k = 0; k < 3; ++k) mesh.positions.push_back(whole.positions[3 * v + k]);
+            mesh.triangles.push_back(place->second);
+        }
+    }
+    return mesh;
+}
+
+// The weights after keep_all_if_bare where only loops that lie before x = 20 have one.
+std::vector<double> kept(const TriMesh& mesh) {
+    hmf_hierarchy h(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    Call call(h.memory, &error, nullptr, nullptr);
+    BuildOptions options;
+    options.coarsest = 250;
+    EXPECT_EQ(build_hierarchy(h, mesh.positions.data(), mesh.vertex_count(), 0, mesh.triangles.data(),
+                              mesh.triangle_count(), options, call),
+              HMF_OK);
+    FoundLoops found;
+    DoubledLoops doubled;
+    EXPECT_EQ(surface_loops(h, HMF_LOOPS_PANTS, call, found), HMF_OK);
+    const SurfaceLoops loops = {HMF_LOOP_TRIANGLES,     found.count(),     found.offsets.data(),
+                                found.triangles.data(), found.arcs.data(), found.is_round.data()};
+    EXPECT_EQ(double_loops(h, loops, call, doubled), HMF_OK);
+    EXPECT_EQ(check_loops(h.input, doubled.loops, call, nullptr), HMF_OK);
+    const LoopsOfDouble of_double = {doubled.loops, doubled.of, doubled.factor, found.count()};
+    Array<double> weights;
+    EXPECT_TRUE(weights.allocate_filled(h.memory, found.count(), 1.0));
+    size_t with = 0;
+    for (size_t c = 0; c < found.count(); ++c) {
+        for (uint64_t i = found.offsets[c]; i < found.offsets[c + 1]; ++i)
+            if (mesh.positions[3 * mesh.triangles[3 * found.triangles[i]]] > 20) weights[c] = 0;
+        with += weights[c] > 0;
+    }
+    EXPECT_GT(with, 0u);
+    EXPECT_LT(with, found.count());
+    WeightSearch search(h, call);
+    double unevenness = 0;
+    EXPECT_EQ(search.start(), HMF_OK);
+    bool bare = true;
+    EXPECT_EQ(search.keep_all_if_bare(of_double, weights, unevenness, bare), HMF_OK);
+    EXPECT_FALSE(bare);
+    return {weights.begin(), weights.end()};
+}
+
+} // namespace
+
+// The ends of a strip beyond its holes are limbs: with poles there the scale is more even, unless they are not wanted.
+TEST(WeightSearch, LimbsWithBoundary) {
+    const TriMesh mesh = strip(80, {36, 44});
+    double unevenness[2];
+    for (const int32_t no_poles : {0, 1}) {
+        hmf_design_options options{};
+        options.struct_size = sizeof options;
+        options.no_poles = no_poles;
+        const auto design = test::make<hmf_design>([&](hmf_design** out, hmf_error* error) {
+            return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, nullptr, out, error);
+        });
+        ASSERT_TRUE(design);
+        unevenness[no_poles] = design->unevenness;
+        EXPECT_EQ(design->marked_count > 0, no_poles == 0);
+        for (uint64_t k = 0; k < design->marked_count; ++k) {
+            const double x = mesh.positions[3 * design->marked_vertices[k]];
+            EXPECT_TRUE(x < 8 || x > 72) << x;
+        }
+    }
+    EXPECT_LT(unevenness[0], 0.9 * unevenness[1]);
+}
+
+// Leaves fade along the strip as exp(-pi x / 8): on a short one they reach the other end, on a long one no double does.
+TEST(WeightSearch, LoopsAreKeptWhereQuadsNeedThem) {
+    for (const double w : kept(strip(240, {5, 13, 227, 235}))) EXPECT_EQ(w, 1);
+    double least = 1;
+    for (const double w : kept(strip(60, {5, 13, 47, 55}))) least = std::min(least, w);
+    EXPECT_EQ(least, 0);
+}
