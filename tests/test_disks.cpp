@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <set>
 #include <map>
 
 using namespace test;
@@ -88,11 +90,18 @@ double linear_energy(const LevelMesh& mesh, const std::map<uint32_t, double>& fi
 
 } // namespace
 
-// Four of the boundary, as far from one another along it as whole edges allow; the first is a vertex farthest from the
-// middle.
+// Four of a boundary without corners, as far from one another along it as whole edges allow; the first is a vertex
+// farthest from the middle.
 TEST(Disks, SuggestedMarksDivideTheBoundary) {
     for (const double height : {0.0, 0.7}) {
-        const TriMesh mesh = sheet(20, 14, 3, 2, height, 0.5);
+        TriMesh mesh = sheet(20, 14, 2, 2, 0, 0.5);
+        for (size_t v = 0; v < mesh.vertex_count(); ++v) { // the square becomes an ellipse
+            double* const p = &mesh.positions[3 * v];
+            const double x = p[0] - 1, y = p[1] - 1;
+            p[0] = 1.5 * x * std::sqrt(1 - y * y / 2);
+            p[1] = y * std::sqrt(1 - x * x / 2);
+            p[2] = height * std::sin(p[0]);
+        }
         const std::vector<uint32_t> marks = suggested_marks(mesh), walk = boundary_of(mesh);
         ASSERT_EQ(marks.size(), 4u);
         EXPECT_EQ(suggested_marks(mesh), marks);
@@ -127,6 +136,42 @@ TEST(Disks, SuggestedMarksDivideTheBoundary) {
             EXPECT_NEAR(gap, length / 4, longest * 1.001);
         }
     }
+}
+
+// A hexagon of triangles with unit sides, n along each side.
+TriMesh hexagon(int n) {
+    TriMesh mesh;
+    std::map<std::pair<int, int>, uint32_t> number;
+    const auto vertex = [&](int i, int j) {
+        const auto [place, is_new] = number.try_emplace({i, j}, static_cast<uint32_t>(number.size()));
+        if (is_new) mesh.positions.insert(mesh.positions.end(), {i + 0.5 * j, std::sqrt(0.75) * j, 0.0});
+        return place->second;
+    };
+    const auto inside = [n](int i, int j) { return std::max({std::abs(i), std::abs(j), std::abs(i + j)}) <= n; };
+    for (int i = -n; i <= n; ++i)
+        for (int j = -n; j <= n; ++j) {
+            if (!inside(i + 1, j) || !inside(i, j + 1)) continue;
+            if (inside(i, j))
+                mesh.triangles.insert(mesh.triangles.end(), {vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
+            if (inside(i + 1, j + 1))
+                mesh.triangles.insert(mesh.triangles.end(), {vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+        }
+    return mesh;
+}
+
+// All corners where they are four, however far apart; of six some.
+TEST(Disks, SuggestedMarksAreCorners) {
+    for (const double width : {3.0, 12.0}) {
+        const TriMesh mesh = sheet(24, 12, width, 2, 0, 0.5);
+        std::set<std::pair<double, double>> places;
+        for (const uint32_t v : suggested_marks(mesh))
+            places.insert({mesh.positions[3 * v], mesh.positions[3 * v + 1]});
+        EXPECT_EQ(places, (std::set<std::pair<double, double>>{{0, 0}, {width, 0}, {0, 2}, {width, 2}}));
+    }
+    const TriMesh six = hexagon(12);
+    const std::vector<uint32_t> marks = suggested_marks(six);
+    EXPECT_EQ(std::set<uint32_t>(marks.begin(), marks.end()).size(), 4u);
+    for (const uint32_t v : marks) EXPECT_NEAR(std::hypot(six.positions[3 * v], six.positions[3 * v + 1]), 12, 1e-9);
 }
 
 // A bag: its boundary is short, so the marks are tips and lie inside as on a sphere.

@@ -394,8 +394,9 @@ typedef struct hmf_mark_set {
 /*
  * Marked vertices for a mesh of genus 0 whose owner names none: two at the tip of
  * each limb, so that loops go round the limbs, at least four and at most 24.
- * A disk gets four that divide its boundary into equal lengths or, where that is
- * short (its square less than twice the area), tips as a sphere.
+ * A disk gets its four corners, or four vertices that divide its boundary into
+ * equal lengths, corners near these where there are; or, where that is short (its
+ * square less than twice the area), tips as a sphere.
  * None where none are needed.  The same input gives the same marks.
  * Of several components each gets its own, but for those that hmf_build refuses
  * whatever is marked.

@@ -18,6 +18,7 @@
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
 #include "../mesh/edge_distances.hpp"
+#include "disk_corners.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,73 +158,6 @@ private:
     double least_ = 0;
     const size_t most_;
 };
-
-// Where the square of the boundary is less than this part of the area, a disk is a sphere with a small hole.
-constexpr double SHORT_BOUNDARY = 2;
-
-// The boundary of a disk in order, by the caller's numbers; h is its double.
-Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& call) {
-    const size_t m = h.surface_triangles;
-    Array<uint32_t> next;
-    if (!next.allocate_filled(call.memory, h.surface_vertices, NONE)) return false;
-    uint32_t first = NONE;
-    for (size_t t = 0; t < m; ++t)
-        for (size_t s = 0; s < 3; ++s) {
-            // A side is its own image.
-            if (h.triangle_edges[3 * t + s] != h.triangle_edges[3 * (m + t) + 2 - s]) continue;
-            const uint32_t v = h.triangle_vertices[3 * t + s];
-            next[v] = h.triangle_vertices[3 * t + (s + 1) % 3];
-            first = std::min(first, v);
-        }
-    boundary.start(call.memory);
-    uint32_t v = first;
-    do {
-        if (!boundary.push(v)) return false;
-        v = next[v];
-    } while (v != first);
-    return true;
-}
-
-// Four vertices that divide the boundary of a disk into about equal lengths, the
-// first as far from its middle as can be.  None if the boundary is short.
-Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call) {
-    Array<uint32_t> boundary;
-    if (!boundary_of_disk(h, boundary, call)) return false;
-    const size_t n = boundary.size();
-    const auto at = [&](size_t k) { return h.levels[0].position + size_t{3} * h.vertex_internal[boundary[k % n]]; };
-    const auto distance = [](const double* a, const double* b) {
-        double sum = 0;
-        for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-        return std::sqrt(sum);
-    };
-    double middle[3] = {0, 0, 0}, length = 0, area = 0;
-    for (size_t k = 0; k < n; ++k) {
-        for (int c = 0; c < 3; ++c) middle[c] += at(k)[c] / static_cast<double>(n);
-        length += distance(at(k), at(k + 1));
-    }
-    for (size_t t = 0; t < h.surface_triangles; ++t) {
-        const double* x[3];
-        for (size_t s = 0; s < 3; ++s)
-            x[s] = h.levels[0].position + size_t{3} * h.vertex_internal[h.triangle_vertices[3 * t + s]];
-        const double a = distance(x[0], x[1]), b = distance(x[1], x[2]), c = distance(x[2], x[0]);
-        const double square = (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
-        area += square > 0 ? 0.25 * std::sqrt(square) : 0;
-    }
-    if (n < 4 || length * length < SHORT_BOUNDARY * area) return true;
-    size_t first = 0;
-    for (size_t k = 1; k < n; ++k)
-        if (distance(at(k), middle) > distance(at(first), middle)) first = k;
-    double sum = 0;
-    for (size_t k = 0; k < n && marks.size() < 4; ++k) {
-        // As many vertices are left as marks are missing, or the next vertex is farther from the place.
-        const double side = distance(at(first + k), at(first + k + 1));
-        const double place = 0.25 * length * static_cast<double>(marks.size());
-        if (n - k <= 4 - marks.size() || sum + 0.5 * side >= place)
-            if (!marks.push(boundary[(first + k) % n])) return false;
-        sum += side;
-    }
-    return true;
-}
 
 } // namespace
 

@@ -1,0 +1,170 @@
+// Where to mark a disk: its corners.
+#include "disk_corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// Where the square of the boundary is less than this part of the area, a disk is a sphere with a small hole.
+constexpr double SHORT_BOUNDARY = 2;
+constexpr double SHARP = 0.9, LEAST_TURN = 0.35; // sharpness of a corner: turns by 53 and 20 degrees
+constexpr double NEAR = 0.1;                     // of the length of the boundary
+
+// The boundary of a disk in order, by the caller's numbers; h is its double.
+Done boundary_of_disk(const hmf_hierarchy& h, Array<uint32_t>& boundary, Call& call) {
+    const size_t m = h.surface_triangles;
+    Array<uint32_t> next;
+    if (!next.allocate_filled(call.memory, h.surface_vertices, NONE)) return false;
+    uint32_t first = NONE;
+    for (size_t t = 0; t < m; ++t)
+        for (size_t s = 0; s < 3; ++s) {
+            // A side is its own image.
+            if (h.triangle_edges[3 * t + s] != h.triangle_edges[3 * (m + t) + 2 - s]) continue;
+            const uint32_t v = h.triangle_vertices[3 * t + s];
+            next[v] = h.triangle_vertices[3 * t + (s + 1) % 3];
+            first = std::min(first, v);
+        }
+    boundary.start(call.memory);
+    uint32_t v = first;
+    do {
+        if (!boundary.push(v)) return false;
+        v = next[v];
+    } while (v != first);
+    return true;
+}
+
+// How sharp a boundary turns at each of its vertices: | a + b | of the directions a and b to both neighbours,
+//
+//     a     b      0: straight, 1.41: a corner of 90 degrees; 0 also where the
+//      \___/       surface lies outside of the angle
+//        v
+class Sharpness {
+public:
+    Sharpness(const hmf_hierarchy& h, const Array<uint32_t>& boundary) : h_(h), boundary_(boundary) {}
+
+    Done find(Memory& memory) {
+        const size_t n = boundary_.size();
+        Array<uint32_t> place;
+        if (!place.allocate_filled(memory, h_.surface_vertices, NONE) || !of.allocate(memory, n)
+            || !inward_.allocate_filled(memory, 3 * n, 0.0))
+            return false;
+        for (size_t k = 0; k < n; ++k) place[boundary_[k]] = static_cast<uint32_t>(k);
+        for (size_t t = 0; t < h_.surface_triangles; ++t)
+            for (size_t s = 0; s < 3; ++s) add_inward(place, &h_.triangle_vertices[3 * t], s);
+        for (size_t k = 0; k < n; ++k) of[k] = measure(k);
+        return true;
+    }
+
+    Array<double> of; // in the order of the boundary
+
+private:
+    const double* at(uint32_t v) const { return h_.levels[0].position + size_t{3} * h_.vertex_internal[v]; }
+    void add_inward(const Array<uint32_t>& place, const uint32_t* triangle, size_t s) {
+        const uint32_t k = place[triangle[s]];
+        if (k == NONE) return;
+        for (int c = 0; c < 3; ++c)
+            inward_[size_t{3} * k + static_cast<size_t>(c)] +=
+                at(triangle[(s + 1) % 3])[c] + at(triangle[(s + 2) % 3])[c] - 2 * at(triangle[s])[c];
+    }
+    double measure(size_t k) const {
+        const size_t n = boundary_.size();
+        const double *v = at(boundary_[k]), *ends[2] = {at(boundary_[(k + n - 1) % n]), at(boundary_[(k + 1) % n])};
+        double sum[3] = {0, 0, 0}, square = 0, along = 0;
+        for (const double* end : ends) {
+            double length = 0;
+            for (int c = 0; c < 3; ++c) length += (end[c] - v[c]) * (end[c] - v[c]);
+            for (int c = 0; c < 3 && length > 0; ++c) sum[c] += (end[c] - v[c]) / std::sqrt(length);
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            square += sum[c] * sum[c];
+            along += sum[c] * inward_[3 * k + c];
+        }
+        return along > 0 ? std::sqrt(square) : 0;
+    }
+
+    const hmf_hierarchy& h_;
+    const Array<uint32_t>& boundary_;
+    Array<double> inward_; // of each vertex, to the middle of its triangles
+};
+
+struct Measures {
+    double length = 0, area = 0;  // of the boundary, of the disk
+    double middle[3] = {0, 0, 0}; // of the vertices of the boundary
+};
+
+double distance(const double* a, const double* b) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+    return std::sqrt(sum);
+}
+
+const double* place_of(const hmf_hierarchy& h, uint32_t v) {
+    return h.levels[0].position + size_t{3} * h.vertex_internal[v];
+}
+
+Measures measure_disk(const hmf_hierarchy& h, const Array<uint32_t>& boundary) {
+    Measures m;
+    const size_t n = boundary.size();
+    for (size_t k = 0; k < n; ++k) {
+        const double* const here = place_of(h, boundary[k]);
+        for (int c = 0; c < 3; ++c) m.middle[c] += here[c] / static_cast<double>(n);
+        m.length += distance(here, place_of(h, boundary[(k + 1) % n]));
+    }
+    for (size_t t = 0; t < h.surface_triangles; ++t) {
+        const double* x[3];
+        for (size_t s = 0; s < 3; ++s) x[s] = place_of(h, h.triangle_vertices[3 * t + s]);
+        const double a = distance(x[0], x[1]), b = distance(x[1], x[2]), c = distance(x[2], x[0]);
+        const double square = (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
+        m.area += square > 0 ? 0.25 * std::sqrt(square) : 0;
+    }
+    return m;
+}
+
+// Vertices that divide the boundary into about equal lengths, the first as far from its middle as can be,
+// and near these places the sharpest.
+Done divide_boundary(const hmf_hierarchy& h, const Array<uint32_t>& boundary, const Array<double>& sharpness,
+                     const Measures& disk, Memory& memory, Array<uint32_t>& marks) {
+    const size_t n = boundary.size();
+    const auto at = [&](size_t k) { return place_of(h, boundary[k % n]); };
+    size_t first = 0;
+    for (size_t k = 1; k < n; ++k)
+        if (distance(at(k), disk.middle) > distance(at(first), disk.middle)) first = k;
+    Array<double> along; // from the first vertex
+    if (!along.allocate_filled(memory, n, 0.0) || !marks.push(boundary[first])) return false;
+    for (size_t k = 1; k < n; ++k) along[k] = along[k - 1] + distance(at(first + k - 1), at(first + k));
+    size_t from = 1; // behind the one before
+    for (size_t m = 1; m < 4; ++m) {
+        const auto off = [&](size_t k) { return std::fabs(along[k] / disk.length - 0.25 * static_cast<double>(m)); };
+        const auto score = [&](size_t k) {
+            const double sharp = sharpness[(first + k) % n];
+            return (off(k) < NEAR && sharp > LEAST_TURN ? sharp : 0) - off(k);
+        };
+        size_t best = from;
+        for (size_t k = from; k <= n - 4 + m; ++k) // as many are left as marks are missing
+            if (score(k) > score(best)) best = k;
+        if (!marks.push(boundary[(first + best) % n])) return false;
+        from = best + 1;
+    }
+    return true;
+}
+
+} // namespace
+
+Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call) {
+    Array<uint32_t> boundary;
+    if (!boundary_of_disk(h, boundary, call)) return false;
+    const Measures disk = measure_disk(h, boundary);
+    if (boundary.size() < 4 || disk.length * disk.length < SHORT_BOUNDARY * disk.area) return true;
+    Sharpness sharpness(h, boundary);
+    if (!sharpness.find(call.memory)) return false;
+    for (size_t k = 0; k < boundary.size(); ++k)
+        if (sharpness.of[k] > SHARP && !marks.push(boundary[k])) return false;
+    if (marks.size() == 4) return true;
+    marks.clear();
+    return divide_boundary(h, boundary, sharpness.of, disk, call.memory, marks);
+}
+
+} // namespace hmf
