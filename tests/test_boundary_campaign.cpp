@@ -72,7 +72,7 @@ bool cut_holes(const TriMesh& whole, uint64_t k, TriMesh& mesh) {
 void check_quads(const TriMesh& mesh, const Solution& s, bool merge, Tally& tally) {
     hmf_quad_mesh* raw = nullptr;
     hmf_error error{};
-    const hmf_quad_options options = quad_options(2000, merge, merge ? 40 : 0);
+    const hmf_quad_options options = quad_options(2000, merge, 40);
     const hmf_status status = hmf_quads(s.foliation.get(), &options, nullptr, &raw, &error);
     const Owned<hmf_quad_mesh> quads(raw);
     if (status == HMF_ERROR_UNSUPPORTED) {

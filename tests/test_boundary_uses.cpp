@@ -1,10 +1,13 @@
 // Surfaces with boundary: leaves, cylinders and quads.
 #include "../src/hierarchy/hierarchy.hpp"
 #include "support/boundary.hpp"
+#include "support/read_obj.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 
 using namespace test;
@@ -209,4 +212,67 @@ TEST(Boundary, TheMapIsAsLargeAsTheEnergy) {
         as_given += hierarchy.get()->intrinsic_flip_count == 0; // then the map is of the symmetric values themselves
     }
     EXPECT_GE(as_given, 12u);
+}
+
+// A square plate with a round hole: n round, m from the hole outwards, which are the last of each ray.
+static TriMesh square_with_hole(size_t n, size_t m) {
+    TriMesh mesh;
+    for (size_t i = 0; i < n; ++i) {
+        const double a = 6.283185307179586 * (double(i) / double(n) + 0.125);
+        const double c = std::cos(a), s = std::sin(a), outer = 1 / std::max(std::fabs(c), std::fabs(s));
+        for (size_t j = 0; j <= m; ++j) {
+            const double r = 0.4 + (outer - 0.4) * double(j) / double(m);
+            mesh.positions.insert(mesh.positions.end(), {r * c, r * s, 0});
+        }
+    }
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < m; ++j) {
+            const uint32_t a = uint32_t(i * (m + 1) + j), b = uint32_t((i + 1) % n * (m + 1) + j);
+            mesh.triangles.insert(mesh.triangles.end(), {a, a + 1, b + 1, a, b + 1, b});
+        }
+    mesh.genus = 0;
+    return mesh;
+}
+
+// Corners that nobody marks are vertices of the quads all the same.
+TEST(Boundary, QuadsTakeTheCornersOfABoundary) {
+    const size_t n = 96, m = 16;
+    const TriMesh mesh = square_with_hole(n, m);
+    const SolvedSurface solved(mesh);
+    ASSERT_EQ(solved.solution.status, HMF_OK) << solved.solution.error.message;
+    for (const uint64_t count : {200, 400, 1500, 6000}) {
+        SCOPED_TRACE(testing::Message() << count << " quads");
+        const auto quads = quads_of(solved.solution, quad_options(count, true, 40));
+        ASSERT_TRUE(quads);
+        expect_quads_conform(mesh, *quads, 0);
+        EXPECT_EQ(quads->inverted_count, 0u);
+        EXPECT_EQ(quads->irregular_count, 0u);
+        for (size_t side = 0; side < 4; ++side) {
+            const double* corner = &mesh.positions[3 * (side * n / 4 * (m + 1) + m)];
+            bool is_vertex = false;
+            for (size_t v = 0; v < quads->vertex_count; ++v)
+                is_vertex = is_vertex || std::equal(corner, corner + 3, quads->positions + 3 * v);
+            EXPECT_TRUE(is_vertex) << corner[0] << " " << corner[1];
+        }
+    }
+}
+
+// Columns go straight across rows, also where the path across a cylinder runs along thin triangles at a boundary: a row
+// was turned by half its length there. With the even design, whose loops leave one of three boundaries without rows.
+TEST(Boundary, RowsAreNotTurnedAgainstEachOther) {
+    const char* folder = std::getenv("HMF_SURFACES");
+    TriMesh mesh;
+    if (!folder || !read_obj(std::string(folder) + "/aqua-center_9.7k.obj", mesh))
+        GTEST_SKIP() << "skipped: set HMF_SURFACES to a folder with aqua-center_9.7k.obj";
+    const auto design = make<hmf_design>([&](hmf_design** out, hmf_error* error) {
+        return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                               nullptr, nullptr, out, error);
+    });
+    ASSERT_TRUE(design);
+    const Hierarchy hierarchy(mesh);
+    const Solution s = solve(hierarchy, *design->loops);
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    const auto quads = quads_of(s, quad_options(5000, true));
+    ASSERT_TRUE(quads);
+    EXPECT_LE(quads->inverted_count, 20u);
 }

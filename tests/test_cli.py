@@ -67,6 +67,8 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--ratio", "x")
         self.refused(2, "solve", self.mesh, "--ratio", "3", says=["ratio"])
         self.refused(2, "solve", self.mesh, "--unknown")
+        for slip, meant in ("--imag", "--image"), ("--iamge", "--image"), ("--loop", "--loops"), ("--weight", "--weights"):
+            self.refused(2, "solve", self.mesh, slip, says=["there is no option " + slip + "; " + meant + " is one;"])
         self.refused(2, "solve", self.mesh, "--weights", "1,2,3", says=["--weights", "1 loops"])
         self.refused(2, "solve", self.mesh, "--values", self.path("a.txt"), says=[".csv or .npy"])
         self.refused(2, "solve", self.mesh, "--image", self.path("a.gif"), says=[".png"])
@@ -177,7 +179,8 @@ class Meshes(Case):
         info = json.loads(self.run_tool("info", path, "--json").stdout)
         self.assertTrue(info["valid"])
         report = self.path("open.json")
-        self.run_tool("solve", path, "--report", report)
+        done = self.run_tool("solve", path, "--report", report)
+        self.assertIn("genus 1, 1 boundary, ", done.stdout)
         with open(report) as f:
             r = json.load(f)
         self.assertEqual((r["mesh"]["genus"], r["mesh"]["boundaries"], r["poles"], r["converged"]), (1, 1, 0, True))

@@ -78,6 +78,20 @@ TEST_F(OnAnEdge, VerticesSlide) {
     }
 }
 
+// A free row goes to the edge, where the quads cover more of both faces: without that it stays where they are as high
+// as each other, .16 from it.
+TEST_F(OnAnEdge, RowsBesideItGoThere) {
+    for (uint32_t i = 0; i < COLUMNS; ++i) {
+        quads.positions[3 * i + 1] = 0.7;
+        if (quads.held[COLUMNS + i] != hmf::ON_CREASE) continue;
+        quads.held[COLUMNS + i] = 0;
+        quads.positions[3 * (COLUMNS + i) + 1] = 0.2;
+        quads.sides[COLUMNS + i] = quads.sides[i];
+    }
+    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
+    for (uint32_t i = 2; i + 2 < COLUMNS; ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
+}
+
 // The middle of a side on the edge slides along it as well.
 TEST_F(OnAnEdge, FinerQuadsStay) {
     ASSERT_EQ(hmf::refine_quads(mesh, made.positions.data(), quads, call), HMF_OK);

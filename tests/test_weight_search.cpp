@@ -4,6 +4,7 @@
 #include "../src/loops/double_loops.hpp"
 #include "../src/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
+#include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,23 +17,21 @@ using test::TriMesh;
 
 namespace {
 
-// A strip with two holes near each end:
+// A strip with holes, such as two near each end:
 //
 //     +------------------- ... -------------------+
 //     |   o    o                         o    o   |
 //     +------------------- ... -------------------+
-TriMesh strip(size_t length) {
+TriMesh strip(size_t length, const std::vector<double>& holes) {
     const TriMesh whole = test::rectangle(length, 8, static_cast<double>(length), 8, 0.1, 7);
     TriMesh mesh;
     std::map<uint32_t, uint32_t> number;
-    const double end = static_cast<double>(length);
     for (size_t t = 0; t < whole.triangle_count(); ++t) {
         double middle[2] = {0, 0};
         for (size_t c = 0; c < 3; ++c)
             for (size_t k = 0; k < 2; ++k) middle[k] += whole.positions[3 * whole.triangles[3 * t + c] + k] / 3;
         bool in_hole = false;
-        for (const double x : {5.0, 13.0, end - 13, end - 5})
-            in_hole = in_hole || std::hypot(middle[0] - x, middle[1] - 4) < 1.3;
+        for (const double x : holes) in_hole = in_hole || std::hypot(middle[0] - x, middle[1] - 4) < 1.3;
         if (in_hole) continue;
         for (size_t c = 0; c < 3; ++c) {
             const uint32_t v = whole.triangles[3 * t + c];
@@ -76,16 +75,41 @@ std::vector<double> kept(const TriMesh& mesh) {
     WeightSearch search(h, call);
     double unevenness = 0;
     EXPECT_EQ(search.start(), HMF_OK);
-    EXPECT_EQ(search.keep_all_if_bare(of_double, weights, unevenness), HMF_OK);
+    bool bare = true;
+    EXPECT_EQ(search.keep_all_if_bare(of_double, weights, unevenness, bare), HMF_OK);
+    EXPECT_FALSE(bare);
     return {weights.begin(), weights.end()};
 }
 
 } // namespace
 
+// The ends of a strip beyond its holes are limbs: with poles there the scale is more even, unless they are not wanted.
+TEST(WeightSearch, LimbsWithBoundary) {
+    const TriMesh mesh = strip(80, {36, 44});
+    double unevenness[2];
+    for (const int32_t no_poles : {0, 1}) {
+        hmf_design_options options{};
+        options.struct_size = sizeof options;
+        options.no_poles = no_poles;
+        const auto design = test::make<hmf_design>([&](hmf_design** out, hmf_error* error) {
+            return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
+                                   mesh.triangle_count(), &options, nullptr, out, error);
+        });
+        ASSERT_TRUE(design);
+        unevenness[no_poles] = design->unevenness;
+        EXPECT_EQ(design->marked_count > 0, no_poles == 0);
+        for (uint64_t k = 0; k < design->marked_count; ++k) {
+            const double x = mesh.positions[3 * design->marked_vertices[k]];
+            EXPECT_TRUE(x < 8 || x > 72) << x;
+        }
+    }
+    EXPECT_LT(unevenness[0], 0.9 * unevenness[1]);
+}
+
 // Leaves fade along the strip as exp(-pi x / 8): on a short one they reach the other end, on a long one no double does.
 TEST(WeightSearch, LoopsAreKeptWhereQuadsNeedThem) {
-    for (const double w : kept(strip(240))) EXPECT_EQ(w, 1);
+    for (const double w : kept(strip(240, {5, 13, 227, 235}))) EXPECT_EQ(w, 1);
     double least = 1;
-    for (const double w : kept(strip(60))) least = std::min(least, w);
+    for (const double w : kept(strip(60, {5, 13, 47, 55}))) least = std::min(least, w);
     EXPECT_EQ(least, 0);
 }

@@ -37,6 +37,38 @@ Option* find(Options& options, const std::string& name) {
     return at == options.end() ? nullptr : &*at;
 }
 
+// Letters to put in, leave out or exchange.
+size_t letters_between(const std::string& a, const std::string& b) {
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t other = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = std::min(other, std::min(row[j], row[j - 1]) + 1);
+        }
+    }
+    return row[b.size()];
+}
+
+// What may have been meant: an option that begins so, or one with two other letters at most.
+std::string advice(const Options& options, const std::string& name) {
+    const Option* best = nullptr;
+    size_t least = 3;
+    for (const Option& o : options) {
+        const std::string known = o.name;
+        const bool begins =
+            name.size() > 3 && (known.compare(0, name.size(), name) == 0 || name.compare(0, known.size(), known) == 0);
+        const size_t distance = by_place(o) ? least : begins ? 0 : letters_between(name, known);
+        if (distance >= least) continue;
+        least = distance;
+        best = &o;
+    }
+    return best ? "; " + std::string(best->name) + " is one" : "";
+}
+
 double number_of(const Option& o, const std::string& word) {
     char* end = nullptr;
     const double x = std::strtod(word.c_str(), &end);
@@ -150,7 +182,8 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
         else
             for (Option& o : options)
                 if (!option && by_place(o) && o.given.empty()) option = &o;
-        if (!option) refuse((is_name ? "there is no option " : "nothing is expected here: ") + name + help);
+        if (!option && is_name) refuse("there is no option " + name + advice(options, name) + help);
+        if (!option) refuse("nothing is expected here: " + name + help);
         if (!option->given.empty() && !std::holds_alternative<std::vector<std::string>*>(option->target))
             refuse(name + ": is given twice; give it once");
         if (!is_name) value = name;

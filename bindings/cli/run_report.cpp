@@ -62,11 +62,16 @@ void Run::report() {
         summary += std::to_string(components_.size()) + " components, "
                  + std::to_string(components_.size() - outcome_.notes.size()) + " solved, ";
     char line[300];
-    std::snprintf(line, sizeof line, "genus %.0f, %zu edges, %s, energy %.10g, residual %.2g, class %s, %s, %s, %.2f s",
-                  number(*json.find("mesh"), "genus"), f_.values.size(), counted(loop_count_, "loop").c_str(),
-                  number(json, "energy"), number(json, "residual_max"), json.find("class")->text()->c_str(),
-                  counted(static_cast<size_t>(number(json, "zeros")), "zero").c_str(),
-                  counted(static_cast<size_t>(number(json, "poles")), "pole").c_str(), seconds);
+    const size_t boundaries = static_cast<size_t>(number(*json.find("mesh"), "boundaries"));
+    const std::string rims = boundaries == 0 ? ""
+                           : boundaries == 1 ? "1 boundary, "
+                                             : std::to_string(boundaries) + " boundaries, ";
+    std::snprintf(
+        line, sizeof line, "genus %.0f, %s%zu edges, %s, energy %.10g, residual %.2g, class %s, %s, %s, %.2f s",
+        number(*json.find("mesh"), "genus"), rims.c_str(), f_.values.size(), counted(loop_count_, "loop").c_str(),
+        number(json, "energy"), number(json, "residual_max"), json.find("class")->text()->c_str(),
+        counted(static_cast<size_t>(number(json, "zeros")), "zero").c_str(),
+        counted(static_cast<size_t>(number(json, "poles")), "pole").c_str(), seconds);
     outcome_.summary = summary + line;
     if (r_.count > 0 && quads_ > 0)
         outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, " + std::to_string(irregular_)
@@ -80,8 +85,8 @@ void Run::report() {
 }
 
 std::string Run::design_sentence() const {
-    std::string text = "even: " + std::to_string(marks_.size()) + " marked vertices, " + std::to_string(loop_count_)
-                     + " loops with weights";
+    std::string text = "even: " + std::to_string(marks_.size()) + " marked vertices, " + counted(loop_count_, "loop")
+                     + (loop_count_ == 1 ? " with a weight" : " with weights");
     if (is_alone()) {
         char numbers[100];
         std::snprintf(numbers, sizeof numbers, "; unevenness %.2f, with --loops cut %.2f",

@@ -603,9 +603,9 @@ typedef struct hmf_design {
  * At the tip of a limb that no loop goes round the scale decays; there the design
  * marks one vertex or two.  The loops are pants loops (HMF_LOOPS_PANTS) of the
  * surface with its marked vertices, without those whose weight would be 0.
- * With boundary marked vertices are those of `build` or, if there are none, of
- * hmf_suggest_marks, and the weights alone are searched; solve_limit then bounds
- * the rounds.
+ * With boundary marked vertices are those of `build` or of hmf_suggest_marks; if
+ * there are none, none and a pair at the tip of each limb are compared. The
+ * weights alone are searched; solve_limit then bounds the rounds.
  *
  *     hmf_even_design       -> design
  *     hmf_build             with design->marked_vertices

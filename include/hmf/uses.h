@@ -278,9 +278,10 @@ typedef struct hmf_quad_mesh {
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
  * row by row where leaves run along it, and where they meet it column by column;
- * its vertices stay when others are relaxed.  A marked vertex of the boundary with
- * one prong is a corner, and zeros of the boundary are vertices of it: a rectangle
- * becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
+ * its vertices stay when others are relaxed, but before that where a side cuts off a
+ * corner of the boundary by a fifth of its length, its nearer end goes there.  A marked
+ * vertex of the boundary with one prong is a corner, and zeros of the boundary are
+ * vertices of it: a rectangle becomes a grid.  Closed otherwise.  Triangles at the boundary that no leaf crosses
  * (all of their corners on it, as a rule) may be left out.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf

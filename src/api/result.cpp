@@ -36,7 +36,7 @@ void* ResultBlock::make_bytes(const void* structure, size_t size, const hmf_hier
     char* at = made + aligned(size);
     for (int i = 0; i < part_count_; ++i) {
         const Part& part = parts_[i];
-        if (part.source && part.bytes) std::memcpy(at, part.source, part.bytes);
+        if (part.source) call.parallel.copy(at, static_cast<const char*>(part.source), part.bytes);
         void* const pointer = at;
         std::memcpy(made + part.field, &pointer, sizeof pointer);
         at += aligned(part.bytes);

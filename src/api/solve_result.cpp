@@ -76,9 +76,7 @@ hmf_status measure(State& state, Recorder& recorder, Call& call) {
 
 // Bits that the unit has to lose so that doubles hold the values: none or, beyond
 // 2^53, with room for sums of two, but not more than `most`.
-uint32_t bits_too_many(const Foliation& f, uint32_t most) {
-    int64_t largest = 0;
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) largest = std::max(largest, f.value[e]);
+uint32_t bits_too_many(int64_t largest, uint32_t most) {
     uint32_t bits = 0;
     if (largest > int64_t{1} << 53)
         while (bits < most && largest >> bits > int64_t{1} << 51) ++bits;
@@ -108,13 +106,13 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
     std::frexp(unit_of_heights / recorder.unit(), &spare);
     if (two_sides || spare > 1) {
         if (!solved.allocate(call.memory, n)) return call.out_of_memory();
-        std::memcpy(solved.data(), state.foliation.value, n * sizeof(int64_t));
+        call.parallel.copy(solved.data(), state.foliation.value, n);
     }
     if (state.level == 0 && !state.to_input(call)) return call.stopped();
     // A call that was cancelled before gives what it has.
     Call* const watched = call.cancelled() ? nullptr : &call;
     if (watched && !call.tick(0, true)) return call.was_cancelled();
-    making.solved_bits = bits_too_many(state.foliation, static_cast<uint32_t>(spare - 1));
+    making.solved_bits = bits_too_many(largest_value(state.foliation, call.parallel), static_cast<uint32_t>(spare - 1));
     if (two_sides || making.solved_bits > 0) making.solved = solved.data();
     if (making.solved_bits > 0 && coarsen_unit(state, making.solved_bits, call)) return call.status();
     Symmetrised made;

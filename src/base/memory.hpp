@@ -89,6 +89,15 @@ public:
         for (size_t i = 0; i < n; ++i) data_[i] = value;
         return true;
     }
+    // In blocks: the threads of the host share the first touch of fresh memory.
+    Done allocate_filled(Memory& memory, size_t n, T value, const Parallel& parallel) {
+        if (!allocate(memory, n)) return false;
+        T* const to = data_;
+        parallel.for_blocks(n, [=](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) to[i] = value;
+        });
+        return true;
+    }
     // An empty array that grows by push.
     void start(Memory& memory) {
         release();

@@ -9,6 +9,7 @@ namespace hmf {
 namespace {
 
 constexpr uint64_t VERTICES = 250; // of the coarsest level
+constexpr double GAIN = 0.9;       // poles at limbs have to make the unevenness so much smaller
 
 // Loops that the library makes, and as loops of the double.
 struct SurfaceClass {
@@ -26,17 +27,6 @@ struct SurfaceClass {
         return pull_tight(h.input, call, doubled.loops);
     }
 };
-
-hmf_status find_marks(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, Call& call,
-                      Array<uint32_t>& marks) {
-    marks.start(call.memory);
-    for (uint64_t k = 0; k < build.marked_count; ++k)
-        if (!marks.push(build.marked_vertices[k])) return call.out_of_memory();
-    if (!marks.empty()) return HMF_OK;
-    hmf_hierarchy scratch(like, call.memory);
-    return suggest_marks(scratch, mesh.positions, mesh.vertex_count, static_cast<size_t>(build.position_stride),
-                         mesh.triangles, mesh.triangle_count, build, call, marks);
-}
 
 // Those with a weight.
 Done keep_loops(const FoundLoops& found, const Array<double>& weights, Memory& memory, Array<double>& kept,
@@ -56,12 +46,9 @@ Done keep_loops(const FoundLoops& found, const Array<double>& weights, Memory& m
     return true;
 }
 
-} // namespace
-
-hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build,
-                           const DesignOptions& design, Call& call, EvenDesign& out, FoundLoops& loops) {
-    call.range(0.15, 0.25);
-    if (find_marks(like, mesh, build, call, out.marks)) return call.status();
+// The most even one with these marked vertices; HUGE_VAL: there is none.  bare: it carries no quads in a part.
+hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
+                       Call& call, EvenDesign& out, FoundLoops& loops, bool& bare) {
     BuildOptions options;
     options.coarsest = VERTICES;
     options.mollify = build.mollify;
@@ -69,11 +56,9 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
     options.marked_vertices = out.marks.data();
     options.marked_count = out.marks.size();
     hmf_hierarchy h(like, call.memory);
-    call.range(0.25, 0.4);
     if (build_hierarchy(h, mesh.positions, mesh.vertex_count, static_cast<size_t>(build.position_stride),
                         mesh.triangles, mesh.triangle_count, options, call))
         return call.status();
-    call.range(0.4, 1);
     WeightSearch search(h, call);
     Array<double> weights;
     if (search.start()) return call.status();
@@ -84,14 +69,63 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
         if (search.measure(plain.of_double(), weights, out.unevenness_before)) return call.status();
     }
     SurfaceClass pants;
-    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.of_double(), design.solves, weights, out.unevenness)
-        || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.of_double(), weights, out.unevenness)))
+    if (pants.find(h, HMF_LOOPS_PANTS, call) || search.run(pants.of_double(), solves, weights, out.unevenness)
+        || (out.unevenness < HUGE_VAL && search.keep_all_if_bare(pants.of_double(), weights, out.unevenness, bare)))
         return call.status();
     out.solves = search.solves;
+    return keep_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
+}
+
+// Are poles at the ends of limbs, of the surface or of a flat piece, better than none?
+hmf_status try_limbs(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
+                     bool bare, Call& call, EvenDesign& out, FoundLoops& loops) {
+    EvenDesign with;
+    FoundLoops loops_with;
+    Call inner(&call); // what cannot be had is no error
+    hmf_hierarchy scratch(like, call.memory);
+    hmf_status status =
+        marks_at_limbs(scratch, mesh.positions, mesh.vertex_count, static_cast<size_t>(build.position_stride),
+                       mesh.triangles, mesh.triangle_count, build, inner, with.marks);
+    bool bare_with = false;
+    if (status == HMF_OK) status = design_with(like, mesh, build, solves, inner, with, loops_with, bare_with);
+    if (status != HMF_OK) {
+        if (inner.cancelled() || call.cancelled()) return call.was_cancelled();
+        return call.memory.failure() ? call.out_of_memory() : HMF_OK;
+    }
+    out.solves += with.solves;
+    if (bare_with || !(bare || with.unevenness < GAIN * out.unevenness)) return HMF_OK;
+    with.solves = out.solves;
+    with.unevenness_before = out.unevenness_before;
+    out = static_cast<EvenDesign&&>(with);
+    loops = static_cast<FoundLoops&&>(loops_with);
+    return HMF_OK;
+}
+
+} // namespace
+
+hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build,
+                           const DesignOptions& design, Call& call, EvenDesign& out, FoundLoops& loops) {
+    call.range(0.15, 0.25);
+    out.marks.start(call.memory);
+    for (uint64_t k = 0; k < build.marked_count; ++k)
+        if (!out.marks.push(build.marked_vertices[k])) return call.out_of_memory();
+    if (out.marks.empty()) {
+        hmf_hierarchy scratch(like, call.memory);
+        if (suggest_marks(scratch, mesh.positions, mesh.vertex_count, static_cast<size_t>(build.position_stride),
+                          mesh.triangles, mesh.triangle_count, build, call, out.marks))
+            return call.status();
+    }
+    const bool free = out.marks.empty() && design.poles;
+    bool bare = false;
+    const uint64_t solves = free ? (design.solves + 1) / 2 : design.solves;
+    call.range(0.25, free ? 0.6 : 1);
+    if (design_with(like, mesh, build, solves, call, out, loops, bare)) return call.status();
+    call.range(0.6, 1);
+    if (free && try_limbs(like, mesh, build, solves, bare, call, out, loops)) return call.status();
     if (!(out.unevenness < HUGE_VAL))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                          "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");
-    return keep_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -1,5 +1,6 @@
 // The even design of a surface with boundary: marked vertices as they are
-// suggested, the pants loops of the surface, and weights for these.
+// suggested, or where there are none, none or pairs at the tips of limbs; the pants
+// loops of the surface, and weights for these.
 #pragma once
 
 #include "../loops/surface_loops.hpp"

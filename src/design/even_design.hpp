@@ -22,7 +22,7 @@ struct DesignOptions {
 // `hierarchy` is freshly made; level 0 and the numbers of the caller can be
 // used afterwards.  Of the build options, position_stride, mollify and marked
 // vertices, which are part of every design.  With boundary (hierarchy.is_double())
-// nothing is searched: boundary_design.hpp.
+// see boundary_design.hpp.
 hmf_status even_design(hmf_hierarchy& hierarchy, const double* positions, size_t vertex_count,
                        const uint32_t* triangles, size_t triangle_count, const BuildOptions& build,
                        const DesignOptions& options, Call& call, EvenDesign& out);

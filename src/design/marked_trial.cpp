@@ -242,7 +242,7 @@ Done MarkedTrial::linearise(Linearised& at) {
     const double* weight = h_.levels[0].weight;
     Star star;
     if (!at.rings.build(mesh, weight, call_.memory) || !star.allocate(call_.memory, at.rings.max_degree)
-        || !at.model.allocate(mesh, call_.memory) || !at.right.allocate(call_.memory, mesh.vertex_count)
+        || !at.model.allocate(mesh, call_.memory, call_.parallel) || !at.right.allocate(call_.memory, mesh.vertex_count)
         || !at.change.allocate(call_.memory, mesh.edge_count) || !at.model.look(f, at.rings, weight, star, call_))
         return false;
     at.model.assemble(f, at.rings, weight, call_);

@@ -39,21 +39,26 @@ hmf_status WeightSearch::start() {
     return state_.allocate(h_, 0, call_.memory) ? HMF_OK : call_.out_of_memory();
 }
 
-hmf_status WeightSearch::keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness) {
+hmf_status WeightSearch::keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+                                          bool& bare) {
     bool all = true;
     for (const double w : weights) all = all && w > 0;
-    if (all) return HMF_OK;
+    if (find_if_bare(loops, weights, bare)) return call_.status();
+    if (all || !bare) return HMF_OK;
+    for (double& w : weights) w = std::max(w, 1.0);
+    return measure(loops, weights, unevenness) || find_if_bare(loops, weights, bare) ? call_.status() : HMF_OK;
+}
+
+hmf_status WeightSearch::find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare) {
     const size_t level = level_;
-    double finest = HUGE_VAL;
-    bool any = false;
+    double unevenness = HUGE_VAL;
+    bare = false;
     level_ = 0;
     tolerance_ = FINE_TOLERANCE;
-    if (measure(loops, weights, finest) || (finest < HUGE_VAL && find_bare_parts(any))) return call_.status();
+    if (measure(loops, weights, unevenness) || (unevenness < HUGE_VAL && find_bare_parts(bare))) return call_.status();
     level_ = level;
     tolerance_ = TOLERANCE;
-    if (!any) return HMF_OK;
-    for (double& w : weights) w = std::max(w, 1.0);
-    return measure(loops, weights, unevenness);
+    return HMF_OK;
 }
 
 hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>& weights, double& unevenness) {

@@ -28,13 +28,16 @@ public:
                                  double& unevenness);
 
     // Loops that were left out get the weight 1 where, on the finest level, a part without them would carry no quads.
-    [[nodiscard]] hmf_status keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness);
+    // bare: there is such a part even so.
+    [[nodiscard]] hmf_status keep_all_if_bare(const LoopsOfDouble& loops, Array<double>& weights, double& unevenness,
+                                              bool& bare);
 
     uint64_t solves = 0;
     double from = 0, to = 1; // progress
 
 private:
     hmf_status find_means(const LoopsOfDouble& loops, bool& known);
+    hmf_status find_if_bare(const LoopsOfDouble& loops, const Array<double>& weights, bool& bare);
     hmf_status find_bare_parts(bool& any); // in what was measured last, on level 0
 
     const hmf_hierarchy& h_;

@@ -50,13 +50,14 @@ struct Foliation {
     // Of a task of a sweep (sweep.hpp): it goes no further than the inside of its block,
     // and outside says that it would have had to.
     const uint32_t* inside = nullptr; // per vertex: the block that it is inside of
+    uint32_t mask = ~uint32_t{0};     // of that number: blocks that are joined differ in the other bits
     uint32_t block = 0;
     bool outside = false;
     static constexpr uint32_t most_inside = 64;                                 // members, and as many pushed
     Done share(const Foliation& whole, const uint32_t* blocks, Memory& memory); // the same foliation for a task
     // May the task look at the star of a vertex, as one more of so many?
     bool may_look(uint32_t vertex, size_t members_now) {
-        if (!inside || (inside[vertex] == block && members_now < most_inside)) return true;
+        if (!inside || ((inside[vertex] & mask) == block && members_now < most_inside)) return true;
         outside = true;
         return false;
     }
@@ -68,6 +69,21 @@ struct Foliation {
 private:
     Array<uint32_t> stamps_;
 };
+
+inline int64_t largest_value(const Foliation& f, const Parallel& parallel) {
+    struct Largest {
+        int64_t value = 0;
+        void operator+=(const Largest& other) { value = other.value > value ? other.value : value; }
+    };
+    return parallel
+        .sum_blocks<Largest>(f.mesh.edge_count,
+                             [&f](size_t begin, size_t end) {
+                                 Largest here;
+                                 for (size_t e = begin; e < end; ++e) here += {f.value[e]};
+                                 return here;
+                             })
+        .value;
+}
 
 // What a search round a cluster found.  The search may stop early, as soon as
 // the closed corners reach a limit or the vertices exceed a budget.

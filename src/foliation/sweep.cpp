@@ -1,6 +1,16 @@
 #include "sweep.hpp"
 
+#include "../base/sort_few.hpp"
+
 namespace hmf {
+
+namespace {
+
+// In the word of a vertex: its block, and above that the rounds.
+constexpr uint32_t block_bits = 8;
+constexpr uint32_t outside_in(uint32_t round) { return uint32_t{1} << (block_bits + round); }
+
+} // namespace
 
 Done Sweeps::prepare(const Foliation& f, const Rings& rings, uint32_t coarser_count, Call& call) {
     const uint32_t n = f.mesh.vertex_count;
@@ -15,52 +25,73 @@ Done Sweeps::prepare(const Foliation& f, const Rings& rings, uint32_t coarser_co
     for (Task& task : task_)
         if (!task.foliation.share(f, inside_.data(), call.memory) || !task.star.allocate(call.memory, rings.max_degree))
             return false;
+    plan_rounds();
     uint32_t* const block = waiting_.data(); // not needed before the first sweep
     find_blocks(rings, coarser_count, block, call.parallel);
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v) {
-            bool same = true;
+            uint32_t other = 0; // bits in which the blocks of neighbours differ
             for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t)
-                same &= block[rings.neighbour[t]] == block[v];
-            inside_[v] = same ? block[v] : NONE;
+                other |= block[rings.neighbour[t]] ^ block[v];
+            if (block[v] == NONE) other = NONE;
+            uint32_t word = block[v] & (outside_in(0) - 1);
+            for (uint32_t r = 0; r < round_count_; ++r) word |= other >> round_[r].shift ? outside_in(r) : 0;
+            inside_[v] = word;
         }
     });
-    list_inside();
-    return true;
+    return sort_by_few(
+        n, list_count_ + 1, [&](uint32_t v) { return list_of(v); }, order_.data(), begin_, call.parallel, call.memory);
 }
 
-// Those of the finer level by number, and the others with a neighbour of that level.
-void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) const {
+// Four blocks at a time, or two of the last ones.
+void Sweeps::plan_rounds() {
+    list_count_ = 0;
+    round_count_ = 0;
+    const uint32_t last = block_count_ - 1;
+    for (uint32_t shift = 0; last >> shift > 0; shift += last >> (shift + 2) > 0 ? 2 : 1) {
+        const uint32_t count = (last >> shift) + 1;
+        round_[round_count_++] = {shift, count, list_count_};
+        list_count_ += count;
+    }
+}
+
+// Those of the finer level by number; the others like a neighbour, as soon as it has one.
+void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) {
+    constexpr int pairs_of_passes = 4; // what is further from a vertex of the finer level has no block
     const uint32_t n = static_cast<uint32_t>(inside_.size()), first = coarser_count < n ? coarser_count : 0;
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) {
-            size_t from = v;
-            for (uint32_t t = rings.offset[v]; from < first && t < rings.offset[v + 1]; ++t) from = rings.neighbour[t];
-            block[v] = from < first ? NONE : static_cast<uint32_t>((from - first) * block_count_ / (n - first));
-        }
+        for (size_t v = begin; v < end; ++v)
+            block[v] = v < first ? NONE : static_cast<uint32_t>((v - first) * block_count_ / (n - first));
     });
-}
-
-void Sweeps::list_inside() {
-    const uint32_t n = static_cast<uint32_t>(inside_.size());
-    const auto list_of = [&](uint32_t v) { return std::min(inside_[v], block_count_); };
-    uint32_t at[most_blocks + 1] = {};
-    for (uint32_t v = 0; v < n; ++v) ++at[list_of(v)];
-    uint32_t sum = 0;
-    for (uint32_t k = 0; k <= block_count_; ++k) {
-        begin_[k] = sum;
-        sum += at[k];
-        at[k] = begin_[k];
+    uint32_t* const other = inside_.data(); // not needed yet
+    for (int pass = 0; pass < 2 * pairs_of_passes; ++pass) {
+        const uint32_t* const from = pass % 2 ? other : block;
+        uint32_t* const to = pass % 2 ? block : other;
+        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            for (size_t v = begin; v < end; ++v) {
+                uint32_t own = from[v];
+                for (uint32_t t = rings.offset[v]; own == NONE && t < rings.offset[v + 1]; ++t)
+                    own = from[rings.neighbour[t]];
+                to[v] = own;
+            }
+        });
     }
-    begin_[block_count_ + 1] = sum;
-    for (uint32_t v = 0; v < n; ++v) order_[at[list_of(v)]++] = v;
 }
 
-void Sweeps::sweep_block(uint32_t block, Task& task, const Rings& rings, const double* weight, bool backward,
-                         SweepResult& result) {
-    const uint32_t begin = begin_[block];
-    const List list{&order_[begin], begin_[block + 1] - begin, backward};
-    task.foliation.block = block;
+// That of the first round in which it is inside of a block.
+uint32_t Sweeps::list_of(uint32_t vertex) const {
+    const uint32_t word = inside_.data()[vertex];
+    for (uint32_t r = 0; r < round_count_; ++r)
+        if (!(word & outside_in(r))) return round_[r].list + ((word & (outside_in(0) - 1)) >> round_[r].shift);
+    return list_count_;
+}
+
+void Sweeps::sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
+                         bool backward, SweepResult& result) {
+    const uint32_t shift = round_[round].shift, own = round_[round].list + block, begin = begin_[own];
+    const List list{&order_[begin], begin_[own + 1] - begin, backward};
+    task.foliation.block = block << shift;
+    task.foliation.mask = outside_in(round) | ((outside_in(0) - 1) >> shift << shift);
     uint32_t waiting = 0;
     for (uint32_t i = 0; i < list.size; ++i) {
         if (list.size - i > Rings::ahead) rings.prefetch_star(task.foliation.value, weight, list[i + Rings::ahead]);
@@ -68,21 +99,22 @@ void Sweeps::sweep_block(uint32_t block, Task& task, const Rings& rings, const d
         relax_vertex(task.foliation, rings, weight, list[i], task.star, result);
         if (task.foliation.outside) waiting_[begin + waiting++] = list[i];
     }
-    waits_[block] = waiting;
+    waits_[own] = waiting;
 }
 
-Done Sweeps::sweep_inside(Foliation& f, const Rings& rings, const double* weight, bool backward, const Star& star,
-                          SweepResult& result, Call& call, double fraction) {
-    for (uint32_t first = 0; first < block_count_; first += blocks_at_once) {
+Done Sweeps::sweep_round(uint32_t round, Foliation& f, const Rings& rings, const double* weight, bool backward,
+                         const Star& star, SweepResult& result, Call& call, double fraction) {
+    const uint32_t blocks = round_[round].count;
+    for (uint32_t first = 0; first < blocks; first += blocks_at_once) {
         if (!call.tick(fraction, true)) return false;
-        const uint32_t count = std::min(blocks_at_once, block_count_ - first), epoch = f.epoch;
+        const uint32_t count = std::min(blocks_at_once, blocks - first), epoch = f.epoch;
         SweepResult part[blocks_at_once];
         call.parallel.for_each(count, [&](uint32_t k, uint32_t) {
             Task& task = task_[k];
             // Stamps of one block do not meet those of another one.
             task.foliation.epoch = epoch;
             task.star.budget = star.budget;
-            sweep_block(backward ? block_count_ - 1 - first - k : first + k, task, rings, weight, backward, part[k]);
+            sweep_block(round, backward ? blocks - 1 - first - k : first + k, task, rings, weight, backward, part[k]);
         });
         for (uint32_t k = 0; k < count; ++k) {
             result += part[k];
@@ -114,13 +146,15 @@ void Sweeps::sweep(Foliation& f, const Rings& rings, const double* weight, bool 
         }
         return;
     }
-    if (!sweep_inside(f, rings, weight, backward, star, result, call, fraction)) return;
-    for (uint32_t k = 0; k < block_count_; ++k) {
+    for (uint32_t round = 0; round < round_count_; ++round)
+        if (!sweep_round(round, f, rings, weight, backward, star, result, call, fraction)) return;
+    for (uint32_t k = 0; k < list_count_; ++k) {
+        if (waits_[k] == 0) continue;
         const List waiting{&waiting_[begin_[k]], waits_[k], false};
         if (!sweep_list(waiting, f, rings, weight, star, result, call, fraction)) return;
     }
-    const uint32_t others = begin_[block_count_];
-    const List border{order_.data() + others, begin_[block_count_ + 1] - others, backward};
+    const uint32_t others = begin_[list_count_];
+    const List border{order_.data() + others, begin_[list_count_ + 1] - others, backward};
     (void)sweep_list(border, f, rings, weight, star, result, call, fraction);
 }
 

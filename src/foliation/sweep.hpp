@@ -3,11 +3,13 @@
 // A move of v reads and writes what is between v and its neighbours and, if v
 // belongs to a cluster, that of the whole cluster.  Vertices that are near in
 // space make a block.  What lies inside, with all its neighbours and its cluster
-// in the same block, moves there, each block for itself; the others come after
-// that, one by one:
+// in the same block, moves there, each block for itself.  Then neighbouring blocks
+// are joined, some times, and what lies inside of one now moves in the same way:
 //
-//     | o o o . | . o o o |       o inside, . at a border: about one in ten
-//     | o o o . | . o o o |
+//     | o o o 1 | 1 o o o 2 | 2 o o o |       o inside of a block, 1 of two joined
+//     | o o o 1 | 1 o o o 2 | 2 o o o |       ones, 2 at a border: one or two in a hundred
+//
+// The others come after that, one by one.
 //
 // Blocks depend on the mesh alone.  A small mesh is one block.
 #pragma once
@@ -41,24 +43,33 @@ private:
         Foliation foliation;
         Star star;
     };
-    void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) const;
-    void list_inside();
-    void sweep_block(uint32_t block, Task& task, const Rings& rings, const double* weight, bool backward,
-                     SweepResult& result);
-    Done sweep_inside(Foliation& f, const Rings& rings, const double* weight, bool backward, const Star& star,
-                      SweepResult& result, Call& call, double fraction);
+    // Blocks with the same number >> shift are joined.
+    struct Round {
+        uint32_t shift;
+        uint32_t count; // of joined blocks
+        uint32_t list;  // of the first one
+    };
+    void plan_rounds();
+    void find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel);
+    uint32_t list_of(uint32_t vertex) const;
+    void sweep_block(uint32_t round, uint32_t block, Task& task, const Rings& rings, const double* weight,
+                     bool backward, SweepResult& result);
+    Done sweep_round(uint32_t round, Foliation& f, const Rings& rings, const double* weight, bool backward,
+                     const Star& star, SweepResult& result, Call& call, double fraction);
     static Done sweep_list(List list, Foliation& f, const Rings& rings, const double* weight, Star& star,
                            SweepResult& result, Call& call, double fraction);
 
     // Values and weights of the smallest blocks fit into the cache of a core.
     static constexpr uint32_t smallest_block = 4096, most_blocks = 64, blocks_at_once = 16;
+    static constexpr uint32_t most_rounds = 4, most_lists = 2 * most_blocks;
 
-    uint32_t block_count_ = 1;
-    Array<uint32_t> inside_;               // per vertex: the block that it is inside of, or NONE
-    Array<uint32_t> order_;                // what is inside of each block, then the others; none if there is one block
-    Array<uint32_t> waiting_;              // at the beginning of each block: what waits for the others
-    uint32_t begin_[most_blocks + 2] = {}; // in order_: of each block, of the others, and the end
-    uint32_t waits_[most_blocks] = {};     // how many wait
+    uint32_t block_count_ = 1, round_count_ = 0, list_count_ = 0;
+    Round round_[most_rounds];
+    Array<uint32_t> inside_;  // per vertex: its block, and a bit for each round that it is inside of none in
+    Array<uint32_t> order_;   // lists of what is inside, round by round, then the others
+    Array<uint32_t> waiting_; // at the beginning of each list: what waits for the others
+    uint32_t begin_[most_lists + 2] = {}; // in order_: of each list, of the others, and the end
+    uint32_t waits_[most_lists] = {};     // how many wait
     Task task_[blocks_at_once];
 };
 

@@ -67,16 +67,18 @@ Done Rings::build(const Mesh& mesh, const double* weight, Memory& memory, const 
 void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parallel& parallel) {
     const uint32_t n = mesh.vertex_count;
     uint32_t* at = offset.data();
-    std::memset(at, 0, (n + size_t{1}) * sizeof(uint32_t));
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) ++at[mesh.origin[h]];
+    parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) at[v] = mesh.degree(v);
+    });
     uint32_t sum = 0;
     max_degree = 0;
-    for (uint32_t v = 0; v <= n; ++v) {
+    for (uint32_t v = 0; v < n; ++v) {
         const uint32_t degree = at[v];
         max_degree = std::max(max_degree, degree);
         at[v] = sum;
         sum += degree;
     }
+    at[n] = sum;
     Side* const sides = side.data();
     uint32_t* const neighbours = neighbour.data();
     parallel.for_blocks(n, [&](size_t begin, size_t end) {

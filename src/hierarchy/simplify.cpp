@@ -29,6 +29,7 @@
 #include "simplify.hpp"
 
 #include "../base/prefetch.hpp"
+#include "../base/sort_few.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -397,34 +398,21 @@ private:
             }
     }
 
-    // A stable sort by queue, from which each queue takes its own, all at the same time.
+    // Sorted by queue; then each queue takes its own, all at the same time.
     Done share_edges() {
-        // One queue more, of removed edges.
-        constexpr uint32_t most_parts = 16, queues = WorkMesh::most_blocks + 1, none = queues;
-        const size_t end = work_.edge_end, size = (end + most_parts - 1) / most_parts;
-        uint32_t at[most_parts][queues + 1], begin_of[queues + 1], total = 0;
-        call_.parallel.for_blocks(end, size, [&](size_t begin, size_t stop) {
-            uint32_t* const count = at[begin / size];
-            std::memset(count, 0, sizeof at[0]);
-            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e) {
+        constexpr uint32_t none = WorkMesh::most_blocks + 1; // of removed edges
+        uint32_t begin_of[none + 2];
+        const auto find_queues = [&](size_t begin, size_t end) {
+            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
                 const uint32_t k = touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
                 work_.link[e] = work_.removed(e) ? none : k;
-                ++count[work_.link[e]];
             }
-        });
-        for (uint32_t k = 0; k <= queues; ++k) {
-            begin_of[k] = total;
-            for (size_t part = 0; part * size < end; ++part) {
-                const uint32_t here = at[part][k];
-                at[part][k] = total;
-                total += here;
-            }
-        }
-        if (!call_.tick(from_)) return false;
-        call_.parallel.for_blocks(end, size, [&](size_t begin, size_t stop) {
-            uint32_t* const to = at[begin / size];
-            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e) list_[to[work_.link[e]]++] = e;
-        });
+        };
+        if (!call_.pass(work_.edge_end, from_, find_queues)
+            || !sort_by_few(
+                work_.edge_end, none + 1, [&](uint32_t e) { return work_.link[e]; }, list_, begin_of, call_.parallel,
+                call_.memory))
+            return false;
         call_.parallel.for_each(work_.block_count + 1, [&](uint32_t k, uint32_t) {
             // Backwards: lists give the latest first, so each is taken in order.
             for (uint32_t n = begin_of[k + 1]; n-- > begin_of[k];)

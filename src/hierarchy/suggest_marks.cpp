@@ -39,14 +39,15 @@ struct Tip {
 
 class Suggestion {
 public:
-    Suggestion(const Mesh& mesh, const double* position, Call& call) :
-        mesh_(mesh), call_(call), memory_(call.memory), distances_(mesh, position, call.memory) {}
+    Suggestion(const Mesh& mesh, const double* position, size_t most, Call& call) :
+        mesh_(mesh), call_(call), memory_(call.memory), distances_(mesh, position, call.memory), most_(most) {}
 
-    Done find(Array<uint32_t>& marks) {
+    template <class Takes>
+    Done find(const Takes& takes, Array<uint32_t>& marks) {
         marks.start(memory_);
         if (!find_limbs()) return false;
         for (const Tip& tip : tips_)
-            if (!add_pair(tip.vertex, marks)) return false;
+            if (takes(tip.vertex) && !add_pair(tip.vertex, marks)) return false;
         while (marks.size() < 4 && marks.size() < mesh_.vertex_count) // a mesh of a few vertices
             if (!add(first_unused(), marks)) return false;
         return true;
@@ -124,7 +125,7 @@ private:
         heap_sort(tips_.data(), tips_.size(), [](const Tip& a, const Tip& b) {
             return a.persistence != b.persistence ? a.persistence > b.persistence : a.vertex < b.vertex;
         });
-        while (tips_.size() > MOST_TIPS) tips_.pop();
+        while (tips_.size() > most_) tips_.pop();
         return true;
     }
 
@@ -154,6 +155,7 @@ private:
     Array<uint8_t> used_;
     Array<Tip> tips_;
     double least_ = 0;
+    const size_t most_;
 };
 
 // Where the square of the boundary is less than this part of the area, a disk is a sphere with a small hole.
@@ -226,7 +228,7 @@ Done corners_of_disk(const hmf_hierarchy& h, Array<uint32_t>& marks, Call& call)
 } // namespace
 
 Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint32_t>& tips, Array<uint32_t>& ends) {
-    Suggestion suggestion(mesh, position, call);
+    Suggestion suggestion(mesh, position, MOST_TIPS, call);
     Array<uint32_t> marks;
     tips.start(call.memory);
     ends.start(call.memory);
@@ -241,31 +243,39 @@ Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint3
     return true;
 }
 
-hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
-                         const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
-                         Array<uint32_t>& marks) {
+namespace {
+
+// A level with few vertices, all of them the caller's.
+hmf_status build_coarse(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
+                        const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call) {
     BuildOptions coarse;
     coarse.collapse = HMF_COLLAPSE_ENDPOINT;
     coarse.ratio = 0.25;
     coarse.coarsest = VERTICES;
     coarse.mollify = options.mollify;
     coarse.sphere_allowed = true;
-    if (build_hierarchy(h, positions, vertex_count, stride, triangles, triangle_count, coarse, call))
-        return call.status();
-    marks.start(call.memory);
-    if (h.genus > 0) return HMF_OK;
-    if (h.is_double() && !corners_of_disk(h, marks, call)) return call.out_of_memory();
-    if (!marks.empty()) return HMF_OK;
+    return build_hierarchy(h, positions, vertex_count, stride, triangles, triangle_count, coarse, call);
+}
+
+// Limbs of a double come twice. both: their pairs are taken from both halves, as seen from the front.
+enum class Halves { both, front };
+
+// At the limbs of the coarsest level; vertices of the caller.
+hmf_status mark_limbs(const hmf_hierarchy& h, Halves halves, Call& call, Array<uint32_t>& marks) {
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
-    Suggestion suggestion(mesh, h.levels[coarsest].position, call);
-    if (!suggestion.find(marks)) return call.stopped();
     Array<uint32_t> caller;
     const uint32_t vertices = h.input.vertex_count;
     if (!caller.allocate(call.memory, vertices)) return call.out_of_memory();
     for (uint32_t v = 0; v < vertices; ++v) caller[h.vertex_internal[v]] = v;
+    const size_t most = halves == Halves::front && h.is_double() ? 2 * MOST_TIPS : MOST_TIPS;
+    Suggestion suggestion(mesh, h.levels[coarsest].position, most, call);
+    const auto takes = [&](uint32_t v) {
+        return halves == Halves::both || !h.is_double() || caller[v] < h.mirror.vertex_count;
+    };
+    if (!suggestion.find(takes, marks)) return call.stopped();
     size_t count = 0;
-    for (size_t k = 0; k < marks.size(); ++k) { // of a double those in front
+    for (size_t k = 0; k < marks.size(); ++k) {
         const uint32_t v = h.mirror.front(caller[marks[k]]);
         bool is_new = true;
         for (size_t i = 0; i < count; ++i) is_new = is_new && marks[i] != v;
@@ -273,6 +283,27 @@ hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t verte
     }
     while (marks.size() > count) marks.pop();
     return HMF_OK;
+}
+
+} // namespace
+
+hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
+                         const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
+                         Array<uint32_t>& marks) {
+    if (build_coarse(h, positions, vertex_count, stride, triangles, triangle_count, options, call))
+        return call.status();
+    marks.start(call.memory);
+    if (h.genus > 0) return HMF_OK;
+    if (h.is_double() && !corners_of_disk(h, marks, call)) return call.out_of_memory();
+    return marks.empty() ? mark_limbs(h, Halves::both, call, marks) : HMF_OK;
+}
+
+hmf_status marks_at_limbs(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
+                          const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
+                          Array<uint32_t>& marks) {
+    if (build_coarse(h, positions, vertex_count, stride, triangles, triangle_count, options, call))
+        return call.status();
+    return mark_limbs(h, Halves::front, call, marks);
 }
 
 } // namespace hmf

@@ -5,6 +5,7 @@
 // inverted all is done again without sharp edges, and the better of both kept.
 #include "fit_quads.hpp"
 
+#include "boundary_corners.hpp"
 #include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
@@ -118,6 +119,8 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
     if (!front) return fit_better(mesh, position, front, steps, halvings, quads, call);
     Front shown;
     if (!shown.build(mesh, *front, quads, call.memory)) return call.out_of_memory();
+    size_t corners = 0;
+    if (steps > 0 && take_boundary_corners(shown.mesh, position, *front, quads, corners, call)) return call.status();
     return fit_better(shown.mesh, position, front, steps, halvings, quads, call);
 }
 

@@ -53,9 +53,10 @@ public:
         patch_.start(memory);
         picked_.start(memory);
         suspect_.start(memory);
-        return model_.allocate(mesh, memory) && backup_.allocate(memory, mesh.edge_count) && step_.allocate(memory, n)
-            && expected_.allocate(memory, n) && unbounded_.allocate(memory, n) && distance_.allocate(memory, n)
-            && patch_.reserve(n) && picked_.reserve(n + size_t{1}) && suspect_.reserve(n);
+        return model_.allocate(mesh, memory, w_.call.parallel) && backup_.allocate(memory, mesh.edge_count)
+            && step_.allocate(memory, n) && expected_.allocate(memory, n) && unbounded_.allocate(memory, n)
+            && distance_.allocate(memory, n) && patch_.reserve(n) && picked_.reserve(n + size_t{1})
+            && suspect_.reserve(n);
     }
 
     // Signs, energy and residual of the foliation as it is.

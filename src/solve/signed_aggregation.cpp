@@ -54,7 +54,7 @@ struct Aggregates {
 Done find_dependence(const SignedMatrix& matrix, const Array<double>& kernel, float strength, Aggregates& a,
                      const Parallel& parallel, Memory& memory) {
     const uint32_t n = matrix.n;
-    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1)
+    if (!a.of.allocate(memory, n) || !a.sign.allocate_filled(memory, n, 1, parallel)
         || !a.strong.allocate(memory, matrix.offset[n]))
         return false;
     struct Unknown {

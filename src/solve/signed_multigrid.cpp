@@ -40,7 +40,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     double threshold = 1e-22 * largest;
     if (threshold < 1e-30) threshold = 1e-30;
     Array<double> near_kernel;
-    if (!near_kernel.allocate_filled(memory, n, 1)) return false;
+    if (!near_kernel.allocate_filled(memory, n, 1, parallel)) return false;
     CoarseMatrix storage;
     SignedMatrix current = matrix;
     float strength = 0.05f;

@@ -78,9 +78,7 @@ Done State::go_to(size_t target, Call& call) {
 }
 
 Done State::to_intrinsic(Call& call) {
-    largest_input_value = 0;
-    for (uint32_t e = 0; e < foliation.mesh.edge_count; ++e)
-        if (foliation.value[e] > largest_input_value) largest_input_value = foliation.value[e];
+    largest_input_value = largest_value(foliation, call.parallel);
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);

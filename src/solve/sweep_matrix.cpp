@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "../base/prefetch.hpp"
+#include "../base/sort_few.hpp"
 
 namespace hmf {
 
@@ -193,17 +194,22 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
     Array<uint32_t> order; // of the rows in a sweep
     if (!cut(matrix, room, parallel, memory) || !order.allocate(memory, n) || !range_.allocate(memory, parts_ + 1))
         return false;
-    uint32_t at[most_parts + 2] = {};
-    uint64_t groups[most_parts + 1] = {};
-    for (uint32_t i = 0; i < n; ++i) {
-        ++at[part_[i] + 1];
-        groups[part_[i]] += room[i] < no_room ? room[i] : (matrix.offset[i + 1] - matrix.offset[i]) / Group::size + 1;
-    }
+    uint32_t at[most_parts + 2];
+    if (!sort_by_few(
+            n, parts_ + 1, [&](uint32_t i) { return part_[i]; }, order.data(), at, parallel, memory))
+        return false;
+    uint64_t groups[most_parts + 1];
+    parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
+        groups[part] = 0;
+        for (uint32_t k = at[part]; k < at[part + 1]; ++k) {
+            const uint32_t i = order[k];
+            groups[part] += room[i] < no_room ? room[i] : (matrix.offset[i + 1] - matrix.offset[i]) / Group::size + 1;
+        }
+    });
     room.release();
     uint64_t total = 1;
     Range* const range = range_.data();
     for (uint32_t part = 0; part <= parts_; ++part) {
-        at[part + 1] += at[part];
         range[part].begin = static_cast<uint32_t>(total);
         total += groups[part] + 1; // one that belongs to no row
         range[part].end = static_cast<uint32_t>(total - 1);
@@ -213,9 +219,6 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
         return false;
     }
     if (!group_.allocate(memory, total)) return false;
-    uint32_t next[most_parts + 1];
-    for (uint32_t part = 0; part <= parts_; ++part) next[part] = at[part];
-    for (uint32_t i = 0; i < n; ++i) order[next[part_[i]]++] = i;
     for (uint32_t part = 0; part <= parts_; ++part) group_[range[part].begin - 1].row = no_row;
     parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
         uint32_t k = at[part];

@@ -4,7 +4,7 @@
 
 namespace hmf {
 
-Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
+Done TwistedModel::allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel) {
     const size_t n = mesh.vertex_count, m = mesh.edge_count;
     tripod.start(memory);
     resting.start(memory);
@@ -12,10 +12,10 @@ Done TwistedModel::allocate(const Mesh& mesh, Memory& memory) {
     special_.start(memory);
     fixed.start(memory);
     return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n)
-        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0) && rests.allocate(memory, n)
+        && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0, parallel) && rests.allocate(memory, n)
         && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
-        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN)
-        && upper.allocate_filled(memory, n, INT64_MAX) && d.allocate(memory, n);
+        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN, parallel)
+        && upper.allocate_filled(memory, n, INT64_MAX, parallel) && d.allocate(memory, n);
 }
 
 constexpr uint32_t stride = 65536; // vertices between two calls of the progress function

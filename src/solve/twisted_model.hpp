@@ -49,7 +49,7 @@ struct TwistedModel {
     Array<float> row_scale;        // count, makes a row of the residual of the equations that of [W] Eq. 4
     Array<uint32_t> fixed;         // unknowns that the equations leave out, by fix_active()
 
-    Done allocate(const Mesh& mesh, Memory& memory);
+    Done allocate(const Mesh& mesh, Memory& memory, const Parallel& parallel = Parallel());
     // Signs, right side, zeros, energy and residual of the current foliation.
     // Which direction is called + is free: the one that was, as far as the
     // pulls agree, so that the matrix hardly changes between the zeros.
