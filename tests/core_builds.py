@@ -9,6 +9,7 @@ import os
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import tempfile
 import threading
@@ -109,7 +110,8 @@ def run(command, processor_seconds, library=None, environment=None, memory=6 << 
         env["LD_LIBRARY_PATH"] = str(library)
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=env, preexec_fn=limits, cwd=ROOT)
-        clock = threading.Timer(max(60, 20 * processor_seconds), process.kill)
+        # Not process.kill, which may take the status that wait4 is for.
+        clock = threading.Timer(max(60, 20 * processor_seconds), os.kill, (process.pid, signal.SIGKILL))
         clock.start()
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)

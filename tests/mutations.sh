@@ -56,6 +56,9 @@ src/solve/cascade.cpp  s/if (work.call.out_of_time()) return HMF_LIMIT_TIME;//  
 src/mesh/weights.cpp  s/sums.set(ij, corners.cot_k)/sums.set(ij, corners.cot_i)/  test_levels  Levels.WeightsOfCoarseLevels
 src/mesh/weights.cpp  s/: w > COARSE_WEIGHT_CAP ? COARSE_WEIGHT_CAP : w;/: w;/  test_hierarchy  Weights.*
 src/mesh/weights.cpp  s/!(w > COARSE_WEIGHT_FLOOR) ? COARSE_WEIGHT_FLOOR/w < 0 ? COARSE_WEIGHT_FLOOR/  test_hierarchy  Weights.*
+src/mesh/validate.cpp  s/if (position_stride > PTRDIFF_MAX \/ vertex_count)/if (false)/  test_errors  OnTorus.BuildOptions
+src/api/read_values.cpp  s/if (range.largest < LEAST_VALUE)/if (false)/  test_errors  OnTorus.ValueDefects
+src/api/entry.cpp  s/h ? h->memory.used() : 0)/0)/  test_resources  Shares/OfEachFunction.MemoryLimitIsKept/*
 
 # Loops
 src/loops/check_loops.cpp  s/static_cast<Long>(d), static_cast<Long>(c), word/static_cast<Long>(c), static_cast<Long>(d), word/  test_library_loops  DrawnLoops.*
@@ -66,6 +69,8 @@ src/parameterize/seams.cpp  s/^        mark_path(mesh_.origin\[2 \* edge\]);//  
 src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
 src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
 src/quads/quad_sizes.cpp  s/return MOST_ROWS_NEEDED - 1/return MOST_ROWS_NEEDED - 2/  test_leaves  LeavesContract.NoTwoEdges*
+src/parameterize/conjugate_form.cpp  s/return has_odd || missing(0) == 0 || turn_round(size, memory);/return true;/  test_marked  Marked.EvenZeros*
+src/quads/surface_walk.cpp  s/for (int k = 0; k < 3; ++k) nearest/for (int k = 1; k < 3; ++k) nearest/  test_surface_walk  SurfaceWalk.*
 src/quads/quad_rulers.hpp  s/constexpr double FLATTEST = 1e-12;/constexpr double FLATTEST = 0;/  test_quads  Quads.TrianglesThatAreFlatUpToRounding
 
 # Components
@@ -101,6 +106,7 @@ src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= wo
 # Design, boundary, weights
 src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  EvenDesign.TrialsShareLoops
 src/design/marked_trial.cpp  s/if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();//  test_design  EvenDesign.TrialsShareLoops
+src/design/weight_search.cpp  s/^            area\[loop\] += share \* ends;//  test_design  EvenDesign.WeightsFollow*
 src/api/solve_result.cpp  s/options.method != HMF_METHOD_PAPER \&\& make_symmetric/options.method == HMF_METHOD_NEWTON \&\& make_symmetric/  test_boundary  Boundary.MethodsAgree
 src/mesh/intrinsic.cpp  s/: w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP/: w > INTRINSIC_WEIGHT_CAP ? w/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds
 src/mesh/intrinsic.cpp  s/const double w = 0.5 \* sum\[e\];/const double w = sum[e];/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds

@@ -130,6 +130,27 @@ TEST(Boundary, LevelZeroIsTheCallersMesh) {
     }
 }
 
+// A power of two changes the unit and nothing else, however large it is.
+TEST(Boundary, WeightsScaleTheValues) {
+    const Hierarchy hierarchy(annulus(40, 12, 3, 0.5, 5));
+    ASSERT_TRUE(hierarchy);
+    for (const bool arc : {false, true}) {
+        Path path;
+        for (size_t k = 0; k < (arc ? 13u : 40u); ++k) path.push_back(uint32_t(arc ? k : k * 13));
+        std::vector<double> expected;
+        for (const int exponent : {0, 1, 30, -30, 300, -300}) {
+            Curves curves;
+            curves.add(path, arc, std::ldexp(1, exponent));
+            const Solution s = solve_curves(hierarchy, curves);
+            ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+            std::vector<double> values = s.values;
+            for (double& x : values) x = std::ldexp(x, -exponent);
+            if (expected.empty()) expected = values;
+            EXPECT_EQ(values, expected) << exponent;
+        }
+    }
+}
+
 TEST(Boundary, AnnulusRoundAndAcross) {
     const double R = 3;
     for (const double jitter : {0.0, 0.5}) {

@@ -687,3 +687,42 @@ TEST(CutSystem, EachIsTheShortest) {
 }
 
 } // namespace
+
+// A loop round the tube that wanders off along the torus and back: shortened it is no longer than a straight one, which
+// lies outside of the triangles that it passed.
+TEST(ShortenLoops, AWanderingLoopBecomesARing) {
+    constexpr uint32_t n = 40, m = 12, far = 9;
+    const test::Triangles torus = test::torus(n, m);
+    test::MadeMesh made(torus);
+    const Mesh mesh = made.mesh();
+    const auto low = [](uint32_t x, uint32_t y) { return 2 * (x * m + y); };      // below the diagonal of a cell
+    const auto high = [](uint32_t x, uint32_t y) { return 2 * (x * m + y) + 1; }; // above
+    std::vector<uint32_t> straight, wandering;
+    for (uint32_t y = 0; y < m; ++y) straight.insert(straight.end(), {low(3, y), high(3, y)});
+    for (uint32_t y = 0; y < m / 2; ++y) wandering.insert(wandering.end(), {low(3, y), high(3, y)});
+    wandering.push_back(low(3, m / 2));
+    for (uint32_t x = 4; x < 3 + far; ++x) wandering.insert(wandering.end(), {high(x, m / 2), low(x, m / 2)});
+    wandering.push_back(high(3 + far, m / 2));
+    for (uint32_t y = m / 2 + 1; y < m; ++y) wandering.insert(wandering.end(), {low(3 + far, y), high(3 + far, y)});
+    wandering.push_back(low(3 + far, 0));
+    for (uint32_t x = 3 + far; x > 3; --x) {
+        wandering.push_back(high(x, 0));
+        if (x > 4) wandering.push_back(low(x - 1, 0));
+    }
+    Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    Call call(memory, &error, nullptr, nullptr);
+    const DualLength length(mesh, made.positions.data());
+    double measured[2];
+    for (const bool wanders : {false, true}) {
+        const std::vector<uint32_t>& faces = wanders ? wandering : straight;
+        const uint64_t offsets[2] = {0, faces.size()};
+        Loops loops;
+        ASSERT_EQ(read_loops(mesh, HMF_LOOP_TRIANGLES, 1, offsets, faces.data(), call, loops), HMF_OK) << error.message;
+        ASSERT_EQ(loops.length(0), faces.size());
+        if (wanders) { ASSERT_EQ(shorten_loops(mesh, made.positions.data(), 0, 1, 1, call, loops), HMF_OK); }
+        measured[wanders] = 0;
+        for (size_t i = 0; i < loops.length(0); ++i) measured[wanders] += length(edge_of(loops.loop(0)[i]));
+    }
+    EXPECT_LE(measured[1], measured[0] * (1 + 1e-9));
+}

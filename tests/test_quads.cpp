@@ -249,6 +249,7 @@ TEST(Quads, Refusals) {
     EXPECT_EQ(refusal_of(f, options).status, HMF_ERROR_OPTIONS);
     EXPECT_EQ(refusal_of(f, wish((uint64_t{1} << 28) + 1, 0)).status, HMF_ERROR_OPTIONS);
     EXPECT_EQ(refusal_of(f, wish(100, 1001)).status, HMF_ERROR_OPTIONS);
+    EXPECT_TRUE(quads_of(f, wish(100, 1000)));
     for (const double length : {1e-5, 1e-9, 1e-300}) {
         options = wish(0, 0);
         options.edge_length = length;

@@ -123,12 +123,21 @@ Done LoopCarrier::refine(Call& call) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
         if (!unflip_edge(hierarchy_->flips[i])) return false;
     }
+    const auto undo = [&](size_t i, size_t begin) {
+        prefetch_split(mesh_, hierarchy_->collapses, i, begin);
+        split(mesh_, hierarchy_->collapses[i]);
+    };
+    if (!undo_collapses(*hierarchy_, finer, call, 0, true, undo)) return false;
+    // The entries of the edges that have come, which had none; in order, as those of one come from another.
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
-        prefetch_split(mesh_, hierarchy_->collapses, i, finer.collapse_begin);
-        const Collapse& c = hierarchy_->collapses[i];
-        split(mesh_, c);
-        head_[edge_of(c.h)] = head_[edge_of(c.jk)] = head_[edge_of(c.lj)] = NONE;
+        constexpr size_t ahead = 16;
+        const Collapse* const log = hierarchy_->collapses;
+        if (i >= finer.collapse_begin + ahead) {
+            prefetch(&head_[edge_of(log[i - ahead].ki)]);
+            prefetch(&head_[edge_of(log[i - ahead].il)]);
+        }
+        const Collapse& c = log[i];
         // ki and jk both lead to or from k: k -> i beside j -> k; i -> l beside l -> j.
         if (!copy_edge(edge_of(c.ki), edge_of(c.jk), !((c.ki ^ c.jk) & 1u))
             || !copy_edge(edge_of(c.il), edge_of(c.lj), !((c.il ^ c.lj) & 1u)))

@@ -88,7 +88,7 @@ private:
 
 // Vertices v with the same v >> shift, and the faces whose lowest vertex is one of them.
 struct Block {
-    uint32_t face, face_end;
+    uint32_t face = 0, face_end = 0;
     uint32_t listed = 0;      // faces with a corner outside
     uint32_t sides = 0;       // in its buckets
     uint32_t half_edge = 0;   // its first one; it has as many as sides

@@ -240,7 +240,8 @@ private:
         for (uint32_t n = first; n < end; ++n) {
             if (end - n > ahead) prefetch(sides_ + size_t{3} * static_cast<uint32_t>(list_[n + ahead]));
             const uint32_t t = static_cast<uint32_t>(list_[n]);
-            uint32_t* const to = words + size_t{4} * begin_[list_[n] >> 32]++;
+            const uint32_t place = begin_[list_[n] >> 32]++;
+            uint32_t* const to = words + size_t{4} * place;
             for (size_t s = 0; s < 3; ++s) to[s] = sides_[size_t{3} * t + s];
             to[3] = t;
         }
