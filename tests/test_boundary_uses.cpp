@@ -1,11 +1,13 @@
 // Surfaces with boundary: leaves, cylinders and quads.
 #include "../src/hierarchy/hierarchy.hpp"
 #include "support/boundary.hpp"
+#include "support/read_obj.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 
 using namespace test;
@@ -253,4 +255,24 @@ TEST(Boundary, QuadsTakeTheCornersOfABoundary) {
             EXPECT_TRUE(is_vertex) << corner[0] << " " << corner[1];
         }
     }
+}
+
+// Columns go straight across rows, also where the path across a cylinder runs along thin triangles at a boundary: a row
+// was turned by half its length there. With the even design, whose loops leave one of three boundaries without rows.
+TEST(Boundary, RowsAreNotTurnedAgainstEachOther) {
+    const char* folder = std::getenv("HMF_SURFACES");
+    TriMesh mesh;
+    if (!folder || !read_obj(std::string(folder) + "/aqua-center_9.7k.obj", mesh))
+        GTEST_SKIP() << "skipped: set HMF_SURFACES to a folder with aqua-center_9.7k.obj";
+    const auto design = make<hmf_design>([&](hmf_design** out, hmf_error* error) {
+        return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
+                               nullptr, nullptr, out, error);
+    });
+    ASSERT_TRUE(design);
+    const Hierarchy hierarchy(mesh);
+    const Solution s = solve(hierarchy, *design->loops);
+    ASSERT_EQ(s.status, HMF_OK) << s.error.message;
+    const auto quads = quads_of(s, quad_options(5000, true));
+    ASSERT_TRUE(quads);
+    EXPECT_LE(quads->inverted_count, 20u);
 }

@@ -115,6 +115,43 @@ Done CylinderRows::start_rows() {
     return true;
 }
 
+// The turn of the row in ruler_, as a part of its length, that brings it nearest to the row before; 0 where it is
+// within a few columns as it is.  Sizes are squared, of some columns.
+double CylinderRows::coarse_turn(double here) {
+    constexpr int64_t SAMPLES = 16, TURNS = 64;
+    constexpr double NEAR = 9, BETTER = 0.25; // squares of columns; of what there is without a turn
+    const int64_t n = static_cast<int64_t>(place_.size());
+    const double round = ruler_.v.back();
+    const auto column = [&](int64_t i) { return static_cast<size_t>(i % SAMPLES * n / SAMPLES); };
+    const auto square_to = [](const double* a, const double* b) {
+        double square = 0;
+        for (int x = 0; x < 3; ++x) square += (a[x] - b[x]) * (a[x] - b[x]);
+        return square;
+    };
+    const auto misfit = [&](double turn) {
+        double sum = 0;
+        for (int64_t i = 0; i < SAMPLES; ++i) {
+            double place = place_[column(i)] - here + turn, p[3];
+            place -= std::floor(place);
+            ruler_.point(place * round, p);
+            sum += square_to(p, &before_[3 * column(i)]);
+        }
+        return sum;
+    };
+    double columns = 0;
+    for (int64_t i = 0; i < SAMPLES; ++i)
+        columns += square_to(&before_[3 * column(i)], &before_[3 * ((column(i) + 1) % place_.size())]);
+    const double now = misfit(0);
+    double least = BETTER * now, best = 0;
+    for (int64_t t = 1; t < TURNS && now > NEAR * columns; ++t) {
+        const double turn = static_cast<double>(t) / static_cast<double>(TURNS), there = misfit(turn);
+        if (there >= least) continue;
+        least = there;
+        best = turn;
+    }
+    return best;
+}
+
 // Turns the row in ruler_ so that straight columns from the row before meet it at right angles in the mean.
 void CylinderRows::align_row(double& here) {
     const int64_t n = static_cast<int64_t>(place_.size());
@@ -125,6 +162,7 @@ void CylinderRows::align_row(double& here) {
         ruler_.point(place * round, p);
     };
     const double h = 0.25 / static_cast<double>(n);
+    here -= coarse_turn(here); // where the path runs along thin triangles, v along it may be far off
     for (int tries = 0; tries < 3; ++tries) {
         double sum = 0;
         for (int64_t j = 0; j < n; ++j) {

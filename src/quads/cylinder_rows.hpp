@@ -34,6 +34,7 @@ private:
     Done set_places(double length);
     Done start_rows();
     void align_row(double& here);
+    double coarse_turn(double here);
 
     // Of a double (front_rows.cpp).
     [[nodiscard]] hmf_status fill_ring(uint32_t cylinder);
