@@ -40,6 +40,7 @@ constexpr uint32_t SHARE = 8;          // a batch is at most this part of the lo
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
+constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
@@ -360,9 +361,11 @@ private:
         }
         // Loops that meet themselves may have hidden others.
         if (!found_ && condition_ && (!all_roots() || !search_roots(allowed, complete))) return call_.stopped();
-        // Again from roots round the loop itself, until none of them gains.
+        // Again from roots round the loop itself, until none of them gains.  A search that is starved gives no bounds,
+        // and the next one is as long: then only as far as the work allows.
         size_t eighth = 1;
         for (int i = 0; i < 24 && eighth < 8 && found_ && !complete; ++i) {
+            if (search_.starved() && static_cast<double>(search_.work()) >= POLISH * allowed) break;
             const double before = best_;
             const uint32_t root = cut_.region[loop_[loop_.size() * eighth / 8]];
             if (search_.bound(root) < best_ && !look_from(root)) return call_.stopped();

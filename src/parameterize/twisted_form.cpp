@@ -255,7 +255,7 @@ private:
 
     // That of a zero edge if u goes on from one side of it to the other, as across a leaf.
     int8_t turn_across(uint32_t e) const {
-        const int a = sign_[mesh_.next[2 * e]], b = sign_[mesh_.next[2 * e + 1]]; // out of the edge, both
+        const int8_t a = sign_[mesh_.next[2 * e]], b = sign_[mesh_.next[2 * e + 1]]; // out of the edge, both
         return a == 0 || b == 0 ? 1 : static_cast<int8_t>(-a * b);
     }
 

@@ -75,7 +75,7 @@ uint32_t walk_to_nearest(const Mesh& mesh, const double* position, uint32_t side
         const bool corner = on > 3;
         uint32_t g = first;
         do {
-            double point[3];
+            double point[3] = {0, 0, 0};
             int there = 0;
             const double square = mesh.face[g] == NONE ? best : look(g, point, there);
             ++looked;

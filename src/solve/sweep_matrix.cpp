@@ -198,7 +198,7 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
     if (!sort_by_few(
             n, parts_ + 1, [&](uint32_t i) { return part_[i]; }, order.data(), at, parallel, memory))
         return false;
-    uint64_t groups[most_parts + 1];
+    uint64_t groups[most_parts + 1] = {0};
     parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
         groups[part] = 0;
         for (uint32_t k = at[part]; k < at[part + 1]; ++k) {
