@@ -55,8 +55,9 @@ hmf_status turn_outwards(const Mesh& mesh, const double* position, QuadMesh& qua
     return HMF_OK;
 }
 
+// With sharp edges: is given up before the finest quads where some stay inverted.
 hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-               bool to_sharp_edges, QuadMesh& quads, Call& call) {
+               bool to_sharp_edges, QuadMesh& quads, QuadFigures& figures, Call& call) {
     if (relax_quads(mesh, position, steps, Untangle::some, false, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
@@ -70,10 +71,14 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     if (relax_quads(mesh, position, again, Untangle::all, false, quads, call)
         || turn_outwards(mesh, position, quads, call))
         return call.status();
-    for (; halvings > 0; --halvings)
+    if (quad_figures(quads, figures, call)) return call.status();
+    for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)
-            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), Untangle::all, false, quads, call))
+            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), Untangle::all, false, quads, call)
+            || quad_figures(quads, figures, call))
             return call.status();
+        if (to_sharp_edges && figures.inverted > 0) return HMF_OK;
+    }
     return HMF_OK;
 }
 
@@ -103,12 +108,11 @@ hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection
     if (!copy(quads.positions, free.positions, call.memory) || !copy(quads.quads, free.quads, call.memory)
         || !copy(quads.sides, free.sides, call.memory) || !copy(quads.held, free.held, call.memory))
         return call.out_of_memory();
-    if (fit(mesh, position, front, steps, halvings, true, quads, call) || quad_figures(quads, figures, call))
-        return call.status();
+    const size_t wished = quads.quad_count() << 2 * halvings;
+    if (fit(mesh, position, front, steps, halvings, true, quads, figures, call)) return call.status();
     if (figures.inverted == 0) return HMF_OK;
-    if (fit(mesh, position, front, steps, halvings, false, free, call) || quad_figures(free, without, call))
-        return call.status();
-    if (without.inverted < figures.inverted) std::swap(quads, free);
+    if (fit(mesh, position, front, steps, halvings, false, free, without, call)) return call.status();
+    if (without.inverted < figures.inverted || quads.quad_count() < wished) std::swap(quads, free);
     return HMF_OK;
 }
 
