@@ -670,28 +670,41 @@ hmf_status end_beyond_rounding(LevelWork& work, double goal) {
     return HMF_OK;
 }
 
+// What a level asks of the method: minima on the last, starts for the next on the others.
+struct LevelPlan {
+    bool finest, coarsest, middle, next_to_double;
+    double goal;
+    uint32_t rounds;
+    bool smooth_only; // long waves are left to other levels
+
+    LevelPlan(const LevelWork& work, double tolerance) {
+        const size_t above = work.state.level - work.options.stop(); // levels that are still to come
+        finest = above == 0;
+        coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
+        middle = !finest && !coarsest;
+        next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::double_levels;
+        goal = finest ? tolerance : coarsest ? steering::coarsest_residual : steering::middle_residual;
+        rounds = finest ? steering::finest_rounds : coarsest ? steering::coarsest_rounds : steering::middle_rounds;
+        smooth_only = middle && !next_to_double && above % steering::long_waves_every != 0;
+    }
+};
+
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
-    const size_t above = work.state.level - work.options.stop(); // levels that are still to come
-    const bool finest = above == 0;
-    const bool coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
-    const bool middle = !finest && !coarsest;
-    const double goal = finest ? tolerance : coarsest ? steering::coarsest_residual : steering::middle_residual;
-    const uint32_t rounds = finest   ? steering::finest_rounds
-                          : coarsest ? steering::coarsest_rounds
-                                     : steering::middle_rounds;
-    const bool next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::double_levels;
-    Newton newton(work, middle && !next_to_double && above % steering::long_waves_every != 0);
+    const LevelPlan plan(work, tolerance);
+    const bool finest = plan.finest;
+    const double goal = plan.goal;
+    Newton newton(work, plan.smooth_only);
     if (!newton.allocate()) return work.call.out_of_memory();
-    newton.sweeps(coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
+    newton.sweeps(plan.coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
     Progress progress;
     uint32_t patience = steering::patience;
-    uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : rounds;
+    uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     bool fineness_known = !finest;
     Parts parts;
     bool moves_wait = false;
-    for (uint32_t round = 0; round < rounds; ++round) {
+    for (uint32_t round = 0; round < plan.rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
         const TwistedModel& model = newton.model();
         // After a step that was solved for to the end moves are made only if it has not reached the goal.
@@ -704,7 +717,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         if (work.call.finishing()) return HMF_CANCELLED;
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
-        if (next_to_double && residual < steering::double_residual) return HMF_OK;
+        if (plan.next_to_double && residual < steering::double_residual) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
         if (residual <= goal) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
@@ -741,10 +754,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             continue;
         }
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
-        moves_wait = accepted == 1 && tight && !middle;
+        moves_wait = accepted == 1 && tight && !plan.middle;
         if (moves_wait) continue;
         newton.relax_after_step(finest && round > steering::far_after);
-        if (accepted == 1 && middle && !(next_to_double && round == 0)) return HMF_OK; // it only provides a start
+        if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0))
+            return HMF_OK; // it only provides a start
         if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
         else if (round > steering::late_after) newton.sweeps(steering::late_sweeps);
     }
