@@ -57,8 +57,8 @@ class Core:
 
     def link(self, to=None, instead=()):
         """instead: (source, object) that take the place of others."""
-        objects = {s: self.object(s) for s in self.sources}
-        objects.update(instead)
+        instead = dict(instead)  # first: of inline functions the linker takes theirs
+        objects = {**instead, **{s: self.object(s) for s in self.sources if s not in instead}}
         run = subprocess.run([self.linker, *self.flags, "-shared", "-Wl,-Bsymbolic", "-Wl,-soname,libcore.so", "-o", str(to or self.library),
                               *map(str, objects.values())], capture_output=True, text=True)
         if run.returncode:

@@ -5,8 +5,8 @@ derived_mutations.py FOLDER [--count N] [--seed 1] [--reach FILE] [--only PATTER
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
 statement that is left out.  For each the file is compiled again, the core linked as a shared library, and the cases that
-reach the line run, the quickest first, until one fails.  FILE is reach.json of coverage.py (default:
-FOLDER/../coverage/reach.json).
+reach the line run, the quickest first, until one fails.  What survives that is tried once more with assertions in the file,
+as the debug builds have them.  FILE is reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
 
 Those of seed 1 are in tests/drawn_mutations.txt: a defect is known by its file, the text of its line and how many lines like
 it come before, so that it stays the same when other lines change.  The last field is the case that noticed it last, which is
@@ -279,38 +279,48 @@ class Trial:
             names.remove(case)
         return None
 
-    def compiled(self, place, sources):
-        """[(source, object)] of those whose code changes; None: one does not compile."""
-        other, objects = Core(place, place / "objects", "g++", self.core.flags), []
+    def compiled(self, place, sources, checked=False):
+        """[(source, object)] of those whose code changes; None: one does not compile.  checked: with assertions."""
+        flags = self.core.flags + ["-UNDEBUG"] * checked
+        other, objects = Core(place, place / ("checked" if checked else "objects"), "g++", flags), []
         for source in sources:
             if other.compile(source):
                 return None
-            if other.object(source).read_bytes() != self.core.object(source).read_bytes():
+            if checked or other.object(source).read_bytes() != self.core.object(source).read_bytes():
                 objects.append((source, other.object(source)))
         return objects
+
+    def noticed_by(self, objects, place, cases, first):
+        """The first case that fails with these objects, or None."""
+        self.core.link(place / "libcore.so", objects)
+        for program, names in self.reach.batches(cases, first):
+            by = self.failing(program, names, place)
+            if by:
+                return by
+        return None
 
     def fate(self, defect, place, cases):
         users = [defect.file] if defect.file.endswith(".cpp") else self.core.dependents(defect.file)
         users.sort(key=lambda u: (-len(self.reach.files.get(u, ())), u))
         named = self.named.get((defect.file, defect.was, defect.now))
-        objects, part = [], users[:FIRST_DEPENDENTS]
-        while part:
+        if defect.by in cases:
+            cases = [defect.by, *(c for c in cases if c != defect.by)]
+        objects, rest = [], users
+        while rest and not (named and objects):
+            part, rest = rest[:FIRST_DEPENDENTS] if rest is users else rest, rest[FIRST_DEPENDENTS:] if rest is users else []
             more = self.compiled(place, part)
             if more is None:
                 return {"fate": "no compile"}
             objects += more
-            users = users[len(part):]
-            if objects:
-                self.core.link(place / "libcore.so", objects)
-                if defect.by in cases:
-                    cases = [defect.by, *(c for c in cases if c != defect.by)]
-                for program, names in self.reach.batches(cases, 1 if defect.by else 6):
-                    by = self.failing(program, names, place)
-                    if by:
-                        return {"fate": "noticed", "by": by}
-            part = users if not named else []
+            by = self.noticed_by(objects, place, cases, 1 if defect.by else 6) if more else None
+            if by:
+                return {"fate": "noticed", "by": by}
         if not objects:
             return {"fate": "same code"}
+        if not named:
+            by = self.noticed_by(self.compiled(place, [s for s, _ in objects], True), place, cases, 6)
+            if by:
+                return {"fate": "noticed", "by": by}
         return {"fate": named or "survives", "cases": len(cases)}
 
     def __call__(self, defect):

@@ -131,12 +131,48 @@ void expect_sound(const TriMesh& mesh, const BuildOptions& options) {
     EXPECT_LE(h.memory.peak(), build_memory_bound(mesh.vertex_count(), mesh.triangle_count(), options));
 }
 
+// Triangles of length 1 and height h, in any position and unit: without area below 2e-15.
+void expect_area(double length, double height, bool expected) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int other : {(axis + 1) % 3, (axis + 2) % 3})
+            for (const double foot : {0.0, 0.25, 0.5, 1.0})
+                for (int turn = 0; turn < 3; ++turn) {
+                    TriMesh mesh;
+                    mesh.positions.assign(9, 0);
+                    double* const p[3] = {&mesh.positions[3 * turn], &mesh.positions[3 * ((turn + 1) % 3)],
+                                          &mesh.positions[3 * ((turn + 2) % 3)]};
+                    p[1][axis] = length;
+                    p[2][axis] = foot * length;
+                    p[2][other] = height * length;
+                    mesh.triangles = {0, 1, 2};
+                    const Built built(mesh);
+                    EXPECT_EQ(built.status != HMF_ERROR_MESH_DEGENERATE, expected)
+                        << "length " << length << " along " << axis << ", height " << height << " along " << other
+                        << ", foot " << foot << ", from corner " << turn << ": " << built.error.message;
+                }
+}
+
 BuildOptions small(double ratio = 0.5, int32_t collapse = HMF_COLLAPSE_MIDPOINT) {
     BuildOptions options;
     options.ratio = ratio;
     options.coarsest = 40;
     options.collapse = collapse;
     return options;
+}
+
+// How many vertices of a torus of 96 x 96 are left on level 1 in each twelfth of it.
+void expect_evenly_coarse(const test::TorusOptions& shape) {
+    constexpr size_t n = 96, parts = 12;
+    const Built built(test::torus(n, n, 3, 1, shape));
+    ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+    const Level& level = built.h.levels[1];
+    std::vector<size_t> left(parts, 0);
+    for (uint32_t v = 0; v < level.mesh.vertex_count; ++v) {
+        const double angle = std::atan2(level.position[3 * v + 1], level.position[3 * v]) / 6.283185307179586;
+        ++left[std::min(parts - 1, static_cast<size_t>((angle + 0.5) * parts))];
+    }
+    const auto [least, most] = std::minmax_element(left.begin(), left.end());
+    EXPECT_LT(*most, 2 * *least) << level.mesh.vertex_count << " vertices on level 1";
 }
 
 TriMesh plain_torus(size_t n = 12, size_t m = 8) { return test::torus(n, m, 3, 1); }
@@ -605,6 +641,22 @@ TEST(Weights, OfACoarseLevelAreBounded) {
     EXPECT_EQ(coarse_weights(mesh, sum, Parallel()), 1u);
     const double expected[] = {1e-3, 1e-3, 1e-3, 1e-3, 4, 1e3, 1e3};
     for (int e = 0; e < 7; ++e) EXPECT_EQ(sum[e], expected[e]) << e;
+}
+
+TEST(Hierarchy, TrianglesHaveAreaInAnyPosition) {
+    for (const double length : {1e-70, 1e-20, 1.0, 1e3, 1e50}) {
+        expect_area(length, 1.5e-15, false);
+        expect_area(length, 2.5e-15, true);
+        expect_area(length, 1e-13, true);
+    }
+}
+
+// Its blocks are coarsened alike.
+TEST(Hierarchy, LargeMeshesBecomeEvenlyCoarse) {
+    expect_evenly_coarse({});
+    test::TorusOptions shape;
+    shape.jitter = 0.3;
+    expect_evenly_coarse(shape);
 }
 
 TEST(Weights, Cotangent) {
