@@ -5,8 +5,8 @@ derived_mutations.py FOLDER [--count N] [--seed 1] [--reach FILE] [--only PATTER
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
 statement that is left out.  For each the file is compiled again, the core linked as a shared library, and the cases that
-reach the line run, the quickest first, until one fails.  What survives that is tried once more with assertions in the file,
-as the debug builds have them.  FILE is reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
+reach the line run, the quickest first, until one fails.  What survives that is tried once more with assertions and checks of
+bounds in the file, as the debug and sanitizer builds have them.  FILE is reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
 
 Those of seed 1 are in tests/drawn_mutations.txt: a defect is known by its file, the text of its line and how many lines like
 it come before, so that it stays the same when other lines change.  The last field is the case that noticed it last, which is
@@ -35,9 +35,12 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from core_builds import ROOT, Core, build_release, jobs, run
+from core_builds import ROOT, Core, build_release, jobs, link_test, run
 
 FIRST_DEPENDENTS = 12  # of a header, each a file to compile; the others only if the defect survives
+# As the debug and sanitizer builds have it; what is found ends the program.
+CHECKED = ["-UNDEBUG", "-fsanitize=bounds,signed-integer-overflow,shift,null,integer-divide-by-zero",
+           "-fsanitize-undefined-trap-on-error"]
 NAMED = ROOT / "tests/equivalent_mutations.txt"
 DRAWN, DRAWN_SEED = ROOT / "tests/drawn_mutations.txt", 1
 COLUMNS = ["noticed", "same code", "changes nothing", "speed or memory", "not reached", "survives"]
@@ -250,9 +253,9 @@ class Trial:
             shutil.copytree(ROOT / part, made / part)
         return made
 
-    def run_cases(self, program, names, library=None):
+    def run_cases(self, program, names, library=None, made=None):
         seconds = sum(self.reach.cases[f"{program} {n}".strip()]["seconds"] for n in names)
-        command = [str(self.programs[program])]
+        command = [str(made or self.programs[program])]
         if names == [""]:
             corpus = ROOT / "fuzz/corpus" / program[:-len("_replay")]
             command += [*([str(corpus)] if corpus.is_dir() else []), "--random", "300", "1"]
@@ -260,11 +263,11 @@ class Trial:
             command += ["--gtest_fail_fast", "--gtest_filter=" + ":".join(names)]
         return run(command, 5 + 10 * seconds, library=library)
 
-    def failing(self, program, names, library):
-        """The case that fails with the library and passes without it; or None."""
+    def failing(self, program, names, library, made=None):
+        """The case that fails with the library, and the program if it was made again, and passes without; or None."""
         names = list(names)
         while names:
-            ended = self.run_cases(program, names, library)
+            ended = self.run_cases(program, names, library, made)
             if not ended.code:
                 return None
             by = re.findall(r"^\[  FAILED  \] ([^ ,]*\.[^ ,]*)|^\[ RUN      \] (\S+)", ended.output, flags=re.M)
@@ -280,8 +283,8 @@ class Trial:
         return None
 
     def compiled(self, place, sources, checked=False):
-        """[(source, object)] of those whose code changes; None: one does not compile.  checked: with assertions."""
-        flags = self.core.flags + ["-UNDEBUG"] * checked
+        """[(source, object)] of those whose code changes; None: one does not compile.  checked: with CHECKED."""
+        flags = self.core.flags + (CHECKED if checked else [])
         other, objects = Core(place, place / ("checked" if checked else "objects"), "g++", flags), []
         for source in sources:
             if other.compile(source):
@@ -299,6 +302,21 @@ class Trial:
                 return by
         return None
 
+    def noticed_by_includers(self, header, objects, place):
+        """The tests that include a header themselves, compiled with it."""
+        if objects:
+            self.core.link(place / "libcore.so", objects)
+        if not (place / "tests").exists():
+            shutil.copytree(ROOT / "tests", place / "tests")
+        for source in sorted((place / "tests").glob("test_*.cpp")):
+            if f'#include "../{header}"' in source.read_text() and source.stem in self.programs:
+                made, names = place / source.stem, [n.split(" ")[1] for n in self.reach.cases if n.split(" ")[0] == source.stem]
+                if link_test(source, place, made, self.core.library) and names:
+                    by = self.failing(source.stem, names, place, made)
+                    if by:
+                        return by
+        return None
+
     def fate(self, defect, place, cases):
         users = [defect.file] if defect.file.endswith(".cpp") else self.core.dependents(defect.file)
         users.sort(key=lambda u: (-len(self.reach.files.get(u, ())), u))
@@ -313,6 +331,10 @@ class Trial:
                 return {"fate": "no compile"}
             objects += more
             by = self.noticed_by(objects, place, cases, 1 if defect.by else 6) if more else None
+            if by:
+                return {"fate": "noticed", "by": by}
+        if not named and defect.file.endswith(".hpp"):
+            by = self.noticed_by_includers(defect.file, objects, place)
             if by:
                 return {"fate": "noticed", "by": by}
         if not objects:

@@ -175,6 +175,25 @@ void expect_evenly_coarse(const test::TorusOptions& shape) {
     EXPECT_LT(*most, 2 * *least) << level.mesh.vertex_count << " vertices on level 1";
 }
 
+// Flat, from radius 1 to 2, with random triangles.
+TriMesh flat_annulus(uint32_t around, uint32_t across) {
+    TriMesh mesh;
+    test::Random random(4);
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j <= across; ++j) {
+            const bool inside = j > 0 && j < across;
+            const double angle = 6.283185307179586 * (i + 0.8 * random.unit()) / around;
+            const double r = 1 + (j + (inside ? 0.8 * random.unit() - 0.4 : 0)) / across;
+            for (const double x : {r * std::cos(angle), r * std::sin(angle), 0.0}) mesh.positions.push_back(x);
+        }
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j < across; ++j) {
+            const uint32_t a = i * (across + 1) + j, b = (i + 1) % around * (across + 1) + j;
+            for (const uint32_t v : {a, a + 1, b + 1, a, b + 1, b}) mesh.triangles.push_back(v);
+        }
+    return mesh;
+}
+
 TriMesh plain_torus(size_t n = 12, size_t m = 8) { return test::torus(n, m, 3, 1); }
 
 TriMesh tetrahedron() {
@@ -657,6 +676,23 @@ TEST(Hierarchy, LargeMeshesBecomeEvenlyCoarse) {
     test::TorusOptions shape;
     shape.jitter = 0.3;
     expect_evenly_coarse(shape);
+}
+
+// No flip joins what lies on each other in the two halves of a double: its edges would have no length.
+TEST(Hierarchy, DoublesAreNotFlippedWhereTheyAreFolded) {
+    for (const uint32_t across : {2u, 4u, 8u}) {
+        const Built built(flat_annulus(60, across), small(0.7));
+        ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+        ASSERT_GT(built.h.level_count, 2u);
+        for (size_t k = 1; k < built.h.level_count; ++k) {
+            const Level& level = built.h.levels[k];
+            for (uint32_t e = 0; e < level.mesh.edge_count; ++e) {
+                const double *a = &level.position[3 * level.mesh.origin[2 * e]],
+                             *b = &level.position[3 * level.mesh.origin[2 * e + 1]];
+                EXPECT_GT(std::hypot(a[0] - b[0], a[1] - b[1]), 1e-3) << across << ", level " << k << ", edge " << e;
+            }
+        }
+    }
 }
 
 TEST(Weights, Cotangent) {
