@@ -29,7 +29,9 @@ Done ChartLayout::place_faces() {
         return false;
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         if (t % 65536 == 0 && !call_.tick(0.89)) return false;
-        const uint32_t p = pieces_.strips.piece[t], c = plan_.charts.of_piece[p];
+        const uint32_t p = pieces_.strips.piece[t];
+        if (p == NONE) continue;
+        const uint32_t c = plan_.charts.of_piece[p];
         const Motion& m = plan_.charts.motion[p];
         double u = 0, v = 0;
         uint32_t h = pieces_.side[t];
@@ -99,10 +101,11 @@ Done ChartLayout::smooth_edges() {
     for (int pass = 0; pass < PASSES; ++pass)
         for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t) {
             if (t % 65536 == 0 && !call_.tick(0.89)) return false;
-            if (moved[t]) continue;
+            if (moved[t] || grid_.chart[t] == NONE) continue;
             uint32_t h = pieces_.side[t];
             for (int k = 0; k < 3 && !moved[t]; ++k, h = pieces_.mesh.next[h]) {
-                if (is_joined(pieces_.mesh, grid_, edge_of(h))) continue;
+                if (is_joined(pieces_.mesh, grid_, edge_of(h)) || grid_.chart[pieces_.mesh.face[twin(h)]] == NONE)
+                    continue;
                 const uint32_t chart = grid_.chart[t];
                 const double before = joined(t);
                 const Motion m = over(h);
@@ -237,6 +240,7 @@ Done ChartLayout::scale_to_grid() {
         return false;
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         const uint32_t c = grid_.chart[t];
+        if (c == NONE) continue;
         area[c] += pieces_.twice_area(pieces_.side[t]);
         image[c] += pieces_.image_area(pieces_.side[t]) * static_cast<double>(pieces_.mirror);
         uint32_t h = pieces_.side[t];
@@ -249,6 +253,7 @@ Done ChartLayout::scale_to_grid() {
         to_grid[c] = GRID * (image[c] > 0 ? std::sqrt(2 * area[c] / (pieces_.whole_area * image[c])) : 0);
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         const uint32_t c = grid_.chart[t];
+        if (c == NONE) continue;
         const auto put = [&](int64_t x) {
             return static_cast<int64_t>(std::floor(std::min(static_cast<double>(x) * to_grid[c] + 0.5, 4 * GRID)));
         };
@@ -315,7 +320,8 @@ Done ChartLayout::dissolve_small() {
     Array<uint8_t> moves;
     if (!count.allocate_filled(call_.memory, grid_.chart_count, 0) || !moves.allocate_filled(call_.memory, n, 0))
         return false;
-    for (const uint32_t c : grid_.chart) ++count[c];
+    for (const uint32_t c : grid_.chart)
+        if (c != NONE) ++count[c];
     struct Corner {
         uint32_t half_edge, chart;
         int64_t x, y;
@@ -324,7 +330,7 @@ Done ChartLayout::dissolve_small() {
     before.start(call_.memory);
     uint32_t tried = 0;
     for (uint32_t c = 0; c < grid_.chart_count && tried < MOST_TRIED; ++c) {
-        if (count[c] >= LARGE_ISLAND) continue;
+        if (count[c] > n / 1000) continue;
         before.clear();
         uint32_t left = 0;
         for (uint32_t t = 0; t < n; ++t) {
@@ -366,7 +372,8 @@ Done ChartLayout::separate() {
     for (uint32_t e = 0; e < pieces_.mesh.edge_count; ++e)
         if (is_joined(pieces_.mesh, grid_, e))
             unite(part.data(), pieces_.mesh.face[2 * e], pieces_.mesh.face[2 * e + 1]);
-    for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t) grid_.chart[t] = find_root(part.data(), t);
+    for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t)
+        if (grid_.chart[t] != NONE) grid_.chart[t] = find_root(part.data(), t);
     grid_.chart_count = pieces_.mesh.face_count;
     return number_charts();
 }
