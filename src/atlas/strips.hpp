@@ -34,8 +34,8 @@ struct Strips {
 
     uint32_t piece_count() const { return static_cast<uint32_t>(cuts.size()); }
 
-    // mesh, foliation, cylinders and flat surface: of the caller's side of one level.  reflection: of a double, or NULL.
-    // to_flat: units of the flat surface in one of the foliation.
+    // mesh, foliation, cylinders and flat surface: of the caller's side of one level.
+    // reflection: of a double, else NULL.  to_flat: units of the flat surface in one of the foliation.
     [[nodiscard]] hmf_status build(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat,
                                    const Reflection* reflection, double to_flat, Call& call);
 };
