@@ -1,7 +1,7 @@
-// The even design of a closed surface, of one with boundary, of a sphere or a disk, in any unit: its marked vertices and
-// loops are what hmf_build and hmf_solve take, its weights are whole numbers, its marks contain those of the caller.
-// On the foliation of the design: the conformal scale, relaxed quads of any wish, charts.  No pole, quads are an oriented
-// manifold, charts lie in the square, everything is finite.
+// The even design of a closed surface, of one with boundary, of a sphere or a disk, in any unit: its marked vertices
+// and loops are what hmf_build and hmf_solve take, its weights are whole numbers, its marks contain those of the
+// caller.  On the foliation of the design: the conformal scale, relaxed quads of any wish, charts.  No pole, quads are
+// an oriented manifold, charts lie in the square, everything is finite.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
