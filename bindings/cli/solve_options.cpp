@@ -8,7 +8,8 @@ namespace cli {
 Option repair_option(bool& target) {
     return {"--repair", &target, "",
             "repairs that lose nothing: drop triangles that repeat a vertex or each other and unused\n"
-            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense"};
+            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense;\n"
+            "triangles without area are accepted as by --mollify 1e-5"};
 }
 
 Option join_option(bool& target) {

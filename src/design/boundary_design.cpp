@@ -115,7 +115,7 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
                           mesh.triangles, mesh.triangle_count, build, call, out.marks))
             return call.status();
     }
-    const bool free = out.marks.empty() && design.poles;
+    const bool free = build.marked_count == 0 && design.poles;
     bool bare = false;
     const uint64_t solves = free ? (design.solves + 1) / 2 : design.solves;
     call.range(0.25, free ? 0.6 : 1);
