@@ -67,7 +67,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     counts.collapsed_triangles = made.collapsed;
     counts.unevenness = measures.unevenness;
     counts.seam_edge_count = measures.seam_edges;
-    counts.seam_length = measures.seam_length;
+    counts.seam_length = measures.seam_length / h.scale;
     ResultBlock block;
     block.room(counts, counts.corner_uv, 6 * counts.triangle_count);
     block.room(counts, counts.triangle_chart, counts.triangle_count);
