@@ -309,6 +309,13 @@ class Outputs(Case):
             self.assertGreater(share(pictures[pattern], is_red), 0.05)
         self.assertEqual(share(pictures["quads"], is_red), 0)
         self.assertEqual(len({str(p) for p in pictures.values()}), 4)
+        # hmf quads draws its own quads: more lines for more of them.
+        dark = []
+        for count in ("50", "1500"):
+            self.run_tool("quads", self.mesh, self.path("q.obj"), "--count", count, "--image", self.path("i.png"), "--image-size", "400x300")
+            dark.append(share(pixels_of(self.read("i.png")), lambda r, g, b: max(r, g, b) < 130))
+        self.assertGreater(dark[1], dark[0] + 0.02)
+        self.refused(2, "quads", self.mesh, self.path("q.obj"), "--legend", says=["--image"])
         # Round the z axis: from the top (z) there is a hole in the middle, from the front it is flat.
         top, side = picture("--camera", "0,0,1"), picture("--camera", "0,-1,0,0,0,1")
         self.assertFalse(is_object(*top[60][80]))

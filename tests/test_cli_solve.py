@@ -68,7 +68,12 @@ class Solve(Case):
         points[a] = tuple((p + q) / 2 for p, q in zip(points[b], points[c]))
         mesh = self.write("flat.obj", obj_text(points, self.triangles))
         self.refused(3, "solve", mesh, says=["no area", "--mollify 1e-5"])
-        self.run_tool("solve", mesh, "--mollify", "1e-5")
+        self.run_tool("solve", mesh, "--mollify", "1e-5", "--values", self.path("mollified.csv"))
+        result = self.run_tool("solve", mesh, "--repair", "--values", self.path("repaired.csv"), "--report", self.path("flat.json"))
+        self.assertIn("accepted triangles without area", result.stderr)
+        self.assertEqual(self.read("mollified.csv"), self.read("repaired.csv"))
+        self.assertEqual(json.loads(self.read("flat.json"))["repairs"], ["accepted triangles without area (--mollify 1e-5)"])
+        self.assertIn("accepted triangles without area", self.run_tool("info", mesh, "--repair").stderr)
         self.refused(2, "solve", mesh, "--mollify", "0.5", says=["--mollify", "[0, 0.1]"])
 
     def test_same_bits_twice(self):

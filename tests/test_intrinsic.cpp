@@ -278,8 +278,8 @@ TEST(Mollify, AddsWhatIsMissing) {
     hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     hmf::Metric plain, thick;
     hmf::Call call(memory, nullptr, nullptr, nullptr);
-    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, plain, nullptr, call));
-    ASSERT_TRUE(hmf::measure(input, position, 1, nullptr, thick, nullptr, call));
+    ASSERT_TRUE(hmf::measure(input, position, nullptr, plain, nullptr, call));
+    ASSERT_TRUE(hmf::measure(input, position, nullptr, thick, nullptr, call));
     ASSERT_TRUE(hmf::mollify(input, 0.01, thick, nullptr, call));
     double mean = 0, margin = HUGE_VAL;
     for (uint32_t e = 0; e < input.edge_count; ++e) mean += plain.length[e] / input.edge_count;

@@ -51,18 +51,17 @@ void Component::refuse(hmf_status status, const std::string& reason) {
     refusal_ = subject_ + ": " + reason;
 }
 
-void Component::build(const SolveRequest& request, Meter& meter, const hmf_control* control) {
+hmf_status Component::try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
+                                hmf_error& error) {
     hmf_build_options options = {};
     options.struct_size = sizeof options;
     options.ratio = request.ratio;
-    options.mollify = request.mollify;
+    options.mollify = mollify;
     options.coarsest = request.coarsest;
     options.collapse = request.collapse;
     options.allocate = Meter::allocate;
     options.release = Meter::release;
     options.allocator_user = &meter;
-    const Clock::time_point start = Clock::now();
-    hmf_error error{};
     hmf_status status = HMF_OK;
     if (request.loops == "even") status = make_design(request.marks == "none", options, control, error);
     else if (request.marks == "auto") status = suggest_marks(part_.mesh, options, control, marks_, error);
@@ -73,6 +72,15 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
         status = hmf_build(part_.mesh.positions.data(), part_.mesh.vertex_count(), part_.mesh.triangles.data(),
                            part_.mesh.triangle_count(), &options, control, &raw, &error);
     hierarchy_.reset(raw);
+    return status;
+}
+
+void Component::build(const SolveRequest& request, Meter& meter, const hmf_control* control) {
+    const Clock::time_point start = Clock::now();
+    hmf_error error{};
+    hmf_status status = try_build(request, request.mollify, meter, control, error);
+    is_mollified_ = status == HMF_ERROR_MESH_DEGENERATE && request.repairs && request.mollify <= 0;
+    if (is_mollified_) status = try_build(request, MOLLIFY_OF_REPAIR, meter, control, error);
     // A sheet may be one of many that only have to be joined.
     const bool is_sheet = status == HMF_ERROR_MESH_GENUS && readers::boundary_count(part_.mesh) > 0;
     const std::string advice =

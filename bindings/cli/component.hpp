@@ -63,6 +63,8 @@ public:
 
     // It has no foliation: status and sentence say why.
     void refuse(hmf_status status, const std::string& reason);
+    // It has triangles without area, which --repair accepts.
+    bool is_mollified() const { return is_mollified_; }
     bool is_refused() const { return !refusal_.empty(); }
     const std::string& refusal() const { return refusal_; }
 
@@ -109,6 +111,8 @@ public:
     readers::Json json(const std::vector<hmf_singularity>& singular) const;
 
 private:
+    hmf_status try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
+                         hmf_error& error);
     hmf_status make_design(bool no_poles, hmf_build_options options, const hmf_control* control, hmf_error& error);
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;
 
@@ -126,7 +130,7 @@ private:
     hmf_loop_set loops_{}; // those that were used
     std::vector<double> weights_;
     double tolerance_ = 0; // that was asked for
-    bool has_start_ = false;
+    bool has_start_ = false, is_mollified_ = false;
     double build_seconds_ = 0, loops_seconds_ = 0;
     Owned<hmf_foliation> foliation_;
     const hmf_report* report_ = nullptr;

@@ -60,6 +60,7 @@ std::string repair_advice(hmf_status status, bool repairs, bool joins) {
     switch (status) {
     case HMF_ERROR_MESH_REPEATED_VERTEX: return unless_given("; --repair drops such triangles");
     case HMF_ERROR_MESH_UNUSED_VERTEX: return unless_given("; --repair drops such vertices");
+    case HMF_ERROR_MESH_DEGENERATE: return unless_given("; --repair accepts such triangles");
     case HMF_ERROR_MESH_ORIENTATION: return unless_given("; --repair turns patches to one sense");
     case HMF_ERROR_MESH_NON_MANIFOLD_VERTEX:
     case HMF_ERROR_MESH_NON_MANIFOLD_EDGE:

@@ -26,6 +26,10 @@ struct Failure : std::runtime_error {
 [[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject,
                             const std::string& advice = "");
 
+// --mollify where --repair meets triangles without area.
+constexpr double MOLLIFY_OF_REPAIR = 1e-5;
+constexpr const char* MOLLIFIED = "accepted triangles without area (--mollify 1e-5)";
+
 // What --repair and --join-points would do about a mesh that is refused with this status, after a semicolon; "" where
 // they were given, or do not help.
 std::string repair_advice(hmf_status status, bool repairs, bool joins);

@@ -7,6 +7,7 @@
 
 #include "../readers/components.hpp"
 #include "../readers/json.hpp"
+#include "failure.hpp"
 #include "library.hpp"
 #include "marks.hpp"
 #include "progress.hpp"
@@ -27,11 +28,12 @@ struct Finding {
     std::vector<uint32_t> marks;      // that the library suggests
 };
 
-Finding look_at(const TriangleMesh& mesh, const std::string& mesh_name, const hmf_control* control) {
+Finding look_at(const TriangleMesh& mesh, double mollify, const std::string& mesh_name, const hmf_control* control) {
     hmf_build_options options = {};
     options.struct_size = sizeof options;
     // Validation only: one level.
     options.coarsest = mesh.vertex_count();
+    options.mollify = mollify;
     hmf_hierarchy* raw = nullptr;
     Finding found;
     found.status = suggest_marks(mesh, options, control, found.marks, found.error);
@@ -112,11 +114,16 @@ void info(const InfoRequest& request) {
     std::vector<std::string> lines;
     Finding total;
     size_t good = 0, boundaries = 0;
+    bool mollified = false;
     uint64_t memory = 0;
     for (size_t k = 0; k < parts.size(); ++k) {
         const TriangleMesh& part = parts[k].mesh;
         const double from = double(k) / double(parts.size()), to = double(k + 1) / double(parts.size());
-        const Finding found = look_at(part, mesh_name, progress.part("check", from, to));
+        Finding found = look_at(part, 0, mesh_name, progress.part("check", from, to));
+        if (found.status == HMF_ERROR_MESH_DEGENERATE && request.repairs) {
+            found = look_at(part, MOLLIFY_OF_REPAIR, mesh_name, progress.part("check", from, to));
+            mollified = true;
+        }
         if (alone) total = found;
         const uint64_t edges = found.status == HMF_OK ? found.edges : readers::edges_of(part).count();
         const size_t open = found.status == HMF_OK ? found.boundaries : readers::boundary_count(part);
@@ -151,9 +158,14 @@ void info(const InfoRequest& request) {
         rows.push_back(row);
     }
     progress.clear();
+    std::vector<std::string> repaired = repairs.sentences();
+    if (mollified) {
+        repaired.emplace_back(MOLLIFIED);
+        std::fprintf(stderr, "%s: %s\n", mesh_name.c_str(), MOLLIFIED);
+    }
     if (request.json) {
         Json report = {{"mesh", mesh_name}, {"valid", good > 0}};
-        if (request.repairs) report.set("repairs", repairs.sentences());
+        if (request.repairs) report.set("repairs", repaired);
         if (total.status != HMF_OK) {
             report.set("status", total.status);
             report.set("text", hmf_status_string(total.status));

@@ -67,6 +67,7 @@ void Run::build() {
         const hmf_control* const control = share("build", 0, 0.35, done, c);
         if (c.is_refused()) continue;
         c.build(r_, meter_, control);
+        if (c.is_mollified()) std::fprintf(stderr, "%s: %s\n", c.subject().c_str(), MOLLIFIED);
         if (c.is_refused()) continue;
         coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
         if (kind_ == LOOPS_EVEN)

@@ -8,7 +8,8 @@ namespace cli {
 Option repair_option(bool& target) {
     return {"--repair", &target, "",
             "repairs that lose nothing: drop triangles that repeat a vertex or each other and unused\n"
-            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense"};
+            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense;\n"
+            "triangles without area are accepted as by --mollify 1e-5"};
 }
 
 Option join_option(bool& target) {
@@ -52,6 +53,21 @@ Option marks_option(SolveRequest& r) {
 Option threads_option(SolveRequest& r) {
     return Option{"--threads", &r.threads, "N", "else one for each processor; 1: none is started; the same results"}.in(
         "[1, 256]");
+}
+
+Option camera_option(SolveRequest& r) {
+    return Option{"--camera", &r.camera, "VIEW",
+                  "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"
+                  "bottom, corner, or a direction X,Y,Z or with what is above X,Y,Z,UX,UY,UZ"}
+        .requires_one_of("--image");
+}
+
+Option image_size_option(SolveRequest& r) {
+    return Option{"--image-size", &r.image_size, "WxH", "pixels of the picture"}.requires_one_of("--image");
+}
+
+Option legend_option(SolveRequest& r) {
+    return Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image");
 }
 
 Option mollify_option(SolveRequest& r) {
@@ -121,16 +137,13 @@ Options solve_options(SolveRequest& r) {
                "of the picture: stripes along the leaves, squares of (u, v), the grid of --quads,\n"
                "how far from conformal (u, v) is, or how wide stripes are: white average, red narrow, blue wide"}
             .requires_one_of("--image"),
-        Option{"--camera", &r.camera, "VIEW",
-               "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"
-               "bottom, corner, or a direction X,Y,Z or with what is above X,Y,Z,UX,UY,UZ"}
-            .requires_one_of("--image"),
-        Option{"--image-size", &r.image_size, "WxH", "pixels of the picture"}.requires_one_of("--image"),
+        camera_option(r),
+        image_size_option(r),
         Option{"--period", &r.period, "X",
                "of stripes and squares, in the unit of the weights; each cylinder gets a whole number of them"}
             .in("(0, inf)")
             .requires_one_of("--image --obj --textured"),
-        Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image"),
+        legend_option(r),
         Option{"--obj", &r.obj, "FILE.obj",
                "mesh with (u, v) per corner as texture coordinates;\n"
                "FILE.mtl and FILE.png (a checkerboard) come with it"}

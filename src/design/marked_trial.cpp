@@ -53,10 +53,11 @@ MarkedTrial::MarkedTrial(const hmf_hierarchy& like, Call& call, const double& fr
 
 hmf_status MarkedTrial::failed(Call& inner) {
     usable_ = false;
-    const hmf_status status = inner.status();
+    const bool untold = inner.status() == HMF_OK; // an array did not get its room
+    const hmf_status status = untold ? inner.out_of_memory() : inner.status();
     if (inner.cancelled() || outer_.cancelled()) return outer_.was_cancelled();
-    if (status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT || status == HMF_OK)
-        return outer_.fail(status ? status : HMF_ERROR_MEMORY, HMF_ELEMENT_NONE, 0,
+    if (status == HMF_ERROR_MEMORY || status == HMF_ERROR_MEMORY_LIMIT)
+        return outer_.fail(status, HMF_ELEMENT_NONE, 0,
                            "The search for an even design needs more memory. Free some, or raise memory_limit.");
     return HMF_OK;
 }

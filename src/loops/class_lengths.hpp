@@ -40,6 +40,11 @@ public:
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
+    // Of that, what is known from the coarsest level only.
+    Done measure_found(bool& changed) {
+        changed = false;
+        return measure_stage(Stage::found, changed);
+    }
 
 private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, the finest

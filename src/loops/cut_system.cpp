@@ -17,8 +17,9 @@
 //  4. The others serve for the next loops as well: a batch.  It ends where the class
 //     that comes next is that of a strip through a face of a loop of the batch; for
 //     those the surface is cut first, and searched again.
-//  5. Classes that come close are measured on a fine level once the system is complete,
-//     and from the first choice that was wrong on it is made again.
+//  5. Classes that come close are measured on a finer level, and the batch is chosen again.
+//  6. Once the system is complete those that are close even there are measured on the finest
+//     level, and from the first choice that was wrong on it is made again.
 #include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
@@ -36,8 +37,9 @@ constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
-constexpr uint32_t SHARE = 8;          // a batch is at most this part of the loops that are left, and one below that
+constexpr uint32_t MANY = 16;          // with a genus from here on a batch is half of the loops that are left, else one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
+constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
@@ -136,7 +138,21 @@ private:
                               "No further loop was found. Please report this.");
         search_.read_bounds(face_bound_);
         if (!open_batch()) return call_.out_of_memory();
-        const uint32_t end = k + std::min(std::max((genus - k) / SHARE, 1u), MOST_OF_BATCH);
+        const uint32_t begin = k, half = std::min(std::max((genus - k) / 2, 1u), MOST_OF_BATCH);
+        const uint32_t end = k + (genus < MANY ? 1 : half);
+        bool changed = true;
+        for (int time = 0; changed && time < MOST_CHOICES; ++time) {
+            if (time > 0 && !reopen_batch(begin)) return call_.out_of_memory();
+            k = begin;
+            if (const hmf_status chosen = choose_batch(k, end)) return chosen;
+            changed = false;
+            if (k - begin > 1 && !lengths_.measure_found(changed)) return call_.stopped();
+        }
+        return HMF_OK;
+    }
+
+    // k: after the last one that the candidates serve for.
+    hmf_status choose_batch(uint32_t& k, uint32_t end) {
         for (bool any = true; k < end; ++k) {
             if (!choose(any)) return call_.stopped();
             if (!any) break;
@@ -159,6 +175,18 @@ private:
         words_.clear();
         return taken_.allocate_filled(memory_, mesh_.face_count, uint8_t{0})
             && left_.allocate_filled(memory_, mesh_.edge_count, uint64_t{0});
+    }
+
+    // As it was opened, with the first k loops.
+    Done reopen_batch(uint32_t k) {
+        while (out_->count() > k) {
+            out_->keep_first(out_->count() - 1);
+            choice_.pop();
+        }
+        forget_ids(choice_.empty() ? 0 : choice_.back().end);
+        for (Candidate& c : candidates_) c.place = Place::open;
+        curves_.clear();
+        return curves_.add(out_->crossings.data(), out_->crossings.size()) && open_batch();
     }
 
     // What is left of a signature on the surface cut along the loops of the batch.

@@ -3,11 +3,14 @@
 #include "annulus.hpp"
 #include "disjoint.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
 
 constexpr size_t STRIP = 10;    // triangles across the strip
+constexpr size_t MORE = 512;    // of a short loop, but not more than its share of the mesh
 constexpr int ROUNDS = 6;       // strips for one loop
 constexpr double GAIN = 1e-9;   // relative, what counts as shorter
 constexpr double LITTLE = 2e-3; // relative, what is not worth another strip
@@ -15,7 +18,8 @@ constexpr double LITTLE = 2e-3; // relative, what is not worth another strip
 class Shortener {
 public:
     Shortener(const Mesh& mesh, const double* position, size_t width, double ambiguous, Loops& loops, Call& call) :
-        mesh_(mesh), call_(call), loops_(loops), width_(width), length_(mesh, position, ambiguous),
+        mesh_(mesh), call_(call), loops_(loops), width_(width),
+        more_(std::min(MORE, mesh.face_count / (loops.count() + 1))), length_(mesh, position, ambiguous),
         annulus_(mesh, length_, call) {}
 
     hmf_status run(size_t first) {
@@ -78,7 +82,7 @@ private:
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
         const double before = length(loops_.crossings.data() + first, n);
         const Done searched =
-            annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + 512), before * (1 - GAIN), found_);
+            annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + more_), before * (1 - GAIN), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
         if (!searched) return call_.stopped();
         size_t from = 0, to = 0;
@@ -106,7 +110,7 @@ private:
     const Mesh& mesh_;
     Call& call_;
     Loops& loops_;
-    size_t width_;
+    size_t width_, more_;
     DualLength length_;
     Annulus annulus_;
     Multicurve curves_;

@@ -683,7 +683,10 @@ struct LevelPlan {
         coarsest = work.state.level + 1 == work.state.hierarchy->level_count;
         middle = !finest && !coarsest;
         next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::double_levels;
-        goal = finest ? tolerance : coarsest ? steering::coarsest_residual : steering::middle_residual;
+        const Level& last = work.state.hierarchy->levels[work.options.stop()];
+        const bool cheap =
+            coarsest && steering::coarsest_share * work.level.mesh.vertex_count <= last.mesh.vertex_count;
+        goal = finest ? tolerance : cheap ? steering::coarsest_residual : steering::middle_residual;
         rounds = finest ? steering::finest_rounds : coarsest ? steering::coarsest_rounds : steering::middle_rounds;
         smooth_only = middle && !next_to_double && above % steering::long_waves_every != 0;
     }

@@ -13,8 +13,9 @@ namespace hmf {
 namespace steering {
 
 // How far a level is solved.  The finest goes to the caller's tolerance, the coarsest
-// so far that the zeros are in place, those between only pass a start on.
+// so far that the zeros are in place if the finest is so many times as large, others only pass a start on.
 constexpr double coarsest_residual = 1e-8;
+constexpr uint64_t coarsest_share = 8;
 constexpr double middle_residual = 1e-2;
 constexpr uint32_t finest_rounds = 60; // guard
 constexpr uint32_t coarsest_rounds = 40;
