@@ -120,8 +120,8 @@ TEST_F(OnAnEdge, FinerQuadsStay) {
     EXPECT_EQ(sliding, (COLUMNS - 2) + (COLUMNS - 3)); // where both ends slide
 }
 
-// A grid in a plane, held at its rim and displaced most in the middle: steps that go on with a part of the one before get
-// further than as many that each begin at rest.
+// A grid in a plane, held at its rim and displaced most in the middle: steps that go on with a part of the one before
+// get further than as many that each begin at rest.
 TEST(RelaxQuads, StepsGoOn) {
     constexpr int N = 16, STEPS = 40;
     test::MadeMesh made(
