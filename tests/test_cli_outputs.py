@@ -250,6 +250,17 @@ class Outputs(Case):
         self.assertEqual(self.read("a.glb")[:4], b"glTF")
         self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
+    def test_coordinates_beyond_floats(self):
+        huge = self.path("huge.obj")
+        with open(self.mesh) as old, open(huge, "w") as new:
+            for line in old:
+                words = line.split()
+                new.write(" ".join(["v", *(repr(1e60 * float(w)) for w in words[1:4])]) + "\n" if words[:1] == ["v"] else line)
+        for option in ("--textured", "--atlas"):
+            self.refused(3, "solve", huge, option, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.refused(3, "quads", huge, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.run_tool("solve", huge, "--quads", self.path("h.obj"))
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")
