@@ -125,6 +125,13 @@ public:
         capacity_ = n;
         return true;
     }
+    // n more, not set.
+    Done extend(size_t n) {
+        const size_t all = size_ + n;
+        if (all > capacity_ && !reserve(all > 2 * capacity_ ? all : 2 * capacity_)) return false;
+        size_ = all;
+        return true;
+    }
     void pop() {
         assert(size_);
         --size_;
@@ -153,9 +160,14 @@ public:
         assert(size_);
         return data_[size_ - 1];
     }
+    const T& back() const {
+        assert(size_);
+        return data_[size_ - 1];
+    }
     T* data() { return data_; }
     const T* data() const { return data_; }
     size_t size() const { return size_; }
+    size_t capacity() const { return capacity_; }
     bool empty() const { return size_ == 0; }
     T* begin() { return data_; }
     T* end() { return data_ + size_; }

@@ -163,8 +163,7 @@ void set_cotangents(const uint32_t* half_edges, const double* length, double fou
 
 } // namespace
 
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
-             Call& call) {
+Done measure(const Mesh& mesh, const double* position, const uint32_t* sides, Metric& metric, double* sum, Call& call) {
     EdgeSums sums(sum);
     if (!metric.length.allocate(call.memory, mesh.edge_count)
         || !metric.four_areas.allocate(call.memory, mesh.face_count) || (sum && !sums.allocate(mesh, call.memory)))
@@ -176,7 +175,7 @@ Done measure(const Mesh& mesh, const double* position, double scale, const uint3
         double side[3][3];
         for (int s = 0; s < 3; ++s) {
             const double *a = corner[s], *b = corner[s == 2 ? 0 : s + 1];
-            for (int c = 0; c < 3; ++c) side[s][c] = scale * (b[c] - a[c]);
+            for (int c = 0; c < 3; ++c) side[s][c] = b[c] - a[c];
         }
         // Both triangles of an edge give it the same length.
         double length[3];
@@ -229,7 +228,7 @@ Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call&
     return !sum || sums.add(call, 0);
 }
 
-Done measure_thin(const Mesh& mesh, const double* position, double scale, Metric& metric, double* sum, Call& call) {
+Done measure_thin(const Mesh& mesh, const double* position, Metric& metric, double* sum, Call& call) {
     bool thin = false;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) thin |= sum[e] > THIN || sum[e] < -THIN;
     if (!thin) return true;
@@ -240,8 +239,8 @@ Done measure_thin(const Mesh& mesh, const double* position, double scale, Metric
         for (size_t e = begin; e < end; ++e) {
             TwoDoubles square;
             for (size_t c = 0; c < 3 && position; ++c) {
-                const TwoDoubles side = TwoDoubles::of_sum(scale * position[size_t{3} * mesh.origin[2 * e + 1] + c],
-                                                           -scale * position[size_t{3} * mesh.origin[2 * e] + c]);
+                const TwoDoubles side = TwoDoubles::of_sum(position[size_t{3} * mesh.origin[2 * e + 1] + c],
+                                                           -position[size_t{3} * mesh.origin[2 * e] + c]);
                 square = square + side * side;
             }
             metric.square[e] = position ? square : TwoDoubles::of_product(metric.length[e], metric.length[e]);

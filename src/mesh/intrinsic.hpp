@@ -25,12 +25,10 @@ struct Metric {
     Array<TwoDoubles> fine_area; // four areas, per face
 };
 
-// The metric of positions (3 per vertex), times scale: a power of two that makes
-// their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
+// The metric of positions (3 per vertex).  Unless sum is NULL, it gets the cotangents of
 // the two angles opposite to each edge, added.  sides: the half-edges of each
 // face in 4 words, the last one unused; NULL if they are not at hand.
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
-             Call& call);
+Done measure(const Mesh& mesh, const double* position, const uint32_t* sides, Metric& metric, double* sum, Call& call);
 
 // All edges get longer by the least amount that keeps every triangle
 // inequality by a margin of factor * mean length [Sharp and Crane 2020].  sum as
@@ -39,7 +37,7 @@ Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call&
 
 // If there are thin triangles, by the sums of cotangents: squares and areas to 31 digits, and the sums from them.
 // position: as for measure; NULL: the lengths count as they are (mollify).
-Done measure_thin(const Mesh& mesh, const double* position, double scale, Metric& metric, double* sum, Call& call);
+Done measure_thin(const Mesh& mesh, const double* position, Metric& metric, double* sum, Call& call);
 
 // Can every edge stay?
 bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel = Parallel());

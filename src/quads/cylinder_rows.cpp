@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hmf {
 
@@ -13,7 +14,7 @@ constexpr double MOST_SHIFT = 1e15; // of the columns of two boundaries: what do
 CylinderRows::CylinderRows(const QuadInput& in, const GridSizes& sizes, const GraphPoints& points, QuadMesh& out,
                            Call& call) :
     in_(in),
-    sizes_(sizes), points_(points), out_(out), call_(call) {
+    sizes_(sizes), points_(points), out_(out), call_(call), leaves_(in, call) {
     ruler_.start(call.memory);
     leaf_.start(call.memory);
     lower_.start(call.memory);
@@ -106,22 +107,35 @@ Done CylinderRows::set_places(double length) {
     return true;
 }
 
-// The lower row is the row before.
-Done CylinderRows::start_rows() {
+// The lower row is the row before; room for so many rows.
+Done CylinderRows::start_rows(uint32_t rows) {
     const size_t n = lower_.vertex.size();
-    if (!before_.allocate(call_.memory, 3 * n)) return false;
+    if (!before_.allocate(call_.memory, 3 * n * rows)) return false;
     for (size_t j = 0; j < n; ++j)
         for (size_t k = 0; k < 3; ++k) before_[3 * j + k] = out_.positions[size_t{3} * lower_.vertex[j] + k];
     return true;
 }
 
-// The turn of the row in ruler_, as a part of its length, that brings it nearest to the row before; 0 where it is
+// The place of a column on a row that the path meets at `here`.
+static double on_row(double place, double here) {
+    place -= here;
+    return place - std::floor(place);
+}
+
+// Where the columns of the lower row meet a row.
+void CylinderRows::points_of_row(const Ruler& row, double here, double* points) const {
+    const double round = row.v.back();
+    size_t piece = 0;
+    for (size_t j = 0; j < place_.size(); ++j) row.point(on_row(place_[j], here) * round, points + 3 * j, piece);
+}
+
+// The turn of a row, as a part of its length, that brings it nearest to the row before; 0 where it is
 // within a few columns as it is.  Sizes are squared, of some columns.
-double CylinderRows::coarse_turn(double here) {
+double CylinderRows::coarse_turn(const Ruler& row, const double* before, double here) const {
     constexpr int64_t SAMPLES = 16, TURNS = 64;
     constexpr double NEAR = 9, BETTER = 0.25; // squares of columns; of what there is without a turn
     const int64_t n = static_cast<int64_t>(place_.size());
-    const double round = ruler_.v.back();
+    const double round = row.v.back();
     const auto column = [&](int64_t i) { return static_cast<size_t>(i % SAMPLES * n / SAMPLES); };
     const auto square_to = [](const double* a, const double* b) {
         double square = 0;
@@ -131,16 +145,15 @@ double CylinderRows::coarse_turn(double here) {
     const auto misfit = [&](double turn) {
         double sum = 0;
         for (int64_t i = 0; i < SAMPLES; ++i) {
-            double place = place_[column(i)] - here + turn, p[3];
-            place -= std::floor(place);
-            ruler_.point(place * round, p);
-            sum += square_to(p, &before_[3 * column(i)]);
+            double p[3];
+            row.point(on_row(place_[column(i)], here - turn) * round, p);
+            sum += square_to(p, &before[3 * column(i)]);
         }
         return sum;
     };
     double columns = 0;
     for (int64_t i = 0; i < SAMPLES; ++i)
-        columns += square_to(&before_[3 * column(i)], &before_[3 * ((column(i) + 1) % place_.size())]);
+        columns += square_to(&before[3 * column(i)], &before[3 * ((column(i) + 1) % place_.size())]);
     const double now = misfit(0);
     double least = BETTER * now, best = 0;
     for (int64_t t = 1; t < TURNS && now > NEAR * columns; ++t) {
@@ -152,25 +165,21 @@ double CylinderRows::coarse_turn(double here) {
     return best;
 }
 
-// Turns the row in ruler_ so that straight columns from the row before meet it at right angles in the mean.
-void CylinderRows::align_row(double& here) {
-    const int64_t n = static_cast<int64_t>(place_.size());
-    const double round = ruler_.v.back();
-    const auto at = [&](int64_t j, double shift, double* p) {
-        double place = place_[static_cast<size_t>(j)] - here + shift;
-        place -= std::floor(place);
-        ruler_.point(place * round, p);
-    };
-    const double h = 0.25 / static_cast<double>(n);
-    here -= coarse_turn(here); // where the path runs along thin triangles, v along it may be far off
+// Where the path meets a row that is turned so that straight columns from the row before meet it at right
+// angles in the mean.
+double CylinderRows::align_row(const Ruler& row, const double* before, double here) const {
+    const size_t n = place_.size();
+    const double round = row.v.back(), h = 0.25 / static_cast<double>(n);
+    here -= coarse_turn(row, before, here); // where the path runs along thin triangles, v along it may be far off
     for (int tries = 0; tries < 3; ++tries) {
         double sum = 0;
-        for (int64_t j = 0; j < n; ++j) {
-            const double* from = &before_[static_cast<size_t>(3 * j)];
+        size_t piece = 0;
+        for (size_t j = 0; j < n; ++j) {
+            const double* from = before + 3 * j;
             double p[3], q[3], r[3], along = 0, square = 0;
-            at(j, 0, p);
-            at(j, -h, q);
-            at(j, h, r);
+            row.point(on_row(place_[j] - h, here) * round, q, piece);
+            row.point(on_row(place_[j], here) * round, p, piece);
+            row.point(on_row(place_[j] + h, here) * round, r, piece);
             for (int x = 0; x < 3; ++x) {
                 along += (from[x] - p[x]) * (r[x] - q[x]);
                 square += (r[x] - q[x]) * (r[x] - q[x]);
@@ -181,7 +190,12 @@ void CylinderRows::align_row(double& here) {
         }
         here -= sum / static_cast<double>(n);
     }
-    for (int64_t j = 0; j < n; ++j) at(j, 0, &before_[static_cast<size_t>(3 * j)]);
+    return here;
+}
+
+hmf_status CylinderRows::read_rows(uint32_t cylinder, int64_t first, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) leaves_[i + 1].height = height_of_row(cylinder, first + i);
+    return leaves_.read(cylinder, 1, count + 1);
 }
 
 // Where the path meets each row, as a part of its length: at first by v along
@@ -189,18 +203,64 @@ void CylinderRows::align_row(double& here) {
 // before meet it at right angles in the mean.  One path alone is as wrong
 // as the thin triangles on it make it.
 hmf_status CylinderRows::align_rows(uint32_t cylinder, double whole, double& turn) {
+    const Cylinder& c = in_.cylinders.list[cylinder];
     const int64_t m = sizes_.rows[cylinder];
-    if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !start_rows()) return call_.out_of_memory();
-    double path_before = 0, here = 0;
-    for (int64_t k = 1; k < m; ++k) {
-        double path = 0;
-        if (read_leaf(cylinder, k, path)) return call_.status();
-        here += (path - path_before) / whole;
-        path_before = path;
-        align_row(here);
-        here_[static_cast<size_t>(k)] = here;
+    const uint32_t at_a_time = leaves_.at_a_time(cylinder);
+    const size_t size = 3 * place_.size();
+    if (!here_.allocate(call_.memory, static_cast<size_t>(m)) || !start_rows(at_a_time)) return call_.out_of_memory();
+    const auto by_path = [&](uint32_t i) { return twist_at(c, leaves_[i].piece, leaves_[i].height) / whole; };
+    double turned[LeafRows::most], path_before = 0, here = 0;
+    for (int64_t first = 1; first < m; first += at_a_time) {
+        const uint32_t count = static_cast<uint32_t>(std::min(int64_t{at_a_time}, m - first));
+        if (read_rows(cylinder, first, count)) return call_.status();
+        call_.parallel.for_each(count, [&](uint32_t i, uint32_t) {
+            double* const before = &before_[i * size];
+            if (first + i > 1) points_of_row(leaves_[i].ruler, by_path(i), before);
+            turned[i] = align_row(leaves_[i + 1].ruler, before, by_path(i + 1)) - by_path(i + 1);
+        });
+        for (uint32_t i = 0; i < count; ++i) {
+            here += by_path(i + 1) - path_before + turned[i];
+            path_before = by_path(i + 1);
+            here_[static_cast<size_t>(first + i)] = here;
+        }
+        std::swap(leaves_[0], leaves_[count]);
     }
-    turn = here + (twist_[twist_.size() - 1] - path_before) / whole;
+    turn = here + twist_[twist_.size() - 1] / whole - path_before;
+    return HMF_OK;
+}
+
+// The vertices of the rows between both boundaries.  offset: of the column of the upper one that column 0 leads to.
+hmf_status CylinderRows::place_rows(uint32_t cylinder, double turn, double upper_length, double arrived,
+                                    int64_t& offset) {
+    const int64_t n = static_cast<int64_t>(place_.size()), m = sizes_.rows[cylinder];
+    const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
+        const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
+        return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length
+             - static_cast<double>(wraps);
+    };
+    double shift = 0;
+    for (int64_t j = 0; j < n; ++j) shift += high(-j) - place_[static_cast<size_t>(j)];
+    // One column on is a part 1 / n less.  Any whole number makes a closed mesh.
+    offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
+    const uint32_t at_a_time = leaves_.at_a_time(cylinder);
+    for (int64_t first = 1; first < m; first += at_a_time) {
+        const uint32_t count = static_cast<uint32_t>(std::min(int64_t{at_a_time}, m - first));
+        const uint32_t base = out_.vertex_count();
+        if (read_rows(cylinder, first, count)) return call_.status();
+        if (!out_.add_vertices(count * static_cast<size_t>(n))) return call_.out_of_memory();
+        call_.parallel.for_each(count, [&](uint32_t i, uint32_t) {
+            const Ruler& row = leaves_[i + 1].ruler;
+            const double y = static_cast<double>(first + i) / static_cast<double>(m), round = row.v.back();
+            const double here = here_[static_cast<size_t>(first + i)];
+            size_t piece = 0;
+            for (int64_t j = 0; j < n; ++j) {
+                const double place = (1 - y) * place_[static_cast<size_t>(j)] + y * high(offset - j);
+                double p[3];
+                const uint32_t side = row.point(on_row(place, here) * round, p, piece);
+                out_.put(base + i * static_cast<uint32_t>(n) + static_cast<uint32_t>(j), p, side);
+            }
+        });
+    }
     return HMF_OK;
 }
 
@@ -215,44 +275,34 @@ hmf_status CylinderRows::fill_closed(uint32_t cylinder) {
                           "The boundaries of a cylinder have different numbers of columns. Please report it.");
     const double lower_length = points_.length(c.lower), upper_length = points_.length(c.upper);
     if (!set_places(lower_length)) return call_.out_of_memory();
-    const double arrived = arrival(c);
     // The flat cylinder is as long as both are in the mean; places in parts of it.
     const double whole = (lower_length + upper_length) / 2;
-    double turn = 0;
-    if (align_rows(cylinder, whole, turn)) return call_.status();
-    const auto high = [&](int64_t j) { // the upper leaf runs the other way; j of any size
-        const int64_t wraps = j >= 0 ? j / n : -((n - 1 - j) / n);
-        return turn + (arrived - upper_.v[static_cast<size_t>(j - wraps * n)]) / upper_length
-             - static_cast<double>(wraps);
-    };
-    double shift = 0;
-    for (int64_t j = 0; j < n; ++j) shift += high(-j) - place_[static_cast<size_t>(j)];
-    // One column on is a part 1 / n less.  Any whole number makes a closed mesh.
-    const int64_t offset = std::fabs(shift) < MOST_SHIFT ? static_cast<int64_t>(std::floor(shift + 0.5)) : 0;
-
     const uint32_t base = out_.vertex_count();
-    for (int64_t k = 1; k < m; ++k) {
-        const double y = static_cast<double>(k) / static_cast<double>(m);
-        double twist = 0, p[3];
-        if (read_leaf(cylinder, k, twist)) return call_.status();
-        const double round = ruler_.v.back(), here = here_[static_cast<size_t>(k)];
-        for (int64_t j = 0; j < n; ++j) {
-            double place = (1 - y) * place_[static_cast<size_t>(j)] + y * high(offset - j) - here;
-            place -= std::floor(place);
-            const uint32_t side = ruler_.point(place * round, p);
-            if (!out_.add_vertex(p, side)) return call_.out_of_memory();
-        }
-    }
+    double turn = 0;
+    int64_t offset = 0;
+    if (align_rows(cylinder, whole, turn) || place_rows(cylinder, turn, upper_length, arrival(c), offset))
+        return call_.status();
     const auto vertex = [&](int64_t k, int64_t j) {
         if (k == 0) return lower_.vertex[static_cast<size_t>(j % n)];
         if (k == m) return upper_.vertex[static_cast<size_t>(((offset - j) % n + n) % n)];
         return base + static_cast<uint32_t>((k - 1) * n + j % n);
     };
+    const size_t first = out_.quads.size();
+    if (!out_.quads.extend(static_cast<size_t>(4 * m * n))) return call_.out_of_memory();
     // The cylinder lies right of its lower leaf.
-    for (int64_t k = 0; k < m; ++k)
-        for (int64_t j = 0; j < n; ++j)
-            if (!out_.add_quad(vertex(k, j), vertex(k + 1, j), vertex(k + 1, j + 1), vertex(k, j + 1)))
-                return call_.out_of_memory();
+    call_.parallel.for_blocks(static_cast<size_t>(m * n), [&](size_t begin, size_t end) {
+        int64_t k = static_cast<int64_t>(begin) / n, j = static_cast<int64_t>(begin) % n;
+        for (size_t i = begin; i < end; ++i) {
+            uint32_t* const quad = &out_.quads[first + 4 * i];
+            quad[0] = vertex(k, j);
+            quad[1] = vertex(k + 1, j);
+            quad[2] = vertex(k + 1, j + 1);
+            quad[3] = vertex(k, j + 1);
+            if (++j < n) continue;
+            j = 0;
+            ++k;
+        }
+    });
     return HMF_OK;
 }
 

@@ -4,11 +4,15 @@
 // along a leaf the conjugate v grows by |grad u| times the length.  On a leaf it
 // is measured from where the path across the cylinder meets it; along the path
 // the conjugate of u is integrated as well, which gives the twist between both
-// boundaries; each row then corrects it, so that columns meet it at right angles
+// boundaries; each row then corrects it, so that columns from the row before meet it at right angles
 // in the mean.  The rows between take the mean of both boundaries, weighted by height.
+//
+// How far a row turns against the one before depends on these two leaves alone, so that some rows at a
+// time are read and turned on the threads of the host; the sum of the turns is where each one lies.
 #pragma once
 
 #include "graph_points.hpp"
+#include "leaf_rows.hpp"
 
 namespace hmf {
 
@@ -28,13 +32,14 @@ private:
     int64_t height_of_row(uint32_t cylinder, int64_t k) const;
     [[nodiscard]] hmf_status find_leaf(uint32_t cylinder, int64_t height, uint64_t& piece);
     [[nodiscard]] hmf_status read_leaf_at(uint32_t cylinder, int64_t height, int64_t shift, double& twist);
-    [[nodiscard]] hmf_status read_leaf(uint32_t cylinder, int64_t k, double& twist) {
-        return read_leaf_at(cylinder, height_of_row(cylinder, k), 0, twist);
-    }
+    [[nodiscard]] hmf_status read_rows(uint32_t cylinder, int64_t first, uint32_t count);
+    [[nodiscard]] hmf_status place_rows(uint32_t cylinder, double turn, double upper_length, double arrived,
+                                        int64_t& offset);
     Done set_places(double length);
-    Done start_rows();
-    void align_row(double& here);
-    double coarse_turn(double here);
+    Done start_rows(uint32_t rows);
+    void points_of_row(const Ruler& row, double here, double* points) const;
+    double align_row(const Ruler& row, const double* before, double here) const;
+    double coarse_turn(const Ruler& row, const double* before, double here) const;
 
     // Of a double (front_rows.cpp).
     [[nodiscard]] hmf_status fill_ring(uint32_t cylinder);
@@ -59,7 +64,8 @@ private:
     Array<double> twist_;  // v along the path across a cylinder, per piece
     Array<double> place_;  // of the points of the lower row, from 0 to 1
     Array<double> here_;   // per row: where the path meets it
-    Array<double> before_; // points of the row before
+    Array<double> before_; // points of the row before; for each of some rows
+    LeafRows leaves_;      // the last one of those before comes first
     PointRow lower_, upper_, all_;
     Array<uint32_t> row_; // two rows of vertices
 };

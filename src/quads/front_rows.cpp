@@ -18,7 +18,7 @@ hmf_status CylinderRows::torn(uint32_t cylinder) {
 template <class Height>
 hmf_status CylinderRows::stack_rows(uint32_t cylinder, int64_t rows, double whole, const Height& height) {
     const size_t n = lower_.vertex.size();
-    if (!start_rows() || !row_.allocate(call_.memory, 2 * n)) return call_.out_of_memory();
+    if (!start_rows(1) || !row_.allocate(call_.memory, 2 * n)) return call_.out_of_memory();
     for (size_t j = 0; j < n; ++j) row_[j] = lower_.vertex[j];
     double path_before = 0, path = 0, here = 0, p[3];
     for (int64_t k = 1; k <= rows; ++k) {
@@ -26,7 +26,8 @@ hmf_status CylinderRows::stack_rows(uint32_t cylinder, int64_t rows, double whol
         if (read_leaf_at(cylinder, height(k), is_last ? -1 : 0, path)) return call_.status();
         if (k > 1 || !in_.is_annulus()) here += (path - path_before) / whole;
         path_before = path;
-        align_row(here);
+        here = align_row(ruler_, before_.data(), here);
+        points_of_row(ruler_, here, before_.data());
         for (size_t j = 0; j < n; ++j) {
             double place = place_[j] - here;
             place -= std::floor(place);

@@ -27,6 +27,13 @@ struct QuadMesh {
         return positions.push(p[0]) && positions.push(p[1]) && positions.push(p[2]) && sides.push(side)
             && held.push(is_held);
     }
+    // n more, to be put.
+    Done add_vertices(size_t n) {
+        const size_t first = held.size();
+        if (!positions.extend(3 * n) || !sides.extend(n) || !held.extend(n)) return false;
+        for (size_t i = first; i < held.size(); ++i) held[i] = 0;
+        return true;
+    }
     Done add_quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
         return quads.push(a) && quads.push(b) && quads.push(c) && quads.push(d);
     }

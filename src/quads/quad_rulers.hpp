@@ -92,19 +92,46 @@ struct Ruler {
     Done push(double value, const double* p, uint32_t side) {
         return v.push(value) && points.push(p[0]) && points.push(p[1]) && points.push(p[2]) && sides.push(side);
     }
+    Done reserve(size_t n) { return v.reserve(n) && points.reserve(3 * n) && sides.reserve(n); }
+    // Where room for it has been reserved.
+    void add(double value, const double* p, uint32_t side) {
+        v.add(value);
+        for (size_t k = 0; k < 3; ++k) points.add(p[k]);
+        sides.add(side);
+    }
     // Also the side of the triangle it lies in.
     uint32_t point(double value, double* p) const {
-        size_t low = 0, high = v.size() - 1; // between the last one not above and the next
-        while (high - low > 1) {
-            const size_t middle = low + (high - low) / 2;
-            if (v[middle] <= value) low = middle;
-            else high = middle;
-        }
+        size_t piece = 0;
+        return point(value, p, piece);
+    }
+    // The same; piece: in which it may lie, the one before on a walk along the line.
+    uint32_t point(double value, double* p, size_t& piece) const {
+        piece = find(value, piece);
+        const size_t low = piece, high = low + (v.size() > 1);
         const double length = v[high] - v[low];
         double t = length > 0 ? (value - v[low]) / length : 0;
         t = t < 0 ? 0 : t > 1 ? 1 : t;
         for (size_t k = 0; k < 3; ++k) p[k] = points[3 * low + k] + t * (points[3 * high + k] - points[3 * low + k]);
         return sides[low];
+    }
+
+private:
+    // The last one that begins at a value or below, or the first.  v does not fall.
+    size_t find(double value, size_t near) const {
+        constexpr int MOST_STEPS = 8;
+        const size_t last = v.size() > 1 ? v.size() - 2 : 0;
+        for (int steps = 0; steps < MOST_STEPS; ++steps) {
+            if (near > 0 && !(v[near] <= value)) --near;
+            else if (near < last && v[near + 1] <= value) ++near;
+            else return near;
+        }
+        size_t low = 0, high = last + 1;
+        while (high - low > 1) {
+            const size_t middle = low + (high - low) / 2;
+            if (v[middle] <= value) low = middle;
+            else high = middle;
+        }
+        return low;
     }
 };
 
