@@ -40,7 +40,7 @@ corpus-large  all real meshes (long; not in the default run)
 campaign      2 000 random problems with three hierarchies each, 500 surfaces with random holes, 500 with random marked
               vertices (long; not in the default run; samples are in release)
 machines      the same bits on other processors, systems and with other flags (long; not in the default run)
-static        clang-tidy, cppcheck, and the stack: frames, recursion, depth (not in the default run)
+static        clang-tidy, cppcheck, gcc's analyzer, and the stack: frames, recursion, depth (not in the default run)
 tsan          threads under the thread sanitizer (minutes; not in the default run)
 coverage      lines of the core that tests and fuzz corpora reach: at least 97.5 % (long)
 reproducible  two builds in different folders give the same bytes (not in the default run)
@@ -202,7 +202,7 @@ variant_fuzz() {
         found=1
         name=$(basename "$program" _replay)
         local inputs=() runs=2000
-        case $name in boundary | differential | faults) runs=200 ;; esac # whole solves, several for each input
+        case $name in boundary | differential | faults) runs=200 ;; design) runs=60 ;; esac # whole solves, several for each input
         [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
         if timeout 300 "$program" "${inputs[@]}" --random $runs 1 > "$results/fuzz-$name.log" 2>&1; then
             echo "ok fuzz $name: $(tail -1 "$results/fuzz-$name.log")"

@@ -1,6 +1,6 @@
 // The readers of mesh files (bindings/readers) under arbitrary bytes, in each format.  Whatever they are, there is no
 // crash; a mesh that is read is consistent; a refusal is a sentence that a terminal can show and names a line that
-// exists; and the memory that is held stays below a multiple of the size of the file.
+// exists; and the memory that is held stays below a multiple of the size of the file.  What is read is repaired.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,6 +11,7 @@
 #include <new>
 
 #include "../bindings/readers/mesh_formats.hpp"
+#include "../bindings/readers/repair.hpp"
 #include "bytes.hpp"
 
 namespace {
@@ -39,6 +40,29 @@ void release(void* pointer) {
     std::free(block);
 }
 
+// Triangles stay where they are, each is one of before, and there is nothing to repair afterwards but what was left.
+void repair_twice(readers::TriangleMesh mesh, bool join_points) {
+    const readers::TriangleMesh before = mesh;
+    const readers::Repairs done = readers::repair(mesh, join_points);
+    FUZZ_ASSERT(done.triangles.size() == mesh.triangle_count() && done.vertices.size() == mesh.vertex_count());
+    for (const uint32_t vertex : mesh.triangles) FUZZ_ASSERT(vertex < mesh.vertex_count());
+    for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+        double largest[2][3] = {};
+        for (size_t i = 0; i < 9; ++i) {
+            const size_t corner = i / 3, c = i % 3;
+            const double here = mesh.positions[3 * size_t{mesh.triangles[3 * t + corner]} + c];
+            const double there =
+                before.positions[3 * size_t{before.triangles[3 * size_t{done.triangles[t]} + corner]} + c];
+            largest[0][c] = std::max(largest[0][c], here);
+            largest[1][c] = std::max(largest[1][c], there);
+        }
+        for (size_t c = 0; c < 3; ++c) FUZZ_ASSERT(largest[0][c] == largest[1][c]);
+    }
+    for (const std::string& sentence : done.sentences()) FUZZ_ASSERT(sentence.size() > 8);
+    if (done.crowded_edges > 0 || done.one_sided_patches > 0) return;
+    FUZZ_ASSERT(readers::repair(mesh, false).count() == 0);
+}
+
 void read(std::string_view bytes, readers::Format format) {
     using namespace readers;
     const size_t lines = 1 + static_cast<size_t>(std::count(bytes.begin(), bytes.end(), '\n'));
@@ -50,6 +74,8 @@ void read(std::string_view bytes, readers::Format format) {
         FUZZ_ASSERT(!mesh.triangles.empty() && mesh.triangles.size() % 3 == 0);
         for (const double x : mesh.positions) FUZZ_ASSERT(std::isfinite(x));
         for (const uint32_t vertex : mesh.triangles) FUZZ_ASSERT(vertex < mesh.vertex_count());
+        most = SIZE_MAX; // what is bounded is reading
+        for (const bool join_points : {false, true}) repair_twice(mesh, join_points);
     } catch (const MeshError& error) {
         FUZZ_ASSERT(error.line <= lines + 1);
         FUZZ_ASSERT(std::strlen(error.what()) > 8);

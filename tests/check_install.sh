@@ -38,7 +38,8 @@ use_find_package() { # prefix, build folder
 }
 
 use_add_subdirectory() { # ON or OFF, build folder
-    cmake -S "$root/tests/consumers/add_subdirectory" -B "$2" -DHMF_SOURCE="$root" -DBUILD_SHARED_LIBS="$1" -DCMAKE_BUILD_TYPE=Release &&
+    cmake -S "$root/tests/consumers/add_subdirectory" -B "$2" -DHMF_SOURCE="$root" -DBUILD_SHARED_LIBS="$1" -DCMAKE_BUILD_TYPE=Release \
+        -DCMAKE_UNITY_BUILD=ON &&
         cmake --build "$2" -j2 && "$2/consumer"
 }
 

@@ -264,9 +264,12 @@ TEST(Boundary, RowsAreNotTurnedAgainstEachOther) {
     TriMesh mesh;
     if (!folder || !read_obj(std::string(folder) + "/aqua-center_9.7k.obj", mesh))
         GTEST_SKIP() << "skipped: set HMF_SURFACES to a folder with aqua-center_9.7k.obj";
+    hmf_design_options options{};
+    options.struct_size = sizeof options;
+    options.no_poles = 1;
     const auto design = make<hmf_design>([&](hmf_design** out, hmf_error* error) {
         return hmf_even_design(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
-                               nullptr, nullptr, out, error);
+                               &options, nullptr, out, error);
     });
     ASSERT_TRUE(design);
     const Hierarchy hierarchy(mesh);

@@ -122,6 +122,55 @@ TEST(WeightSearch, ArmsOfADisk) {
     EXPECT_NEAR(design->unevenness_before, plain->unevenness_before, 1e-9 * plain->unevenness_before);
 }
 
+// A tube of radius 1 that is closed by half a sphere at its upper end; its lower end is cut off at this slope.
+TriMesh thimble(size_t around, size_t rings, double slope) {
+    TriMesh mesh;
+    const double height = 4, turn = 6.283185307179586 / static_cast<double>(around);
+    const size_t cap = around / 4;
+    for (size_t i = 0; i < rings + cap; ++i)
+        for (size_t j = 0; j < around; ++j) {
+            const double angle = turn * (static_cast<double>(j) + 0.5 * static_cast<double>(i % 2));
+            const double up = i < rings ? static_cast<double>(i) / static_cast<double>(rings) : 1;
+            const double over =
+                i < rings ? 0 : 1.5707963267948966 * static_cast<double>(i - rings) / static_cast<double>(cap);
+            const double r = std::cos(over), low = slope * std::cos(angle);
+            mesh.positions.insert(mesh.positions.end(), {r * std::cos(angle), r * std::sin(angle),
+                                                         low + (height - low) * up + std::sin(over)});
+        }
+    const uint32_t top = static_cast<uint32_t>(mesh.vertex_count());
+    mesh.positions.insert(mesh.positions.end(), {0, 0, height + 1});
+    for (size_t i = 0; i < rings + cap; ++i)
+        for (size_t j = 0; j < around; ++j) {
+            const uint32_t a = static_cast<uint32_t>(i * around + j),
+                           b = static_cast<uint32_t>(i * around + (j + 1) % around);
+            if (i + 1 == rings + cap) {
+                mesh.triangles.insert(mesh.triangles.end(), {a, b, top});
+                continue;
+            }
+            const uint32_t c = a + static_cast<uint32_t>(around), d = b + static_cast<uint32_t>(around);
+            if (i % 2 == 0) mesh.triangles.insert(mesh.triangles.end(), {a, b, c, b, d, c});
+            else mesh.triangles.insert(mesh.triangles.end(), {a, b, d, a, d, c});
+        }
+    return mesh;
+}
+
+// A thimble is a disk, and a limb: with two poles at its closed end leaves go round it.  The lowest point of its
+// boundary counts as a tip, too: at a slope of 1.5 the pair there leaves a part without leaves, and is left out.
+TEST(WeightSearch, Thimble) {
+    for (const double slope : {1.2, 1.5, 10.0}) {
+        const TriMesh mesh = thimble(32, 24, slope);
+        const auto plain = even_design_of(mesh, 1), design = even_design_of(mesh, 0);
+        ASSERT_TRUE(plain && design) << slope;
+        EXPECT_EQ(plain->marked_count, 4u) << slope;
+        EXPECT_LT(design->unevenness, 0.55 * plain->unevenness) << slope;
+        size_t above = 0;
+        for (uint64_t k = 0; k < design->marked_count; ++k)
+            above += mesh.positions[3 * design->marked_vertices[k] + 2] > 4.5;
+        EXPECT_EQ(above, slope > 2 ? 4u : 2u) << slope;
+        EXPECT_EQ(design->marked_count - above, slope == 1.5 ? 0u : 2u) << slope;
+    }
+}
+
 // The ends of a strip beyond its holes are limbs: with poles there the scale is more even, unless they are not wanted.
 TEST(WeightSearch, LimbsWithBoundary) {
     const TriMesh mesh = strip(80, {36, 44});

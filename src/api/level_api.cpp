@@ -153,9 +153,10 @@ hmf_status hmf_level_positions(const hmf_hierarchy* hierarchy, size_t level, dou
     const Level& from = hierarchy->levels[level];
     const size_t n = hierarchy->shown_vertices(level);
     if (check_capacity(capacity, 3 * n, "positions", call)) return call.status();
-    for (size_t v = 0; v < n; ++v)
-        std::memcpy(positions + 3 * v, from.position + 3 * (level == 0 ? size_t{hierarchy->vertex_internal[v]} : v),
-                    3 * sizeof(double));
+    for (size_t v = 0; v < n; ++v) {
+        const double* const at = from.position + 3 * (level == 0 ? size_t{hierarchy->vertex_internal[v]} : v);
+        for (size_t c = 0; c < 3; ++c) positions[3 * v + c] = at[c] / hierarchy->scale;
+    }
     return HMF_OK;
 }
 

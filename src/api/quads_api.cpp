@@ -46,7 +46,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     Foliation& f = leaves.state.foliation;
     if (h.is_double() && front.build(f, reflection, leaves.cylinders, call)) return call.status();
     SizedQuads wish;
-    wish.edge_length = all.edge_length;
+    wish.edge_length = all.edge_length > 0 ? h.length_inside(all.edge_length) : 0;
     wish.count = all.count;
     wish.relax = static_cast<int>(all.relax);
     wish.merge = all.merge != 0;
@@ -60,6 +60,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     if (make_sized_quads(f, h.levels[foliation->level].position, leaves.cylinders, wish, made, area, call)
         || quad_figures(made, figures, call))
         return call.status();
+    for (double& x : made.positions) x /= h.scale;
     hmf_quad_mesh mesh{sizeof(hmf_quad_mesh),
                        0,
                        made.vertex_count(),
@@ -68,7 +69,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
                        nullptr,
                        figures.irregular,
                        figures.inverted,
-                       std::sqrt(area / static_cast<double>(made.quad_count()))};
+                       std::sqrt(area / static_cast<double>(made.quad_count())) / h.scale};
     ResultBlock block;
     block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
     block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());

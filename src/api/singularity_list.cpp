@@ -173,6 +173,8 @@ private:
             list[at] = {HMF_SINGULAR_VERTEX, 0, v, 1, {0, 0, 0}};
             places_.of_vertex(indices_.internal(v), list[at++].position);
         }
+        for (uint32_t k = 0; k < at; ++k)
+            for (double& x : list[k].position) x /= h_.scale;
         return true;
     }
 

@@ -33,7 +33,8 @@ hmf_status check_points(const hmf_trace_options& options, uint32_t triangle_coun
     return HMF_OK;
 }
 
-hmf_status read_trace_options(const hmf_trace_options* options, const Level& level, uint32_t shown_triangles,
+// length_limit is then in the unit of the positions inside.
+hmf_status read_trace_options(const hmf_trace_options* options, const hmf_hierarchy& h, size_t level,
                               hmf_trace_options& all, Call& call) {
     if (read_options(options, all, "hmf_trace_options", call)) return call.status();
     if (!(all.spacing >= 0) || !(all.length_limit >= 0) || !std::isfinite(all.spacing)
@@ -43,10 +44,11 @@ hmf_status read_trace_options(const hmf_trace_options* options, const Level& lev
     if (all.leaves < HMF_LEAVES_DEFAULT || all.leaves > HMF_LEAVES_CONJUGATE)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There are no leaves %d. Use HMF_LEAVES_*.",
                          static_cast<int>(all.leaves));
-    if (check_points(all, shown_triangles, call)) return call.status();
+    if (check_points(all, h.shown_triangles(level), call)) return call.status();
     if (all.spacing == 0 && all.point_count == 0) all.critical = 1;
     if (all.leaves == HMF_LEAVES_CONJUGATE && all.length_limit == 0)
-        all.length_limit = 10 * std::sqrt(surface_area(level.mesh, level.position, call.parallel));
+        all.length_limit = 10 * std::sqrt(surface_area(h.levels[level].mesh, h.levels[level].position, call.parallel));
+    else if (all.length_limit > 0) all.length_limit = h.length_inside(all.length_limit);
     return HMF_OK;
 }
 
@@ -59,6 +61,8 @@ hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hm
         for (uint32_t& e : made.edges) e = e == NONE ? HMF_NONE : caller[e];
         if (h.is_double() && keep_front(h, made, call)) return call.status();
     }
+    for (hmf_line& line : made.list) line.length /= h.scale;
+    for (double& x : made.points) x /= h.scale;
     hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(lines, lines.lines, made.list.size(), made.list.data());
@@ -78,8 +82,7 @@ extern "C" hmf_status hmf_trace(const hmf_foliation* foliation, const hmf_trace_
     if (entry.check(out)) return call.status();
     const Level& level = foliation->hierarchy->levels[foliation->level];
     hmf_trace_options all;
-    if (read_trace_options(options, level, foliation->hierarchy->shown_triangles(foliation->level), all, call))
-        return call.status();
+    if (read_trace_options(options, *foliation->hierarchy, foliation->level, all, call)) return call.status();
     Array<uint32_t> side;
     if (all.point_count > 0 && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call))
         return call.stopped();

@@ -139,7 +139,7 @@ public:
             return part;
         });
         to_.seam_edge_count = sum.count;
-        to_.seam_length = sum.length;
+        to_.seam_length = sum.length / h_.scale;
         return call_.tick(0.99) ? HMF_OK : call_.was_cancelled();
     }
 
@@ -156,7 +156,7 @@ private:
         const size_t t = of.triangle;
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;
         fill(to_.dilatation)[t] = flipped ? -map.dilatation : map.dilatation;
-        for (size_t a = 0; a < 2; ++a) fill(to_.differential)[2 * t + a] = map.differential[a];
+        for (size_t a = 0; a < 2; ++a) fill(to_.differential)[2 * t + a] = map.differential[a] * h_.scale * h_.scale;
         double* uv = fill(to_.corner_uv) + 6 * t;
         uint32_t h = of.side;
         for (size_t s = 0; s < 3; ++s, h = mesh_.next[h]) {

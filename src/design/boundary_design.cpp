@@ -76,30 +76,58 @@ hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const 
     return keep_loops(pants.found, weights, call.memory, out.weights, loops) ? HMF_OK : call.out_of_memory();
 }
 
-// Are poles at the ends of limbs, of the surface or of a flat piece, better than none?
-hmf_status try_limbs(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
-                     bool bare, Call& call, EvenDesign& out, FoundLoops& loops) {
-    EvenDesign with;
-    FoundLoops loops_with;
-    Call inner(&call); // what cannot be had is no error
-    hmf_hierarchy scratch(like, call.memory);
-    hmf_status status =
-        marks_at_limbs(scratch, mesh.positions, mesh.vertex_count, static_cast<size_t>(build.position_stride),
-                       mesh.triangles, mesh.triangle_count, build, inner, with.marks);
-    bool bare_with = false;
-    if (status == HMF_OK) status = design_with(like, mesh, build, solves, inner, with, loops_with, bare_with);
-    if (status != HMF_OK) {
-        if (inner.cancelled() || call.cancelled()) return call.was_cancelled();
-        return call.memory.failure() ? call.out_of_memory() : HMF_OK;
+// Are poles at the ends of limbs, of the surface or of a flat piece, better?  inside: those off the boundary alone, for
+// a boundary curve with one marked vertex is a part that carries no quads.  bare: the one in out has such a part.
+class LimbTrial {
+public:
+    LimbTrial(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
+              Call& call) :
+        like_(like),
+        mesh_(mesh), build_(build), solves_(solves), call_(call) {}
+
+    hmf_status run(bool inside, EvenDesign& out, FoundLoops& loops, bool& bare) {
+        EvenDesign with;
+        FoundLoops loops_with;
+        Call inner(&call_); // what cannot be had is no error
+        bool bare_with = false;
+        taken = false;
+        if (find_marks(inside, inner, with.marks)
+            || design_with(like_, mesh_, build_, solves_, inner, with, loops_with, bare_with)) {
+            if (inner.cancelled() || call_.cancelled()) return call_.was_cancelled();
+            return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
+        }
+        out.solves += with.solves;
+        if (bare_with || !(bare || with.unevenness < GAIN * out.unevenness)) return HMF_OK;
+        with.solves = out.solves;
+        with.unevenness_before = out.unevenness_before;
+        out = static_cast<EvenDesign&&>(with);
+        loops = static_cast<FoundLoops&&>(loops_with);
+        bare = false;
+        taken = true;
+        return HMF_OK;
     }
-    out.solves += with.solves;
-    if (bare_with || !(bare || with.unevenness < GAIN * out.unevenness)) return HMF_OK;
-    with.solves = out.solves;
-    with.unevenness_before = out.unevenness_before;
-    out = static_cast<EvenDesign&&>(with);
-    loops = static_cast<FoundLoops&&>(loops_with);
-    return HMF_OK;
-}
+
+    bool taken = false;       // the last one was better
+    bool on_boundary = false; // some of its marked vertices were there
+
+private:
+    hmf_status find_marks(bool inside, Call& call, Array<uint32_t>& marks) {
+        hmf_hierarchy scratch(like_, call_.memory);
+        if (marks_at_limbs(scratch, mesh_.positions, mesh_.vertex_count, static_cast<size_t>(build_.position_stride),
+                           mesh_.triangles, mesh_.triangle_count, build_, inside, call, marks))
+            return call.status();
+        on_boundary = false;
+        for (const uint32_t v : marks)
+            on_boundary = on_boundary || (scratch.is_double() && scratch.mirror.is_boundary(v));
+        return HMF_OK;
+    }
+
+    const hmf_hierarchy& like_;
+    const MeshArrays& mesh_;
+    const BuildOptions& build_;
+    const uint64_t solves_;
+    Call& call_;
+};
 
 } // namespace
 
@@ -121,7 +149,9 @@ hmf_status boundary_design(const hmf_hierarchy& like, const MeshArrays& mesh, co
     call.range(0.25, free ? 0.6 : 1);
     if (design_with(like, mesh, build, solves, call, out, loops, bare)) return call.status();
     call.range(0.6, 1);
-    if (free && try_limbs(like, mesh, build, solves, bare, call, out, loops)) return call.status();
+    LimbTrial limbs(like, mesh, build, solves, call);
+    if (free && limbs.run(false, out, loops, bare)) return call.status();
+    if (free && !limbs.taken && limbs.on_boundary && limbs.run(true, out, loops, bare)) return call.status();
     if (!(out.unevenness < HUGE_VAL))
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                          "No loops were found for an even design of this surface. Use hmf_loops, or another mesh.");

@@ -91,7 +91,7 @@ private:
     hmf_status keep_geometry(Level& level, double fraction);
     hmf_status number();
     hmf_status replay();
-    hmf_status measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides);
+    hmf_status measure_input(const Mesh& mesh, const double* position, const uint32_t* sides);
     hmf_status make_delaunay();
 
     hmf_hierarchy& h_;
@@ -101,7 +101,6 @@ private:
     Call& call_;
     Doubling doubling_;
     uint32_t vertex_count_ = 0, edge_count_ = 0, face_count_ = 0;
-    double scale_ = 1;
     double* input_position_ = nullptr; // of the working mesh; in the end, the caller's in internal order
     WorkMesh work_;                    // lies in the arrays of h_.input
     Array<Level> levels_;
@@ -132,7 +131,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     OrderedTriangles ordered;
     const CallerMesh caller = {h_.triangle_vertices, h_.vertex_internal, h_.mirror, doubling_.boundary_side.data()};
     hmf_status status =
-        order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, scale_, call_);
+        order_vertices(positions_, vertex_count, stride_, h_.vertex_internal, input_position_, h_.scale, call_);
     if (!status)
         status = put_marked_first(options_.marked_vertices, options_.marked_count, vertex_count, h_.vertex_internal,
                                   input_position_, call_);
@@ -164,7 +163,7 @@ hmf_status Builder::load(size_t vertex_count, const uint32_t* triangles, size_t 
     if (!(weight_ = arena.take<double>(edge_count_))) return call_.out_of_memory();
     if (!call_.tick(0.17)) return HMF_CANCELLED;
     if (options_.has_weights) {
-        status = measure_input(work_.mesh, work_.position, 1, ordered.words.data());
+        status = measure_input(work_.mesh, work_.position, ordered.words.data());
         if (status) return status;
         is_delaunay_ = is_delaunay(work_.mesh, weight_, call_.parallel);
         if (is_delaunay_) metric_ = Metric();
@@ -213,8 +212,8 @@ hmf_status Builder::load_double(size_t vertex_count, const uint32_t* triangles, 
 }
 
 // Metric of the input, and sums of cotangents for the weights of level 0.
-hmf_status Builder::measure_input(const Mesh& mesh, const double* position, double scale, const uint32_t* sides) {
-    if (!measure(mesh, position, scale, sides, metric_, weight_, call_)
+hmf_status Builder::measure_input(const Mesh& mesh, const double* position, const uint32_t* sides) {
+    if (!measure(mesh, position, sides, metric_, weight_, call_)
         || (options_.mollify > 0 && !mollify(mesh, options_.mollify, metric_, weight_, call_)))
         return call_.stopped();
     for (const double area : metric_.four_areas)
@@ -231,7 +230,7 @@ hmf_status Builder::keep_geometry(Level& level, double fraction) {
         || !(level.weight = h_.arena.take<double>(level.mesh.edge_count)))
         return call_.out_of_memory();
     call_.parallel.for_blocks(coordinates, [&](size_t begin, size_t end) {
-        for (size_t n = begin; n < end; ++n) level.position[n] = work_.position[n] / scale_;
+        std::memcpy(level.position + begin, work_.position + begin, (end - begin) * sizeof(double));
     });
     const hmf_status status = cotangent_sums(work_.mesh, work_.position, level.weight, call_, fraction);
     if (!status) level.raised_count = coarse_weights(work_.mesh, level.weight, call_.parallel);
@@ -391,7 +390,8 @@ hmf_status Builder::replay() {
     const auto place = [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v)
             for (size_t c = 0; c < 3; ++c)
-                input_position_[3 * size_t{h_.vertex_internal[v]} + c] = position_at(positions_, stride_, v)[c];
+                input_position_[3 * size_t{h_.vertex_internal[v]} + c] =
+                    position_at(positions_, stride_, v)[c] * h_.scale;
     };
     if (!call_.pass(vertex_count_, 0.85, place)) return HMF_CANCELLED;
     h_.levels[0].position = input_position_;
@@ -423,7 +423,7 @@ hmf_status Builder::make_delaunay() {
                 room = count;
                 if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(room))) return call_.out_of_memory();
                 copy_prefix(h_.input, level.mesh, call_.parallel);
-                status = measure_input(h_.input, level.position, scale_, nullptr);
+                status = measure_input(h_.input, level.position, nullptr);
                 if (!status)
                     status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_,
                                                 at, at + 0.02);

@@ -19,7 +19,9 @@
 // it in order gives levels[0].mesh; unflipping backwards returns.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <limits>
 
 #include "../base/memory.hpp"
 #include "../mesh/double_surface.hpp"
@@ -42,7 +44,7 @@ struct BuildOptions {
 struct Level {
     Mesh mesh;                  // counts and connectivity; level 0: intrinsic Delaunay
     double* weight = nullptr;   // edge_count, all > 0
-    double* position = nullptr; // 3 * vertex_count; level 0: internal vertex order
+    double* position = nullptr; // 3 * vertex_count, times hmf_hierarchy::scale; level 0: internal vertex order
     uint64_t raised_count = 0;  // weights below the floor ("NLD")
     // From this level to the next coarser one: collapses first, then flips
     // (on level 0 they start from the input mesh, not the intrinsic one).
@@ -80,6 +82,7 @@ struct hmf_hierarchy {
     mutable std::atomic<uint64_t> references{1}; // the caller's and those of foliations
 
     hmf::BuildOptions made_with; // without the pointer
+    double scale = 1;            // positions inside are those of the caller times this power of two
     uint32_t genus = 0;
     hmf::Mesh input;                     // the caller's triangulation, internal numbers; shares arrays with
                                          // levels[0].mesh when intrinsic_flip_count is 0
@@ -106,6 +109,11 @@ struct hmf_hierarchy {
     bool is_double() const { return boundary_count > 0; }
     // Energies and areas of the surface are this part of those inside.
     double share() const { return is_double() ? 0.5 : 1; }
+    // Of a length above 0 that the caller gives: it stays above 0 and finite.
+    double length_inside(double length) const {
+        return std::min(std::max(length * scale, std::numeric_limits<double>::min()),
+                        std::numeric_limits<double>::max());
+    }
     uint32_t shown_vertices(size_t level) const {
         return level == 0 ? surface_vertices : levels[level].mesh.vertex_count;
     }

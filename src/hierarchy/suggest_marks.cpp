@@ -43,13 +43,20 @@ public:
     Suggestion(const Mesh& mesh, const double* position, size_t most, Call& call) :
         mesh_(mesh), call_(call), memory_(call.memory), distances_(mesh, position, call.memory), most_(most) {}
 
-    template <class Takes>
-    Done find(const Takes& takes, Array<uint32_t>& marks) {
+    // Pairs at the tips that are taken, where both ends are; at least so many marks.
+    template <class Takes, class TakesEnd>
+    Done find(const Takes& takes, const TakesEnd& takes_end, size_t least, Array<uint32_t>& marks) {
         marks.start(memory_);
         if (!find_limbs()) return false;
-        for (const Tip& tip : tips_)
-            if (takes(tip.vertex) && !add_pair(tip.vertex, marks)) return false;
-        while (marks.size() < 4 && marks.size() < mesh_.vertex_count) // a mesh of a few vertices
+        for (const Tip& tip : tips_) {
+            const size_t before = marks.size();
+            if (!takes(tip.vertex)) continue;
+            if (!add_pair(tip.vertex, marks)) return false;
+            bool stays = true;
+            for (size_t k = before; k < marks.size(); ++k) stays = stays && takes_end(marks[k]);
+            while (!stays && marks.size() > before) marks.pop();
+        }
+        while (marks.size() < least && marks.size() < mesh_.vertex_count) // a mesh of a few vertices
             if (!add(first_unused(), marks)) return false;
         return true;
     }
@@ -191,23 +198,26 @@ hmf_status build_coarse(hmf_hierarchy& h, const double* positions, size_t vertex
     return build_hierarchy(h, positions, vertex_count, stride, triangles, triangle_count, coarse, call);
 }
 
-// Limbs of a double come twice. both: their pairs are taken from both halves, as seen from the front.
-enum class Halves { both, front };
+// Limbs of a double come twice. Everywhere: pairs are taken from both halves, as seen from the front.
+enum class Pairs { everywhere, of_front, inside_front };
 
 // At the limbs of the coarsest level; vertices of the caller.
-hmf_status mark_limbs(const hmf_hierarchy& h, Halves halves, Call& call, Array<uint32_t>& marks) {
+hmf_status mark_limbs(const hmf_hierarchy& h, Pairs pairs, Call& call, Array<uint32_t>& marks) {
     const size_t coarsest = h.level_count - 1;
     const Mesh& mesh = coarsest == 0 ? h.input : h.levels[coarsest].mesh;
     Array<uint32_t> caller;
     const uint32_t vertices = h.input.vertex_count;
     if (!caller.allocate(call.memory, vertices)) return call.out_of_memory();
     for (uint32_t v = 0; v < vertices; ++v) caller[h.vertex_internal[v]] = v;
-    const size_t most = halves == Halves::front && h.is_double() ? 2 * MOST_TIPS : MOST_TIPS;
+    const size_t most = pairs != Pairs::everywhere && h.is_double() ? 2 * MOST_TIPS : MOST_TIPS;
     Suggestion suggestion(mesh, h.levels[coarsest].position, most, call);
     const auto takes = [&](uint32_t v) {
-        return halves == Halves::both || !h.is_double() || caller[v] < h.mirror.vertex_count;
+        return pairs == Pairs::everywhere || !h.is_double() || caller[v] < h.mirror.vertex_count;
     };
-    if (!suggestion.find(takes, marks)) return call.stopped();
+    const auto takes_end = [&](uint32_t v) {
+        return pairs != Pairs::inside_front || !h.is_double() || !h.mirror.is_boundary(h.mirror.front(caller[v]));
+    };
+    if (!suggestion.find(takes, takes_end, pairs == Pairs::everywhere ? 4 : 0, marks)) return call.stopped();
     size_t count = 0;
     for (size_t k = 0; k < marks.size(); ++k) {
         const uint32_t v = h.mirror.front(caller[marks[k]]);
@@ -229,15 +239,15 @@ hmf_status suggest_marks(hmf_hierarchy& h, const double* positions, size_t verte
     marks.start(call.memory);
     if (h.genus > 0) return HMF_OK;
     if (h.is_double() && !corners_of_disk(h, marks, call)) return call.out_of_memory();
-    return marks.empty() ? mark_limbs(h, Halves::both, call, marks) : HMF_OK;
+    return marks.empty() ? mark_limbs(h, Pairs::everywhere, call, marks) : HMF_OK;
 }
 
 hmf_status marks_at_limbs(hmf_hierarchy& h, const double* positions, size_t vertex_count, size_t stride,
-                          const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, Call& call,
-                          Array<uint32_t>& marks) {
+                          const uint32_t* triangles, size_t triangle_count, const BuildOptions& options, bool inside,
+                          Call& call, Array<uint32_t>& marks) {
     if (build_coarse(h, positions, vertex_count, stride, triangles, triangle_count, options, call))
         return call.status();
-    return mark_limbs(h, Halves::front, call, marks);
+    return mark_limbs(h, inside ? Pairs::inside_front : Pairs::of_front, call, marks);
 }
 
 } // namespace hmf

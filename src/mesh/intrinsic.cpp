@@ -114,8 +114,7 @@ void set_cotangents(const uint32_t* half_edges, const double* length, double fou
 
 } // namespace
 
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
-             Call& call) {
+Done measure(const Mesh& mesh, const double* position, const uint32_t* sides, Metric& metric, double* sum, Call& call) {
     EdgeSums sums(sum);
     if (!metric.length.allocate(call.memory, mesh.edge_count)
         || !metric.four_areas.allocate(call.memory, mesh.face_count) || (sum && !sums.allocate(mesh, call.memory)))
@@ -127,7 +126,7 @@ Done measure(const Mesh& mesh, const double* position, double scale, const uint3
         double side[3][3];
         for (int s = 0; s < 3; ++s) {
             const double *a = corner[s], *b = corner[s == 2 ? 0 : s + 1];
-            for (int c = 0; c < 3; ++c) side[s][c] = scale * (b[c] - a[c]);
+            for (int c = 0; c < 3; ++c) side[s][c] = b[c] - a[c];
         }
         // Both triangles of an edge give it the same length.
         double length[3];

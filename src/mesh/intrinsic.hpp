@@ -20,12 +20,10 @@ struct Metric {
     Array<double> four_areas; // per face
 };
 
-// The metric of positions (3 per vertex), times scale: a power of two that makes
-// their fourth powers harmless.  Unless sum is NULL, it gets the cotangents of
+// The metric of positions (3 per vertex).  Unless sum is NULL, it gets the cotangents of
 // the two angles opposite to each edge, added.  sides: the half-edges of each
 // face in 4 words, the last one unused; NULL if they are not at hand.
-Done measure(const Mesh& mesh, const double* position, double scale, const uint32_t* sides, Metric& metric, double* sum,
-             Call& call);
+Done measure(const Mesh& mesh, const double* position, const uint32_t* sides, Metric& metric, double* sum, Call& call);
 
 // All edges get longer by the least amount that keeps every triangle
 // inequality by a margin of factor * mean length [Sharp and Crane 2020].  sum as
