@@ -8,6 +8,7 @@ Options quads_options(SolveRequest& r) {
     r.count = 5000;
     r.relax = 40;
     r.merges = true;
+    r.refine = 2000;
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
         Option{"OUT", &r.quads, "", "quad mesh, .obj .ply .off, or .glb (two triangles for each quad)"}.writes(
@@ -24,6 +25,10 @@ Options quads_options(SolveRequest& r) {
         repair_option(r.repairs),
         join_option(r.joins),
         mollify_option(r),
+        Option{"--refine", &r.refine, "N",
+               "a mesh of fewer triangles is cut into so many at its longest edges, which leaves the surface\n"
+               "as it is; not with --loops FILE"}
+            .in("[0, 1000000]"),
         threads_option(r),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
