@@ -57,8 +57,8 @@ class Core:
 
     def link(self, to=None, instead=()):
         """instead: (source, object) that take the place of others."""
-        objects = {s: self.object(s) for s in self.sources}
-        objects.update(instead)
+        instead = dict(instead)  # first: of inline functions the linker takes theirs
+        objects = {**instead, **{s: self.object(s) for s in self.sources if s not in instead}}
         run = subprocess.run([self.linker, *self.flags, "-shared", "-Wl,-Bsymbolic", "-Wl,-soname,libcore.so", "-o", str(to or self.library),
                               *map(str, objects.values())], capture_output=True, text=True)
         if run.returncode:
@@ -84,6 +84,20 @@ class Core:
         if len(made) < 10:
             raise SystemExit("build the preset release first: cmake --preset release && cmake --build build/release")
         return made
+
+
+def link_test(source, tree, to, core):
+    """One test program compiled from a copy of the sources, with a shared core; false: it does not compile."""
+    objects = [o for o in (RELEASE / f"tests/CMakeFiles/{source.stem}.dir").glob("*.o") if o.name != source.name + ".o"]
+    eigen = [f"-isystem{p}" for p in ("/usr/include/eigen3", "/usr/local/include/eigen3") if Path(p).is_dir()]
+    compiler = ([shutil.which("ccache")] if shutil.which("ccache") else []) + ["g++"]
+    run = subprocess.run([*compiler, "-std=c++17", "-O1", "-DNDEBUG", "-ffp-contract=off", f"-I{tree}/include", f"-I{tree}/tests",
+                          *eigen, "-c", str(source), "-o", f"{to}.o"], capture_output=True, text=True)
+    if run.returncode == 0:
+        run = subprocess.run(["g++", "-o", str(to), f"{to}.o", *map(str, objects), str(RELEASE / "tests/libhmf_test_meshes.a"),
+                              str(core), f"-Wl,-rpath,{core.parent}", str(RELEASE / "libhmf_pool.a"), "-lpthread", "-lgtest_main",
+                              "-lgtest"], capture_output=True, text=True)
+    return run.returncode == 0
 
 
 def build_release():

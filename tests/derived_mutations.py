@@ -1,36 +1,49 @@
 """Defects derived from the sources: is each of them noticed?
 
-derived_mutations.py FOLDER [--count 300] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N] [--patience 40]
+derived_mutations.py FOLDER [--count N] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N] [--patience 40] [--resume]
+                            [--write]
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
-statement that is left out.  They are drawn by seed, from every file, and taken in an order that goes through the
-files again and again, so that a part of the run is a sample of all of it.  For each the file is compiled again, the core
-linked as a shared library, and the cases that reach the line run, the quickest first, until one fails.  FILE is
-reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
+statement that is left out.  For each the file is compiled again, the core linked as a shared library, and the cases that
+reach the line run, the quickest first, until one fails.  What survives that is tried once more with assertions and checks of
+bounds in the file, as the debug and sanitizer builds have them.  FILE is reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
 
-noticed      a case fails, crashes or does not end
-same code    the object file is the same: nothing was changed
-named        in tests/equivalent_mutations.txt with the reason why no test can notice it
+Those of seed 1 are in tests/drawn_mutations.txt: a defect is known by its file, the text of its line and how many lines like
+it come before, so that it stays the same when other lines change.  The last field is the case that noticed it last, which is
+run first.  A line that has gone is replaced by the next one of the draw.  The draw goes through the files again and again, so
+that a part of it is a sample of all of it; its order depends on the texts and the seed.
+
+noticed      a case fails, crashes or does not end; without the defect it passes
+same code    the object files are the same: nothing was changed
+named        in tests/equivalent_mutations.txt with the reason why no result changes, or why only speed or memory does
 not reached  no case below five seconds reaches the line
 survives     must not be
 
-The table is FOLDER/table.md, one line for each in FOLDER/log.txt.
+The table is FOLDER/table.md, one line for each in FOLDER/results.txt: a run that was stopped goes on from there, if the
+sources and tests are the same or with --resume, which runs only survivors again.  --write: what noticed them is written to
+tests/drawn_mutations.txt.
 """
 
 import argparse
+import hashlib
 import json
-import random
 import re
 import shutil
 import sys
+import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from core_builds import ROOT, Core, build_release, jobs, run
+from core_builds import ROOT, Core, build_release, jobs, link_test, run
 
-MOST_DEPENDENTS = 12  # of a header: it takes a file each to compile
+FIRST_DEPENDENTS = 12  # of a header, each a file to compile; the others only if the defect survives
+# As the debug and sanitizer builds have it; what is found ends the program.
+CHECKED = ["-UNDEBUG", "-fsanitize=bounds,signed-integer-overflow,shift,null,integer-divide-by-zero",
+           "-fsanitize-undefined-trap-on-error"]
 NAMED = ROOT / "tests/equivalent_mutations.txt"
+DRAWN, DRAWN_SEED = ROOT / "tests/drawn_mutations.txt", 1
+COLUMNS = ["noticed", "same code", "changes nothing", "speed or memory", "not reached", "survives"]
 
 SWAPS = [
     ("comparison", re.compile(r"(?<= )(<=|>=|==|!=|<|>)(?= )"),
@@ -140,38 +153,76 @@ class Reach:
             chosen.append(name)
         return chosen
 
-    def batches(self, cases):
-        """[(program, [case])]: the quickest few first, then more and more at a time."""
-        at, size = 0, 6
+    def batches(self, cases, first):
+        """[(program, [case])]: the first few, then more and more at a time."""
+        at, size = 0, first
         while at < len(cases):
             part = {}
             for name in cases[at:at + size]:
                 program, _, case = name.partition(" ")
                 part.setdefault(program, []).append(case)
             yield from part.items()
-            at, size = at + size, 3 * size
+            at, size = at + size, max(6, 3 * size)
 
 
-def draw(core, seed, only):
-    """Defects as (file, defect), file after file, again and again."""
-    files = sorted(str(p.relative_to(ROOT)) for p in [*ROOT.glob("src/*/*.cpp"), *ROOT.glob("src/*/*.hpp")])
-    lists = []
-    for file in files:
-        if not re.search(only, file):
-            continue
-        if file.endswith(".hpp") and not 0 < len(core.dependents(file)) <= MOST_DEPENDENTS:
-            continue
-        found = defects((ROOT / file).read_text(), file.endswith(".hpp"))
-        random.Random(f"{seed} {file}").shuffle(found)
-        # As many of a kind of change as of the others: there are most numbers and comparisons.
-        kinds = {}
-        for defect in found:
-            kinds.setdefault(defect[3], []).append(defect)
-        order = sorted(kinds, key=lambda k: random.Random(f"{seed} {file} {k}").random())
-        mixed = [kinds[k][i] for i in range(max(map(len, kinds.values()), default=0)) for k in order if i < len(kinds[k])]
-        lists.append([(file, d) for d in mixed])
-    random.Random(str(seed)).shuffle(lists)
-    return [entries[i] for i in range(max(map(len, lists), default=0)) for entries in lists if i < len(entries)]
+class Defect:
+    def __init__(self, file, nth, was, now, by=""):
+        self.file, self.nth, self.was, self.now, self.by = file, int(nth), was, now, by
+        self.key = (file, str(nth), was, now)
+
+    def applied(self):
+        """(number of the line, text of the file with the defect), or None: the line has gone."""
+        lines, seen = (ROOT / self.file).read_text().split("\n") if (ROOT / self.file).exists() else [], 0
+        for i, line in enumerate(lines):
+            if line.strip() == self.was:
+                if seen == self.nth:
+                    lines[i] = line[:len(line) - len(line.lstrip())] + self.now
+                    return i + 1, "\n".join(lines)
+                seen += 1
+        return None
+
+
+def of_file(file):
+    """[(kind, Defect)]"""
+    source, made = (ROOT / file).read_text(), []
+    lines = [line.strip() for line in source.split("\n")]
+    for position, length, instead, kind in defects(source, file.endswith(".hpp")):
+        at = source.count("\n", 0, position)
+        now = (source[:position] + instead + source[position + length:]).split("\n")[at].strip()
+        made.append((kind, Defect(file, lines[:at].count(lines[at]), lines[at], now)))
+    return made
+
+
+def draw(seed):
+    """All defects, file after file, again and again; as many of a kind of change as of the others."""
+    def place(*texts):
+        return hashlib.sha256("\t".join([str(seed), *texts]).encode()).hexdigest()
+    rounds = []
+    for path in [*ROOT.glob("src/*/*.cpp"), *ROOT.glob("src/*/*.hpp")]:
+        file, kinds = str(path.relative_to(ROOT)), {}
+        for kind, defect in sorted(of_file(file), key=lambda d: place(*d[1].key)):
+            kinds.setdefault(kind, []).append(defect)
+        mixed = sorted((i, place(file, kind), defect) for kind, of_kind in kinds.items() for i, defect in enumerate(of_kind))
+        rounds += [(i, place(file), defect) for i, (_, _, defect) in enumerate(mixed)]
+    return [defect for _, _, defect in sorted(rounds, key=lambda r: r[:2])]
+
+
+def rows_of(path):
+    """Fields of the lines of a table that are no comments."""
+    text = path.read_text() if path.exists() else ""
+    return [line.split("\t") for line in text.splitlines() if line and not line.startswith("#")]
+
+
+def chosen(options):
+    """Those to try, one after the other."""
+    kept = [Defect(*row) for row in rows_of(DRAWN)] if options.seed == DRAWN_SEED else []
+    known = {d.key for d in kept}
+    there = [d for d in kept if d.applied()]
+    if len(there) < len(kept):
+        print(f"note: {len(kept) - len(there)} of {len(kept)} lines have gone, others are drawn")
+    count = options.count or len(kept) or 300
+    more = [d for d in draw(options.seed) if d.key not in known] if len(there) < options.skip + count else []
+    return [d for d in [*there, *more] if re.search(options.only, d.file)][options.skip:], count
 
 
 class MutableCore(Core):
@@ -182,130 +233,240 @@ class MutableCore(Core):
                 for path in self.object(source).with_suffix(".d").read_text().replace("\\\n", " ").split():
                     path = Path(path)
                     if path.suffix == ".hpp":
-                        self.needs.setdefault(str(path.resolve().relative_to(self.tree.resolve())), []).append(source)
-        return self.needs.get(header, [])
+                        self.needs.setdefault(str(path.resolve().relative_to(self.tree.resolve())), {})[source] = True
+        return list(self.needs.get(header, ()))
+
+
+class Trial:
+    """Tries defects, one at a time in each copy of the sources."""
+
+    def __init__(self, core, programs, reach, named, folder):
+        self.core, self.programs, self.reach, self.named, self.folder = core, programs, reach, named, folder
+        self.trees, self.lock, self.passing = [], threading.Lock(), {}
+
+    def tree(self):
+        with self.lock:
+            if self.trees:
+                return self.trees.pop()
+            made = Path(tempfile.mkdtemp(prefix="tree", dir=self.folder))
+        for part in ("src", "include"):
+            shutil.copytree(ROOT / part, made / part)
+        return made
+
+    def run_cases(self, program, names, library=None, made=None):
+        seconds = sum(self.reach.cases[f"{program} {n}".strip()]["seconds"] for n in names)
+        command = [str(made or self.programs[program])]
+        if names == [""]:
+            corpus = ROOT / "fuzz/corpus" / program[:-len("_replay")]
+            command += [*([str(corpus)] if corpus.is_dir() else []), "--random", "300", "1"]
+        else:
+            command += ["--gtest_fail_fast", "--gtest_filter=" + ":".join(names)]
+        return run(command, 5 + 10 * seconds, library=library)
+
+    def failing(self, program, names, library, made=None):
+        """The case that fails with the library, and the program if it was made again, and passes without; or None."""
+        names = list(names)
+        while names:
+            ended = self.run_cases(program, names, library, made)
+            if not ended.code:
+                return None
+            by = re.findall(r"^\[  FAILED  \] ([^ ,]*\.[^ ,]*)|^\[ RUN      \] (\S+)", ended.output, flags=re.M)
+            case = ([a for a, _ in by if a] or [b for _, b in by if b][-1:] or [""])[0]
+            name = f"{program} {case}".strip()
+            if name not in self.passing:
+                self.passing[name] = not self.run_cases(program, [case]).code
+                if not self.passing[name]:
+                    print("note:", name, "fails without a defect and is left out", flush=True)
+            if self.passing[name]:
+                return name
+            names.remove(case)
+        return None
+
+    def compiled(self, place, sources, checked=False):
+        """[(source, object)] of those whose code changes; None: one does not compile.  checked: with CHECKED."""
+        flags = self.core.flags + (CHECKED if checked else [])
+        other, objects = Core(place, place / ("checked" if checked else "objects"), "g++", flags), []
+        for source in sources:
+            if other.compile(source):
+                return None
+            if checked or other.object(source).read_bytes() != self.core.object(source).read_bytes():
+                objects.append((source, other.object(source)))
+        return objects
+
+    def noticed_by(self, objects, place, cases, first):
+        """The first case that fails with these objects, or None."""
+        self.core.link(place / "libcore.so", objects)
+        for program, names in self.reach.batches(cases, first):
+            by = self.failing(program, names, place)
+            if by:
+                return by
+        return None
+
+    def noticed_by_includers(self, header, objects, place):
+        """The tests that include a header themselves, compiled with it."""
+        if objects:
+            self.core.link(place / "libcore.so", objects)
+        if not (place / "tests").exists():
+            shutil.copytree(ROOT / "tests", place / "tests")
+        for source in sorted((place / "tests").glob("test_*.cpp")):
+            if f'#include "../{header}"' in source.read_text() and source.stem in self.programs:
+                made, names = place / source.stem, [n.split(" ")[1] for n in self.reach.cases if n.split(" ")[0] == source.stem]
+                if link_test(source, place, made, self.core.library) and names:
+                    by = self.failing(source.stem, names, place, made)
+                    if by:
+                        return by
+        return None
+
+    def fate(self, defect, place, cases):
+        users = [defect.file] if defect.file.endswith(".cpp") else self.core.dependents(defect.file)
+        users.sort(key=lambda u: (-len(self.reach.files.get(u, ())), u))
+        named = self.named.get((defect.file, defect.was, defect.now))
+        if defect.by in cases:
+            cases = [defect.by, *(c for c in cases if c != defect.by)]
+        objects, rest = [], users
+        while rest and not (named and objects):
+            part, rest = rest[:FIRST_DEPENDENTS] if rest is users else rest, rest[FIRST_DEPENDENTS:] if rest is users else []
+            more = self.compiled(place, part)
+            if more is None:
+                return {"fate": "no compile"}
+            objects += more
+            by = self.noticed_by(objects, place, cases, 1 if defect.by else 6) if more else None
+            if by:
+                return {"fate": "noticed", "by": by}
+        if not named and defect.file.endswith(".hpp"):
+            by = self.noticed_by_includers(defect.file, objects, place)
+            if by:
+                return {"fate": "noticed", "by": by}
+        if not objects:
+            return {"fate": "same code"}
+        if not named:
+            by = self.noticed_by(self.compiled(place, [s for s, _ in objects], True), place, cases, 6)
+            if by:
+                return {"fate": "noticed", "by": by}
+        return {"fate": named or "survives", "cases": len(cases)}
+
+    def __call__(self, defect):
+        line, changed = defect.applied()
+        cases = self.reach.of(defect.file, line, self.core.dependents(defect.file))
+        result = {"defect": defect, "line": line, "by": "", "cases": 0}
+        if not cases:
+            named = self.named.get((defect.file, defect.was, defect.now))
+            return {**result, "fate": named or "not reached"}
+        place = self.tree()
+        original = (place / defect.file).read_text()
+        try:
+            (place / defect.file).write_text(changed)
+            return {**result, **self.fate(defect, place, cases)}
+        finally:
+            (place / defect.file).write_text(original)
+            with self.lock:
+                self.trees.append(place)
+
+
+class Results:
+    """FOLDER/results.txt: fate, file, number among lines alike, line, line with the defect, case."""
+
+    def __init__(self, folder, resume):
+        self.path, digest = folder / "results.txt", hashlib.sha256()
+        for path in sorted(p for part in ("src", "include", "tests", "fuzz") for p in (ROOT / part).rglob("*.[ch]*") if p.is_file()):
+            digest.update(path.read_bytes())
+        header = f"# sources and tests {digest.hexdigest()[:16]}"
+        self.known = {}
+        if self.path.exists() and (resume or self.path.read_text().startswith(header)):
+            for fate, *key, by in rows_of(self.path):
+                self.known[tuple(key)] = (fate, by)
+            again = ("survives", "not reached") if resume else ()
+            self.known = {k: v for k, v in self.known.items() if v[0] not in again}
+        else:
+            self.path.write_text(header + "\n")
+
+    def add(self, result):
+        self.known[result["defect"].key] = (result["fate"], result["by"])
+        with open(self.path, "a") as file:
+            file.write("\t".join([result["fate"], *result["defect"].key, result["by"]]) + "\n")
+
+
+def table_of(fates):
+    """fates: {folder: {fate: count}}"""
+    fates = {**dict(sorted(fates.items())), "all": {c: sum(f.get(c, 0) for f in fates.values()) for c in COLUMNS}}
+    rows = [f"| folder | applied | {' | '.join(COLUMNS)} |", "|---|" + "--:|" * (len(COLUMNS) + 1)]
+    for name, counts in fates.items():
+        rows.append(f"| {name} | {sum(counts.values())} | " + " | ".join(str(counts.get(c, 0)) for c in COLUMNS) + " |")
+    return "\n".join(rows)
+
+
+def write_drawn(tried, known):
+    comments = [line for line in DRAWN.read_text().splitlines() if line.startswith("#")] if DRAWN.exists() else []
+    rows = ["\t".join([*d.key, known[d.key][1]]) for d in tried if known[d.key][0] != "no compile"]
+    DRAWN.write_text("\n".join([*comments, *rows]) + "\n")
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder")
-    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--count", type=int, default=0, help="0: all of the table of drawn ones, or 300")
     parser.add_argument("--skip", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=DRAWN_SEED)
     parser.add_argument("--only", default="")
     parser.add_argument("--reach")
     parser.add_argument("--patience", type=float, default=40, help="seconds of cases for each defect")
-    parser.add_argument("--as-built", action="store_true", help="the core, and the passing cases, are as in the last run")
+    parser.add_argument("--resume", action="store_true", help="keep results of other sources and tests, but of survivors")
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--as-built", action="store_true", help="the core is as in the last run")
     options = parser.parse_args()
     folder = Path(options.folder).resolve()
-    if not options.as_built:
-        build_release()
-    reach = Reach(options.reach or folder.parent / "coverage/reach.json", options.patience)
     core = MutableCore(ROOT, folder / "core", "g++", ["-O1"])
     if not options.as_built:
+        build_release()
         core.compile_all()
         core.link()
     programs = core.link_programs()
+    reach = Reach(options.reach or folder.parent / "coverage/reach.json", options.patience)
     reach.keep(programs)
-    named = set()
-    for line in NAMED.read_text().splitlines() if NAMED.exists() else ():
-        if line and not line.startswith("#"):
-            named.add(tuple(line.split("\t")[:3]))
-    trees, free = [], threading.Lock()
+    named = {(file, was, now): "speed or memory" if re.match("(speed|memory):", reason) else "changes nothing"
+             for file, was, now, reason in rows_of(NAMED)}
+    for old in folder.glob("tree*"):
+        shutil.rmtree(old)
+    results, trial = Results(folder, options.resume), Trial(core, programs, reach, named, folder)
+    fates, survivors, tried, (tasks, count) = {}, 0, [], chosen(options)
 
-    def tree():
-        """A copy of src and include for one worker."""
-        with free:
-            if trees:
-                return trees.pop()
-        made = folder / f"tree{threading.get_ident()}"
-        shutil.rmtree(made, ignore_errors=True)
-        for part in ("src", "include"):
-            shutil.copytree(ROOT / part, made / part)
-        return made
+    def take(result):
+        nonlocal survivors
+        defect, fate = result["defect"], result["fate"]
+        tried.append(defect)
+        if fate == "no compile":
+            return
+        counts = fates.setdefault(defect.file.split("/")[1], {})
+        counts[fate] = counts.get(fate, 0) + 1
+        if fate == "survives":
+            survivors += 1
+            print(f"not ok mutation {defect.file}:{result['line']}: '{defect.now}' in place of '{defect.was}' survives {result['cases']} cases", flush=True)
 
-    def try_one(task):
-        file, (position, length, instead, kind) = task
-        source = (ROOT / file).read_text()
-        line = source.count("\n", 0, position) + 1
-        changed = source[:position] + instead + source[position + length:]
-        was, now = (text.split("\n")[line - 1].strip() for text in (source, changed))
-        result = {"file": file, "line": line, "kind": kind, "was": was, "now": now}
-        cases = reach.of(file, line, core.dependents(file))
-        if not cases:
-            return {**result, "fate": "not reached"}
-        place = tree()
-        try:
-            (place / file).write_text(changed)
-            other = Core(place, place / "objects", "g++", core.flags)
-            objects = []
-            for source_file in [file] if file.endswith(".cpp") else core.dependents(file):
-                if other.compile(source_file):
-                    return {**result, "fate": "no compile"}
-                made = other.object(source_file)
-                if made.read_bytes() != core.object(source_file).read_bytes():
-                    objects.append((source_file, made))
-            if not objects:
-                return {**result, "fate": "same code"}
-            core.link(place / "libcore.so", objects)
-            for program, names in reach.batches(cases):
-                seconds = sum(reach.cases[f"{program} {n}".strip()]["seconds"] for n in names)
-                command = [str(programs[program])]
-                if names == [""]:
-                    corpus = ROOT / "fuzz/corpus" / program[:-len("_replay")]
-                    command += [*([str(corpus)] if corpus.is_dir() else []), "--random", "300", "1"]
-                else:
-                    command += ["--gtest_fail_fast", "--gtest_filter=" + ":".join(names)]
-                ended = run(command, 5 + 10 * seconds, library=place)
-                if ended.code:
-                    by = re.findall(r"^\[  FAILED  \] ([^ ,]*\.[^ ,]*)|^\[ RUN      \] (\S+)", ended.output, flags=re.M)
-                    failed = [a for a, _ in by if a] or [b for _, b in by if b][-1:] or [program]
-                    return {**result, "fate": "noticed", "by": failed[0]}
-            return {**result, "fate": "named" if (file, was, now) in named else "survives", "cases": len(cases)}
-        finally:
-            (place / file).write_text(source)
-            with free:
-                trees.append(place)
+    def try_one(defect):
+        if defect.key in results.known:
+            fate, by = results.known[defect.key]
+            return {"defect": defect, "line": 0, "cases": 0, "fate": named.get(defect.key[:1] + defect.key[2:], fate) if fate != "noticed" else fate, "by": by}
+        result = trial(defect)
+        with trial.lock:
+            results.add(result)
+        return result
 
-    # Without a defect the cases pass.
-    for program, names in () if options.as_built else reach.batches(sorted(reach.cases)):
-        if names != [""]:
-            ended = run([str(programs[program]), "--gtest_filter=" + ":".join(names)], 600)
-            for bad in set(re.findall(r"^\[  FAILED  \] ([^ ,]*\.[^ ,]*)", ended.output, flags=re.M)):
-                print("note:", program, bad, "fails without a defect and is left out")
-                reach.cases.pop(f"{program} {bad}", None)
-                for entries in reach.lines.values():
-                    entries[:] = [e for e in entries if e != f"{program} {bad}"]
-
-    log = open(folder / "log.txt", "w")
-    fates, survivors, done = {}, [], 0
-    tasks = draw(core, options.seed, options.only)[options.skip:]
+    def applied():
+        return sum(sum(counts.values()) for counts in fates.values())
     with ThreadPoolExecutor(jobs()) as pool:
         at = 0
-        while done < options.count and at < len(tasks):
-            part = tasks[at:at + min(4 * jobs(), options.count - done)]
+        while applied() < count and at < len(tasks):
+            part = tasks[at:at + min(4 * jobs(), count - applied())]
             at += len(part)
             for result in pool.map(try_one, part):
-                text = f"{result['fate']}\t{result['file']}:{result['line']}\t{result['kind']}\t{result['was']}\t{result['now']}\t{result.get('by', '')}"
-                log.write(text + "\n")
-                log.flush()
-                if result["fate"] == "no compile":
-                    continue
-                done += 1
-                counts = fates.setdefault(result["file"].split("/")[1], {})
-                counts[result["fate"]] = counts.get(result["fate"], 0) + 1
-                if result["fate"] == "survives":
-                    survivors.append(result)
-                    print(f"not ok mutation {result['file']}:{result['line']}: '{result['now']}' in place of '{result['was']}' survives {result['cases']} cases", flush=True)
-    columns = ["noticed", "same code", "named", "not reached", "survives"]
-    rows = [f"| folder | applied | {' | '.join(columns)} |", "|---|" + "--:|" * (len(columns) + 1)]
-    fates["all"] = {c: sum(f.get(c, 0) for f in fates.values()) for c in columns}
-    for name in [*sorted(n for n in fates if n != "all"), "all"]:
-        rows.append(f"| {name} | {sum(fates[name].values())} | " + " | ".join(str(fates[name].get(c, 0)) for c in columns) + " |")
-    (folder / "table.md").write_text("\n".join(rows) + "\n")
-    print("\n".join(rows))
-    print(f"{'not ok' if survivors else 'ok'} derived mutations: {done} with seed {options.seed}, {len(survivors)} survive")
+                take(result)
+    (folder / "table.md").write_text(table_of(fates) + "\n")
+    print(table_of(fates))
+    if options.write:
+        write_drawn(tried, results.known)
+    print(f"{'not ok' if survivors else 'ok'} derived mutations: {applied()} with seed {options.seed}, {survivors} survive")
     return 1 if survivors else 0
 
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())

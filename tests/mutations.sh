@@ -98,6 +98,12 @@ src/hierarchy/simplify.cpp  s/return (v ^ w) >> work_.block_shift != 0;/return f
 src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_hierarchy  Hierarchy.BordersOfBlocksAreKnown
 src/foliation/cluster.cpp  s/if (!f.may_look(w, f.members.size())) return result;//  test_sweeps  SweepTask.*
 src/foliation/whitehead.cpp  s/if (!f.may_look(mesh.origin\[g\], 0)) return NONE;//  test_sweeps  SweepTask.*
+src/foliation/cluster.cpp  s/if (!f.may_look(vertex, 0)) return result;//  test_sweeps  SweepTask.Asks*
+src/foliation/cluster_move.cpp  s/if (!f.may_look(w, f.pushed.size())) return false;//  test_sweeps  SweepTask.Takes*
+src/hierarchy/simplify.cpp  s/work_.block_count + 1, \[/work_.block_count - 1, [/  test_hierarchy  Hierarchy.LargeMeshes*
+src/hierarchy/delaunay.cpp  s/work.has_double_edges \&\& is_folded/false \&\& is_folded/  test_hierarchy  Hierarchy.DoublesAre*
+src/api/result.cpp  s/call.memory.failure() ? nullptr : //  test_resources  Resources.NothingIs*
+src/solve/to_minimum.cpp  s/unit \* unit) - 1;/unit * unit) - 2;/  test_leaves  Cylinders.OfValuesNear*
 src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SweepMatrix.*
 src/solve/signed_aggregation.cpp  s/, a) : undecided;/, a) : undecided, a.of[i] = choice[i] != undecided ? choice[i] \/ 2 : a.of[i];/  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
 src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.BlocksAreThoseOfTheProblem

@@ -1,7 +1,7 @@
 // Atlases: each triangle once in the unit square, none over another one, charts
 // apart from each other, conformal as (u, v) is.
 #include "../src/atlas/pack.hpp"
-#include "support/surface.hpp"
+#include "support/boundary.hpp"
 
 #include <gtest/gtest.h>
 
@@ -119,12 +119,15 @@ int least_gap(const hmf_chart_set& atlas, const std::vector<uint32_t>& owner, in
     return least;
 }
 
-// The two sides (3 * triangle + side) that each edge has.
+constexpr size_t NO_SIDE = ~size_t{0};
+
+// The two sides (3 * triangle + side) that each edge has, one of them none on a boundary.
 std::map<std::pair<uint32_t, uint32_t>, std::array<size_t, 2>> sides_of_edges(const TriMesh& mesh) {
     std::map<std::pair<uint32_t, uint32_t>, std::array<size_t, 2>> sides;
     for (size_t k = 0; k < mesh.triangles.size(); ++k) {
         const uint32_t a = mesh.triangles[k], b = mesh.triangles[k / 3 * 3 + (k + 1) % 3];
-        sides[std::minmax(a, b)][a > b] = k;
+        auto& both = sides.try_emplace(std::minmax(a, b), std::array<size_t, 2>{NO_SIDE, NO_SIDE}).first->second;
+        both[a > b] = k;
     }
     return sides;
 }
@@ -175,6 +178,7 @@ void expect_atlas(const TriMesh& mesh, const Foliation& foliation, const hmf_cha
     double seams = 0;
     uint64_t seam_count = 0;
     for (const auto& [e, sides] : sides_of_edges(mesh)) {
+        if (sides[0] == NO_SIDE || sides[1] == NO_SIDE) continue;
         bool joined = atlas.triangle_chart[sides[0] / 3] == atlas.triangle_chart[sides[1] / 3];
         for (size_t end = 0; end < 2; ++end)
             for (size_t k = 0; k < 2; ++k) {
@@ -233,6 +237,78 @@ TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
             expect_atlas(mesh, surface.solution.foliation, *atlas, margin);
         }
     }
+}
+
+// Strips from boundary to boundary, rings round boundaries, both and neither.
+TEST(Atlas, NothingOverlapsOnSurfacesWithHoles) {
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        const TriMesh base = seed % 3 == 0 ? pretzel(2, 3) : torus(72, 36, 3, 1, {true, 1, 0.3, seed});
+        const TriMesh mesh = with_holes(base, 1 + seed % 5, 2 + seed % 3, seed);
+        if (!is_sound(mesh)) continue; // bad luck
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+            const auto set = loops_of(hierarchy, kind);
+            ASSERT_TRUE(set);
+            const Solution s = solve(hierarchy, *set);
+            ASSERT_TRUE(s.foliation) << s.error.message;
+            const Made atlas = atlas_of(s.foliation);
+            ASSERT_TRUE(atlas);
+            expect_atlas(mesh, s.foliation, *atlas, 1.0 / 512);
+        }
+    }
+}
+
+// A rectangle with marked corners is one chart, and stays one; its sides are straight.
+TEST(Atlas, ARectangleIsARectangle) {
+    const size_t n = 24, m = 24;
+    const TriMesh mesh = rectangle(n, m, 1.5, 1.5, 0.5, 7);
+    const Path corners = {0, uint32_t(m), uint32_t(n * (m + 1)), uint32_t(n * (m + 1) + m)};
+    const Hierarchy hierarchy(mesh, with_marks(corners));
+    Curves curves;
+    Path along;
+    for (size_t i = 0; i <= n; ++i) along.push_back(uint32_t(i * (m + 1) + m / 2));
+    curves.add(along, true);
+    const Solution s = solve_curves(hierarchy, curves);
+    const Made atlas = atlas_of(s.foliation);
+    ASSERT_TRUE(atlas);
+    expect_atlas(mesh, s.foliation, *atlas, 1.0 / 512);
+    EXPECT_EQ(atlas->chart_count, 1u);
+    EXPECT_EQ(atlas->seam_edge_count, 0u);
+    EXPECT_GT(atlas->used_area, 0.97);
+    EXPECT_LT(atlas->unevenness, 1e-3);
+}
+
+// An annulus whose leaves go round, and one whose leaves go across: cut open once.
+TEST(Atlas, AnAnnulusIsCutOpen) {
+    const size_t n = 96, m = 12;
+    const TriMesh mesh = annulus(n, m, 2, 0.3, 3);
+    const Hierarchy hierarchy(mesh);
+    for (const bool arc : {false, true}) {
+        Curves curves;
+        Path path;
+        for (size_t i = 0; i < (arc ? m + 1 : n); ++i) path.push_back(uint32_t(arc ? i : i * (m + 1) + m / 2));
+        curves.add(path, arc);
+        const Solution s = solve_curves(hierarchy, curves);
+        const Made atlas = atlas_of(s.foliation);
+        ASSERT_TRUE(atlas) << arc;
+        expect_atlas(mesh, s.foliation, *atlas, 1.0 / 512);
+        EXPECT_LE(atlas->chart_count, 5u);
+        EXPECT_GT(atlas->used_area, 0.7);
+    }
+}
+
+TEST(AtlasContract, LevelsOfADoubleAreRefused) {
+    const Hierarchy hierarchy(annulus(60, 12, 2, 0.3, 3));
+    ASSERT_GT(hierarchy.levels(), 1u);
+    const auto set = loops_of(hierarchy, HMF_LOOPS_CUT);
+    const Solution s = solve(hierarchy, *set);
+    hmf_foliation* coarse = nullptr;
+    ASSERT_EQ(hmf_interpolate(s.foliation.get(), 1, nullptr, &coarse, nullptr), HMF_OK);
+    const Foliation owned(coarse);
+    hmf_chart_set* out = nullptr;
+    EXPECT_EQ(hmf_atlas(coarse, nullptr, nullptr, &out, nullptr), HMF_ERROR_UNSUPPORTED);
 }
 
 // Two triangles are a square, if the second is let down onto the slope of the first, and none lies in the other.

@@ -69,6 +69,19 @@ struct Calls {
                 hmf_free(cylinders);
                 return s;
             });
+        if (!status) { // its flat surface stays with the foliation
+            hmf_parameterization* flat = nullptr;
+            status = hmf_parameterize(foliation, nullptr, nullptr, &flat, &error);
+            hmf_free(flat);
+        }
+        if (!status)
+            status = visit([&](const hmf_control* control) {
+                hmf_chart_set* charts = nullptr;
+                const hmf_status s = hmf_atlas(foliation, nullptr, control, &charts, &error);
+                EXPECT_EQ(charts != nullptr, s == HMF_OK);
+                hmf_free(charts);
+                return s;
+            });
         return status;
     }
 };
@@ -194,7 +207,7 @@ TEST(Boundary, EveryAllocationMayFailAndEveryCallStop) {
             return call(nullptr);
         });
         EXPECT_EQ(status, HMF_OK);
-        EXPECT_EQ(number, 6u);
+        EXPECT_EQ(number, 7u);
     }
     EXPECT_EQ(meter.used, 0u);
 }

@@ -250,6 +250,17 @@ class Outputs(Case):
         self.assertEqual(self.read("a.glb")[:4], b"glTF")
         self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
+    def test_coordinates_beyond_floats(self):
+        huge = self.path("huge.obj")
+        with open(self.mesh) as old, open(huge, "w") as new:
+            for line in old:
+                words = line.split()
+                new.write(" ".join(["v", *(repr(1e60 * float(w)) for w in words[1:4])]) + "\n" if words[:1] == ["v"] else line)
+        for option in ("--textured", "--atlas"):
+            self.refused(3, "solve", huge, option, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.refused(3, "quads", huge, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.run_tool("solve", huge, "--quads", self.path("h.obj"))
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")
@@ -309,6 +320,13 @@ class Outputs(Case):
             self.assertGreater(share(pictures[pattern], is_red), 0.05)
         self.assertEqual(share(pictures["quads"], is_red), 0)
         self.assertEqual(len({str(p) for p in pictures.values()}), 4)
+        # hmf quads draws its own quads: more lines for more of them.
+        dark = []
+        for count in ("50", "1500"):
+            self.run_tool("quads", self.mesh, self.path("q.obj"), "--count", count, "--image", self.path("i.png"), "--image-size", "400x300")
+            dark.append(share(pixels_of(self.read("i.png")), lambda r, g, b: max(r, g, b) < 130))
+        self.assertGreater(dark[1], dark[0] + 0.02)
+        self.refused(2, "quads", self.mesh, self.path("q.obj"), "--legend", says=["--image"])
         # Round the z axis: from the top (z) there is a hole in the middle, from the front it is flat.
         top, side = picture("--camera", "0,0,1"), picture("--camera", "0,-1,0,0,0,1")
         self.assertFalse(is_object(*top[60][80]))

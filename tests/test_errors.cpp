@@ -252,6 +252,10 @@ TEST_F(OnTorus, NullPointers) {
     expect_error(hmf_build(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error), HMF_ERROR_NULL,
                  error);
     EXPECT_EQ(h, nullptr);
+    expect_error(hmf_components(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error),
+                 HMF_ERROR_NULL, error);
+    expect_error(hmf_even_design(positions, vertices, triangles, faces, nullptr, nullptr, nullptr, &error),
+                 HMF_ERROR_NULL, error);
     // First the object is missing, then the output.
     const Foliation f = good();
     const std::vector<double> values = values_of(f);

@@ -131,12 +131,67 @@ void expect_sound(const TriMesh& mesh, const BuildOptions& options) {
     EXPECT_LE(h.memory.peak(), build_memory_bound(mesh.vertex_count(), mesh.triangle_count(), options));
 }
 
+// Triangles of length 1 and height h, in any position and unit: without area below 2e-15.
+void expect_area(double length, double height, bool expected) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int other : {(axis + 1) % 3, (axis + 2) % 3})
+            for (const double foot : {0.0, 0.25, 0.5, 1.0})
+                for (int turn = 0; turn < 3; ++turn) {
+                    TriMesh mesh;
+                    mesh.positions.assign(9, 0);
+                    double* const p[3] = {&mesh.positions[3 * turn], &mesh.positions[3 * ((turn + 1) % 3)],
+                                          &mesh.positions[3 * ((turn + 2) % 3)]};
+                    p[1][axis] = length;
+                    p[2][axis] = foot * length;
+                    p[2][other] = height * length;
+                    mesh.triangles = {0, 1, 2};
+                    const Built built(mesh);
+                    EXPECT_EQ(built.status != HMF_ERROR_MESH_DEGENERATE, expected)
+                        << "length " << length << " along " << axis << ", height " << height << " along " << other
+                        << ", foot " << foot << ", from corner " << turn << ": " << built.error.message;
+                }
+}
+
 BuildOptions small(double ratio = 0.5, int32_t collapse = HMF_COLLAPSE_MIDPOINT) {
     BuildOptions options;
     options.ratio = ratio;
     options.coarsest = 40;
     options.collapse = collapse;
     return options;
+}
+
+// How many vertices of a torus of 96 x 96 are left on level 1 in each twelfth of it.
+void expect_evenly_coarse(const test::TorusOptions& shape) {
+    constexpr size_t n = 96, parts = 12;
+    const Built built(test::torus(n, n, 3, 1, shape));
+    ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+    const Level& level = built.h.levels[1];
+    std::vector<size_t> left(parts, 0);
+    for (uint32_t v = 0; v < level.mesh.vertex_count; ++v) {
+        const double angle = std::atan2(level.position[3 * v + 1], level.position[3 * v]) / 6.283185307179586;
+        ++left[std::min(parts - 1, static_cast<size_t>((angle + 0.5) * parts))];
+    }
+    const auto [least, most] = std::minmax_element(left.begin(), left.end());
+    EXPECT_LT(*most, 2 * *least) << level.mesh.vertex_count << " vertices on level 1";
+}
+
+// Flat, from radius 1 to 2, with random triangles.
+TriMesh flat_annulus(uint32_t around, uint32_t across) {
+    TriMesh mesh;
+    test::Random random(4);
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j <= across; ++j) {
+            const bool inside = j > 0 && j < across;
+            const double angle = 6.283185307179586 * (i + 0.8 * random.unit()) / around;
+            const double r = 1 + (j + (inside ? 0.8 * random.unit() - 0.4 : 0)) / across;
+            for (const double x : {r * std::cos(angle), r * std::sin(angle), 0.0}) mesh.positions.push_back(x);
+        }
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j < across; ++j) {
+            const uint32_t a = i * (across + 1) + j, b = (i + 1) % around * (across + 1) + j;
+            for (const uint32_t v : {a, a + 1, b + 1, a, b + 1, b}) mesh.triangles.push_back(v);
+        }
+    return mesh;
 }
 
 TriMesh plain_torus(size_t n = 12, size_t m = 8) { return test::torus(n, m, 3, 1); }
@@ -606,6 +661,39 @@ TEST(Weights, OfACoarseLevelAreBounded) {
     EXPECT_EQ(coarse_weights(mesh, sum, Parallel()), 1u);
     const double expected[] = {1e-3, 1e-3, 1e-3, 1e-3, 4, 1e3, 1e3};
     for (int e = 0; e < 7; ++e) EXPECT_EQ(sum[e], expected[e]) << e;
+}
+
+TEST(Hierarchy, TrianglesHaveAreaInAnyPosition) {
+    for (const double length : {1e-70, 1e-20, 1.0, 1e3, 1e50}) {
+        expect_area(length, 1.5e-15, false);
+        expect_area(length, 2.5e-15, true);
+        expect_area(length, 1e-13, true);
+    }
+}
+
+// Its blocks are coarsened alike.
+TEST(Hierarchy, LargeMeshesBecomeEvenlyCoarse) {
+    expect_evenly_coarse({});
+    test::TorusOptions shape;
+    shape.jitter = 0.3;
+    expect_evenly_coarse(shape);
+}
+
+// No flip joins what lies on each other in the two halves of a double: its edges would have no length.
+TEST(Hierarchy, DoublesAreNotFlippedWhereTheyAreFolded) {
+    for (const uint32_t across : {2u, 4u, 8u}) {
+        const Built built(flat_annulus(60, across), small(0.7));
+        ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+        ASSERT_GT(built.h.level_count, 2u);
+        for (size_t k = 1; k < built.h.level_count; ++k) {
+            const Level& level = built.h.levels[k];
+            for (uint32_t e = 0; e < level.mesh.edge_count; ++e) {
+                const double *a = &level.position[3 * level.mesh.origin[2 * e]],
+                             *b = &level.position[3 * level.mesh.origin[2 * e + 1]];
+                EXPECT_GT(std::hypot(a[0] - b[0], a[1] - b[1]), 1e-3) << across << ", level " << k << ", edge " << e;
+            }
+        }
+    }
 }
 
 TEST(Weights, Cotangent) {

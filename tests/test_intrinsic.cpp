@@ -256,6 +256,14 @@ TEST(Mollify, TrianglesWithoutAreaAndEdgesWithoutLength) {
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
         EXPECT_EQ(solution.status, HMF_OK) << solution.error.message;
         expect_foliation(read_level(hierarchy, 0), solution.foliation);
+        // The library finds its loops on a hierarchy of its own, with the same lengths.
+        hmf_build_options other = mollified(margin);
+        other.ratio = 0.3;
+        const Hierarchy coarser(mesh, other);
+        ASSERT_TRUE(coarser);
+        const Loops loops = library_loops(hierarchy, 0), same = library_loops(coarser, 0);
+        EXPECT_EQ(same.elements, loops.elements);
+        EXPECT_EQ(same.offsets, loops.offsets);
     }
 }
 

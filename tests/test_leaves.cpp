@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 #include <map>
 #include <set>
 #include <memory>
@@ -483,6 +485,34 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     Loops fine = library_loops(*hierarchy, 0);
     fine.weights = sample.weights;
     EXPECT_EQ(cylinders_of(fine, initialize(*hierarchy, fine)), HMF_ERROR_VALUE_NOT_HARMONIC);
+}
+
+// What is not the minimum is improved where it is near, and refused where its energy is larger by a hundredth.
+TEST(Cylinders, OfValuesNearTheMinimum) {
+    const Hierarchy hierarchy(pretzel(2, 1));
+    ASSERT_TRUE(hierarchy);
+    const Loops loops = library_loops(hierarchy, 0);
+    const Solution best = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+    ASSERT_EQ(best.status, HMF_OK);
+    size_t near = 0, far = 0;
+    for (const uint64_t sweeps : {1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144, 377, 987, 2584}) {
+        const Solution some = relax(initialize(hierarchy, loops), solve_options(HMF_METHOD_SINGLE_LEVEL, 0, sweeps));
+        ASSERT_TRUE(some.foliation);
+        const double ratio = energy(some.foliation) / energy(best.foliation);
+        if (std::fabs(ratio - 1.01) < 1e-4) continue;
+        hmf_error error{};
+        hmf_cylinder_set* out = nullptr;
+        const hmf_status status = hmf_cylinders(some.foliation.get(), nullptr, nullptr, &out, &error);
+        hmf_free(out);
+        EXPECT_EQ(status, ratio < 1.01 ? HMF_OK : HMF_ERROR_VALUE_NOT_HARMONIC) << sweeps << " sweeps, ratio " << ratio;
+        near += ratio < 1.01;
+        far += ratio > 1.01 && ratio < 2;
+        char said[40];
+        std::snprintf(said, sizeof said, " is %.2g times ", ratio);
+        if (status != HMF_OK) { EXPECT_NE(std::strstr(error.message, said), nullptr) << error.message << said; }
+    }
+    EXPECT_GT(near, 0u);
+    EXPECT_GT(far, 0u);
 }
 
 // Values of a solve, read again, have the same leaves.

@@ -251,6 +251,14 @@ TEST(Levels, NothingForNull) {
     EXPECT_EQ(hmf_hierarchy_memory(nullptr), 0u);
     EXPECT_EQ(hmf_memory_estimate(0, 0, nullptr), 0u);
     EXPECT_EQ(hmf_memory_estimate(SIZE_MAX, SIZE_MAX, nullptr), 0u);
+    // Of a mesh that numbers of 32 bits can hold.
+    const size_t most = 0x7fffffff / 3;
+    EXPECT_GT(hmf_memory_estimate(most / 2, most, nullptr), 0u);
+    EXPECT_GT(hmf_memory_estimate(most, most, nullptr), 0u);
+    EXPECT_EQ(hmf_memory_estimate(most + 1, most, nullptr), 0u);
+    EXPECT_EQ(hmf_memory_estimate(most, most + 1, nullptr), 0u);
+    EXPECT_EQ(hmf_memory_estimate(1, 0, nullptr), 0u);
+    EXPECT_EQ(hmf_memory_estimate(0, 1, nullptr), 0u);
 }
 
 TEST(Levels, VersionAndTexts) {

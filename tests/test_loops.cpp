@@ -612,7 +612,11 @@ TEST(CutSystem, EachIsTheShortest) {
         Loops loops;
         Multicurve curves;
         std::vector<double> length;
-        for (uint32_t e = 0; e < mesh.edge_count; ++e) length.push_back(DualLength(mesh, made.positions.data())(e));
+        const DualLength plain(mesh, made.positions.data()), thrice(mesh, made.positions.data(), 3);
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+            length.push_back(plain(e));
+            EXPECT_EQ(thrice(e), plain.is_ambiguous(e) ? 3 * length[e] : length[e]);
+        }
         ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, loops), HMF_OK);
         ASSERT_TRUE(curves.allocate(mesh, c.memory));
         for (size_t k = 0; k < loops.count(); ++k) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../src/foliation/whitehead.hpp"
+#include "../src/parameterize/parameterization.hpp"
 #include "../src/parameterize/seams.hpp"
 #include "../src/solve/part_system.hpp"
 #include "../src/solve/twisted_model.hpp"
@@ -387,4 +388,22 @@ TEST(Layout, TooWideIsPushedBack) {
         pushed += shift != 0;
     }
     EXPECT_GT(pushed, 0u);
+}
+
+// On the cut graph, and wherever the two sides differ.
+TEST(Seams, AreWhereTheMapGoesOnDifferently) {
+    Memory memory(nullptr, nullptr, nullptr, 0);
+    Parameterization p;
+    ASSERT_TRUE(p.seams.on.allocate_filled(memory, 2, uint8_t{0}));
+    p.seams.on[1] = 1;
+    for (const int8_t sign : {int8_t{1}, int8_t{-1}})
+        for (const int64_t u : {-5, 0, 1})
+            for (const int64_t v : {-1, 0, 7}) {
+                EXPECT_EQ(p.is_seam(0, {sign, u, v}), sign != 1 || u != 0 || v != 0);
+                EXPECT_TRUE(p.is_seam(1, {sign, u, v}));
+            }
+    SeamSum sum{2, 0.5};
+    sum += {3, 0.25};
+    EXPECT_EQ(sum.count, 5u);
+    EXPECT_EQ(sum.length, 0.75);
 }

@@ -2,6 +2,7 @@
 // the interface: the n-th allocation fails, the n-th progress call cancels, the
 // memory limit; no memory is lost, and nothing is given.  Lifetimes, and the
 // same bits twice and from many threads.
+#include "../src/api/result.hpp"
 #include "../src/hierarchy/hierarchy.hpp"
 #include "support/meter.hpp"
 #include "support/story.hpp"
@@ -95,6 +96,28 @@ TEST_P(OfEachFunction, EveryAllocationMayFail) {
         ASSERT_EQ(function.call(nullptr, &bits), HMF_OK);
         EXPECT_EQ(bits, expected);
     });
+}
+
+// Also where the stage that met it has gone on.
+TEST(Resources, NothingIsGivenAfterAFailedAllocation) {
+    for (const bool fails : {false, true}) {
+        Meter meter;
+        const hmf_hierarchy h{Meter::take, Meter::give, &meter, 0};
+        hmf::Memory memory(Meter::take, Meter::give, &meter, 0);
+        hmf_error error{};
+        hmf::Call call(memory, &error, nullptr, nullptr);
+        meter.fail = fails ? meter.calls + 1 : 0;
+        void* const block = memory.take(16);
+        EXPECT_EQ(block == nullptr, fails);
+        memory.give(block, 16);
+        hmf_mark_set set{};
+        hmf::ResultBlock results;
+        hmf_mark_set* const made = results.make(set, h, call);
+        EXPECT_EQ(made == nullptr, fails);
+        EXPECT_EQ(call.status(), fails ? HMF_ERROR_MEMORY : HMF_OK);
+        hmf_free(made);
+        EXPECT_EQ(meter.used, 0u);
+    }
 }
 
 // Large enough for several levels of the linear solver.

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "../src/foliation/whitehead.hpp"
@@ -128,4 +130,97 @@ TEST(SweepTask, LooksNoFurtherThanItsBlock) {
     EXPECT_GT(moved, 1000u);
     EXPECT_GT(waited, 1000u);
     EXPECT_GT(with_others, 100u);
+}
+
+namespace {
+
+// A torus whose height rises along the columns, but for the heights that are given.  The neighbours of vertex `base`
+// that are higher pull at it.
+struct Hill {
+    static constexpr uint32_t columns = 200, rows = 8;
+    test::MadeMesh made{test::torus(columns, rows)};
+    Foliation f;
+    Memory memory{nullptr, nullptr, nullptr, 0};
+    Rings rings;
+    Star star;
+    Values values;
+    std::vector<double> weight;
+    static constexpr uint32_t at(uint32_t column, uint32_t row) { return column * rows + row; }
+    static constexpr uint32_t base = 4 * rows + 3;
+
+    explicit Hill(const std::map<uint32_t, int64_t>& given) {
+        f.mesh = made.mesh();
+        const Mesh& mesh = f.mesh;
+        const auto height = [&](uint32_t v) -> int64_t {
+            const auto found = given.find(v);
+            return found != given.end() ? found->second : 100 * int64_t{v / rows} + 7 * int64_t{v % rows};
+        };
+        values.resize(mesh.edge_count);
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+            const int64_t d = std::llabs(height(mesh.origin[2 * e]) - height(mesh.target(2 * e)));
+            values[e] = d > 50 * columns ? std::llabs(100 * columns - d) : d;
+        }
+        f.value = values.data();
+        weight.assign(mesh.edge_count, 1);
+        for (const uint32_t h : mesh.around(base)) // to those above it
+            if (height(mesh.target(h)) > 400) weight[edge_of(h)] = 10;
+        EXPECT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                    && f.allocate_scratch(mesh.vertex_count, memory));
+        EXPECT_EQ(count_singularities(f).poles, 0u);
+        EXPECT_EQ(count_singularities(f).broken_triangles, 0u);
+    }
+};
+
+// Two rows of vertices hang on the base: all have its height, and all beside them are higher.
+Hill with_limbs(uint32_t first, uint32_t second) {
+    std::map<uint32_t, int64_t> height{{Hill::base, 400}};
+    for (uint32_t i = 0; i < first; ++i) height[Hill::at(5 + i, 4)] = 400;
+    for (uint32_t i = 0; i < second; ++i) height[Hill::at(4 + i, 2)] = 400;
+    if (second > 0) height.insert({{Hill::at(3, 2), 440}, {Hill::at(3, 1), 450}, {Hill::at(4, 1), 470}});
+    return Hill(height);
+}
+
+} // namespace
+
+// What moves along has room for 64 in a task; more wait for the sweep over all, and nothing is done.
+TEST(SweepTask, TakesNoMoreAlongThanItHasRoomFor) {
+    using Two = std::pair<uint32_t, uint32_t>;
+    for (const auto& [first, second] : {Two{1, 0}, Two{63, 0}, Two{64, 0}, Two{65, 0}, Two{90, 0}, Two{2, 3},
+                                        Two{30, 34}, Two{34, 30}, Two{31, 34}, Two{34, 31}, Two{60, 60}}) {
+        SCOPED_TRACE(testing::Message() << first << " and " << second);
+        Hill whole = with_limbs(first, second), task = with_limbs(first, second);
+        const std::vector<uint32_t> all(task.f.mesh.vertex_count, 0);
+        Foliation shared;
+        ASSERT_TRUE(shared.share(task.f, all.data(), task.memory));
+        shared.epoch = task.f.epoch;
+        SweepResult result;
+        ASSERT_TRUE(relax_vertex(whole.f, whole.rings, whole.weight.data(), whole.base, whole.star, result));
+        const Values before = task.values;
+        const bool moved = relax_vertex(shared, task.rings, task.weight.data(), task.base, task.star, result);
+        EXPECT_EQ(moved, first + second <= Foliation::most_inside);
+        EXPECT_EQ(shared.outside, !moved);
+        EXPECT_EQ(task.values, moved ? whole.values : before);
+    }
+}
+
+// The only way down from the base leads over a vertex beside it, of the same height.  A task cannot know that where the
+// vertex is not inside of its block.
+TEST(SweepTask, AsksNothingOfAVertexBeyond) {
+    const std::map<uint32_t, int64_t> height{{Hill::base, 400},     {Hill::at(5, 4), 400}, {Hill::at(4, 2), 400},
+                                             {Hill::at(3, 3), 421}, {Hill::at(3, 2), 410}, {Hill::at(4, 1), 310}};
+    for (const bool inside : {false, true}) {
+        SCOPED_TRACE(inside);
+        Hill whole(height), task(height);
+        std::vector<uint32_t> block(task.f.mesh.vertex_count, 0);
+        block[Hill::at(4, 2)] = !inside;
+        Foliation shared;
+        ASSERT_TRUE(shared.share(task.f, block.data(), task.memory));
+        shared.epoch = task.f.epoch;
+        SweepResult result;
+        EXPECT_TRUE(relax_vertex(whole.f, whole.rings, whole.weight.data(), whole.base, whole.star, result));
+        const Values before = task.values;
+        EXPECT_EQ(relax_vertex(shared, task.rings, task.weight.data(), task.base, task.star, result), inside);
+        EXPECT_EQ(shared.outside, !inside);
+        EXPECT_EQ(task.values, inside ? whole.values : before);
+    }
 }

@@ -1,4 +1,5 @@
 // The table of the options of hmf quads, which runs as hmf solve does.
+#include "render.hpp"
 #include "solve.hpp"
 
 namespace cli {
@@ -9,6 +10,7 @@ Options quads_options(SolveRequest& r) {
     r.relax = 40;
     r.merges = true;
     r.refine = 2000;
+    r.pattern = static_cast<int32_t>(Pattern::quads);
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
         Option{"OUT", &r.quads, "", "quad mesh, .obj .ply .off, or .glb (two triangles for each quad)"}.writes(
@@ -30,6 +32,11 @@ Options quads_options(SolveRequest& r) {
                "as it is; not with --loops FILE"}
             .in("[0, 1000000]"),
         threads_option(r),
+        Option{"--image", &r.image, "FILE.png", "picture of the quads; irregular vertices and loops are marked"}.writes(
+            ".png"),
+        camera_option(r),
+        image_size_option(r),
+        legend_option(r),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
         Option{"--save-loops", &r.save_loops, "FILE", "the loops on this mesh, as --loops reads them"}.writes(""),
         Option{"--save-marks", &r.save_marks, "FILE", "the marked vertices, as --marks reads them"}.writes(""),

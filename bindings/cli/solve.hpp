@@ -54,6 +54,9 @@ Option weights_option(SolveRequest& request);
 Option marks_option(SolveRequest& request);
 Option mollify_option(SolveRequest& request);
 Option threads_option(SolveRequest& request);
+Option camera_option(SolveRequest& request);
+Option image_size_option(SolveRequest& request);
+Option legend_option(SolveRequest& request);
 // Of every command that reads a mesh.
 Option repair_option(bool& target);
 Option join_option(bool& target);

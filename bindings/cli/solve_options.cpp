@@ -55,6 +55,21 @@ Option threads_option(SolveRequest& r) {
         "[1, 256]");
 }
 
+Option camera_option(SolveRequest& r) {
+    return Option{"--camera", &r.camera, "VIEW",
+                  "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"
+                  "bottom, corner, or a direction X,Y,Z or with what is above X,Y,Z,UX,UY,UZ"}
+        .requires_one_of("--image");
+}
+
+Option image_size_option(SolveRequest& r) {
+    return Option{"--image-size", &r.image_size, "WxH", "pixels of the picture"}.requires_one_of("--image");
+}
+
+Option legend_option(SolveRequest& r) {
+    return Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image");
+}
+
 Option mollify_option(SolveRequest& r) {
     return Option{"--mollify", &r.mollify, "X",
                   "accept triangles without area: margin of the triangle inequalities,\n"
@@ -122,16 +137,13 @@ Options solve_options(SolveRequest& r) {
                "of the picture: stripes along the leaves, squares of (u, v), the grid of --quads,\n"
                "how far from conformal (u, v) is, or how wide stripes are: white average, red narrow, blue wide"}
             .requires_one_of("--image"),
-        Option{"--camera", &r.camera, "VIEW",
-               "picture from: auto (where most zeros and loops are seen), front, back, left, right, top,\n"
-               "bottom, corner, or a direction X,Y,Z or with what is above X,Y,Z,UX,UY,UZ"}
-            .requires_one_of("--image"),
-        Option{"--image-size", &r.image_size, "WxH", "pixels of the picture"}.requires_one_of("--image"),
+        camera_option(r),
+        image_size_option(r),
         Option{"--period", &r.period, "X",
                "of stripes and squares, in the unit of the weights; each cylinder gets a whole number of them"}
             .in("(0, inf)")
             .requires_one_of("--image --obj --textured"),
-        Option{"--legend", &r.legend, "", "picture: what the colours mean"}.requires_one_of("--image"),
+        legend_option(r),
         Option{"--obj", &r.obj, "FILE.obj",
                "mesh with (u, v) per corner as texture coordinates;\n"
                "FILE.mtl and FILE.png (a checkerboard) come with it"}

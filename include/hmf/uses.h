@@ -322,7 +322,7 @@ typedef struct hmf_chart_set {
  * Charts without overlap in the unit square, for painting and baking: every
  * triangle has its own place there.
  *
- *   foliation   harmonic up to a residual_max of 1e-2, on a closed surface
+ *   foliation   harmonic up to a residual_max of 1e-2; with boundary on level 0
  *
  * Each cylinder of the foliation is a rectangle in (u, v) of hmf_parameterize.
  * Rectangles are cut open, joined along critical leaves where that saves seams
@@ -331,15 +331,17 @@ typedef struct hmf_chart_set {
  * Charts are images of (u, v) under a turn by a multiple of 90 degrees and a scale
  * of their own, with which areas of all charts are in proportion to those in
  * space: conformal as (u, v) is.  Triangles that (u, v) turns over are turned back
- * by moving a vertex, or become charts of their own, as they are in space; those
- * that overlap another one do so as well.  Orientation is that of the triangles.
+ * by moving a vertex, or lie next to a neighbour as they are in space, flatter where
+ * there is no room for that; those that overlap another one lie next to a neighbour,
+ * too.  What finds no room becomes a chart of its own.  Orientation is that of the triangles.
  *
  * No two triangles of a chart have common inner points, but for collapsed ones:
  * that is checked in integers, on a grid of 2^28 units along the root of the area.
  * Charts are as far apart as the margin along u or along v.  Fewer, larger charts
- * come from even loops and weights: hmf_even_design.
+ * come from even loops and weights: hmf_even_design.  Of a surface with boundary charts
+ * are straight where they end at it, and edges of the boundary are no seams.
  *
- * Errors: HMF_ERROR_UNSUPPORTED with boundary, if the margin is too large for so many
+ * Errors: HMF_ERROR_UNSUPPORTED on coarser levels of a surface with boundary, if the margin is too large for so many
  * charts, or if a chart is 1000 times as long as the square, as triangles nearly without
  * area make it; HMF_ERROR_VALUE_NOT_HARMONIC; classes 100, 200, 500.
  */

@@ -34,22 +34,26 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     if (entry.check(out) || read_options(options, all, "hmf_atlas_options", call)) return call.status();
     if (!(all.margin >= 0 && all.margin <= LARGEST_MARGIN))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "margin must lie in [0, 1/16]; 0 means 1/512.");
-    if (foliation->hierarchy->is_double())
-        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                         "Atlases are not available on surfaces with boundary in this version.");
     const hmf_hierarchy& h = *foliation->hierarchy;
     const size_t level = foliation->level;
+    if (h.is_double() && level > 0)
+        return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_LEVEL, level,
+                         "Level %llu is one of the closed double of the surface. Carry the foliation to level 0 with "
+                         "hmf_interpolate.",
+                         static_cast<unsigned long long>(level));
     const double* position = h.levels[level].position;
     FlatOf flat;
     const auto improve = [&](State& state, double&) { return check_harmonic(state, HARMONIC_TOLERANCE, call); };
     if (const hmf_status status = flat.find(*foliation, entry, improve)) return status;
     Leaves leaves;
+    Reflection reflection;
     Strips strips;
     Atlas made;
     Array<uint32_t> side;
-    if (leaves.load(*foliation, call)) return call.status();
+    if (leaves.load(*foliation, call, &reflection)) return call.status();
     const Foliation& f = leaves.state.foliation;
-    if (strips.build(f, leaves.cylinders, *flat.flat, foliation->unit / flat.unit, call)
+    if (strips.build(f, leaves.cylinders, *flat.flat, h.is_double() ? &reflection : nullptr,
+                     foliation->unit / flat.unit, call)
         || made.build(f.mesh, position, flat.flat->bundle, strips, all.margin > 0 ? all.margin : MARGIN, call))
         return call.status();
     AtlasMeasures measures;
@@ -57,7 +61,7 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     if (measure_atlas(made, f.mesh, position, side, measures, call)) return call.status();
     hmf_chart_set counts{};
     counts.struct_size = sizeof counts;
-    counts.triangle_count = side.size();
+    counts.triangle_count = h.shown_triangles(level);
     counts.chart_count = made.chart_count;
     counts.used_area = made.used_area;
     counts.collapsed_triangles = made.collapsed;
@@ -65,8 +69,8 @@ extern "C" hmf_status hmf_atlas(const hmf_foliation* foliation, const hmf_atlas_
     counts.seam_edge_count = measures.seam_edges;
     counts.seam_length = measures.seam_length / h.scale;
     ResultBlock block;
-    block.room(counts, counts.corner_uv, 6 * side.size());
-    block.room(counts, counts.triangle_chart, side.size());
+    block.room(counts, counts.corner_uv, 6 * counts.triangle_count);
+    block.room(counts, counts.triangle_chart, counts.triangle_count);
     hmf_chart_set* result = block.make(counts, h, call);
     if (!result) return call.status();
     if (write_charts(made, f.mesh, side, *result, call)) {

@@ -25,7 +25,7 @@ public:
     }
 
     // Allocates the block and copies the structure and the sources into it.
-    // nullptr: out of memory.
+    // nullptr: out of memory, here or earlier in the call.
     template <class Structure>
     Structure* make(const Structure& structure, const hmf_hierarchy& hierarchy, Call& call) {
         return static_cast<Structure*>(make_bytes(&structure, sizeof structure, hierarchy, call));

@@ -25,7 +25,8 @@ public:
         if (!outline(out) || find_margin()) return call_.status() ? call_.status() : call_.out_of_memory();
         if (packer_.search(THOROUGH, call_)) return call_.status();
         if (!out.uv.allocate_filled(call_.memory, size_t{4} * pieces_.mesh.edge_count, 0)) return call_.out_of_memory();
-        for (uint32_t t = 0; t < pieces_.side.size(); ++t) place(t, out);
+        for (uint32_t t = 0; t < pieces_.side.size(); ++t)
+            if (grid_.chart[t] != NONE) place(t, out);
         out.used_area = area_ / (packer_.side() * packer_.side());
         return HMF_OK;
     }
@@ -47,6 +48,7 @@ private:
         out.collapsed = 0;
         for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
             const uint32_t c = grid_.chart[t];
+            if (c == NONE) continue;
             ++first_[c];
             for_corners(t, [&](uint32_t h) {
                 const double x = static_cast<double>(grid_.x[h]), y = static_cast<double>(grid_.y[h]);
@@ -57,7 +59,8 @@ private:
             area_ += static_cast<double>(twice) / 2;
         }
         for (uint32_t c = 0, sum = 0; c <= n; ++c) sum = first_[c] += sum;
-        for (uint32_t t = 0; t < pieces_.side.size(); ++t) faces_[--first_[grid_.chart[t]]] = t;
+        for (uint32_t t = 0; t < pieces_.side.size(); ++t)
+            if (grid_.chart[t] != NONE) faces_[--first_[grid_.chart[t]]] = t;
         return true;
     }
 

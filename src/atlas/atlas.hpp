@@ -10,7 +10,7 @@ namespace hmf {
 
 struct Atlas {
     Array<double> uv;      // per half-edge 2: of the corner origin(h) of face(h)
-    Array<uint32_t> chart; // per face
+    Array<uint32_t> chart; // per face; NONE behind
     uint32_t chart_count = 0;
     double used_area = 0;   // of the square
     uint64_t collapsed = 0; // triangles

@@ -45,7 +45,9 @@ hmf_status measure_atlas(const Atlas& atlas, const Mesh& mesh, const double* pos
     out.unevenness = variance > 0 ? std::sqrt(variance) : 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
         if (e % STRIDE == 0 && !call.tick(0.99)) return call.was_cancelled();
-        if (atlas.is_joined(mesh, e)) continue;
+        if (atlas.chart[mesh.face[2 * e]] == NONE || atlas.chart[mesh.face[2 * e + 1]] == NONE
+            || atlas.is_joined(mesh, e))
+            continue;
         ++out.seam_edges;
         out.seam_length += edge_length(mesh, position, e);
     }

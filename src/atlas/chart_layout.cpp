@@ -29,7 +29,9 @@ Done ChartLayout::place_faces() {
         return false;
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         if (t % 65536 == 0 && !call_.tick(0.89)) return false;
-        const uint32_t p = pieces_.strips.piece[t], c = plan_.charts.of_piece[p];
+        const uint32_t p = pieces_.strips.piece[t];
+        if (p == NONE) continue;
+        const uint32_t c = plan_.charts.of_piece[p];
         const Motion& m = plan_.charts.motion[p];
         double u = 0, v = 0;
         uint32_t h = pieces_.side[t];
@@ -99,10 +101,11 @@ Done ChartLayout::smooth_edges() {
     for (int pass = 0; pass < PASSES; ++pass)
         for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t) {
             if (t % 65536 == 0 && !call_.tick(0.89)) return false;
-            if (moved[t]) continue;
+            if (moved[t] || grid_.chart[t] == NONE) continue;
             uint32_t h = pieces_.side[t];
             for (int k = 0; k < 3 && !moved[t]; ++k, h = pieces_.mesh.next[h]) {
-                if (is_joined(pieces_.mesh, grid_, edge_of(h))) continue;
+                if (is_joined(pieces_.mesh, grid_, edge_of(h)) || grid_.chart[pieces_.mesh.face[twin(h)]] == NONE)
+                    continue;
                 const uint32_t chart = grid_.chart[t];
                 const double before = joined(t);
                 const Motion m = over(h);
@@ -237,6 +240,7 @@ Done ChartLayout::scale_to_grid() {
         return false;
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         const uint32_t c = grid_.chart[t];
+        if (c == NONE) continue;
         area[c] += pieces_.twice_area(pieces_.side[t]);
         image[c] += pieces_.image_area(pieces_.side[t]) * static_cast<double>(pieces_.mirror);
         uint32_t h = pieces_.side[t];
@@ -249,6 +253,7 @@ Done ChartLayout::scale_to_grid() {
         to_grid[c] = GRID * (image[c] > 0 ? std::sqrt(2 * area[c] / (pieces_.whole_area * image[c])) : 0);
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         const uint32_t c = grid_.chart[t];
+        if (c == NONE) continue;
         const auto put = [&](int64_t x) {
             return static_cast<int64_t>(std::floor(std::min(static_cast<double>(x) * to_grid[c] + 0.5, 4 * GRID)));
         };
@@ -261,8 +266,8 @@ Done ChartLayout::scale_to_grid() {
     return call_.tick(0.89);
 }
 
-// A triangle as it is in space, as a chart of its own.
-void ChartLayout::lay_alone(uint32_t t) {
+// A triangle as it is in space.
+void ChartLayout::lay_as_in_space(uint32_t t) {
     const double unit = GRID / std::sqrt(pieces_.whole_area / 2);
     const Mesh& mesh = pieces_.mesh;
     const uint32_t h = pieces_.side[t], n = mesh.next[h], p = mesh.next[n];
@@ -281,26 +286,82 @@ void ChartLayout::lay_alone(uint32_t t) {
     grid_.x[p] = put(left + foot);
     grid_.y[h] = grid_.y[n] = 0;
     grid_.y[p] = put(height);
-    grid_.chart[t] = grid_.chart_count++;
 }
 
-// Triangles that overlap go over to a neighbour where they do not or, if there is none, become charts of their
-// own.
+// Triangles that overlap go over to a neighbour where they do not, those that are turned over with the shape that
+// they have in space, flatter if there is no room for it; if there is none at all, they become charts of their own.
 Done ChartLayout::take_overlaps_out() {
     Array<uint8_t> bad;
     if (!turn_back(pieces_.mesh, pieces_.side, grid_, call_)
         || !find_overlaps(pieces_.mesh, pieces_.side, grid_, SPECK, bad, call_))
         return false;
+    for (uint32_t t = 0; t < pieces_.side.size(); ++t)
+        if (bad[t] && grid_area(pieces_.mesh, grid_, pieces_.side[t]) <= 0) lay_as_in_space(t);
     for (int pass = 0; pass < PASSES; ++pass)
         for (uint32_t t = 0, tried = 0; t < pieces_.side.size() && tried < MOST_TRIED; ++t) {
             if (!bad[t]) continue;
             ++tried;
             if (!call_.tick(0.89)) return false;
-            if (go_over(pieces_.mesh, pieces_.side, bad, t, grid_)) bad[t] = 0;
+            const double flatter = pass == 0 ? 1 : pass == 1 ? 0.5 : 0.125;
+            if (go_over(pieces_.mesh, pieces_.side, bad, t, flatter, grid_)) bad[t] = 0;
         }
-    for (uint32_t t = 0; t < pieces_.side.size(); ++t)
-        if (bad[t]) lay_alone(t);
-    return separate();
+    for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
+        if (!bad[t]) continue;
+        lay_as_in_space(t);
+        grid_.chart[t] = grid_.chart_count++;
+    }
+    return separate() && dissolve_small();
+}
+
+// Charts of a few triangles, which those between them and theirs have left, go over to neighbours.
+Done ChartLayout::dissolve_small() {
+    const uint32_t n = static_cast<uint32_t>(pieces_.side.size());
+    Array<uint32_t> count;
+    Array<uint8_t> moves;
+    if (!count.allocate_filled(call_.memory, grid_.chart_count, 0) || !moves.allocate_filled(call_.memory, n, 0))
+        return false;
+    for (const uint32_t c : grid_.chart)
+        if (c != NONE) ++count[c];
+    struct Corner {
+        uint32_t half_edge, chart;
+        int64_t x, y;
+    };
+    Array<Corner> before;
+    before.start(call_.memory);
+    uint32_t tried = 0;
+    for (uint32_t c = 0; c < grid_.chart_count && tried < MOST_TRIED; ++c) {
+        if (count[c] > n / 1000) continue;
+        before.clear();
+        uint32_t left = 0;
+        for (uint32_t t = 0; t < n; ++t) {
+            if (grid_.chart[t] != c) continue;
+            moves[t] = 1;
+            ++left;
+            uint32_t h = pieces_.side[t];
+            for (int k = 0; k < 3; ++k, h = pieces_.mesh.next[h])
+                if (!before.push({h, c, grid_.x[h], grid_.y[h]})) return false;
+        }
+        for (uint32_t last = left + 1; left > 0 && left < last;) {
+            last = left;
+            for (size_t i = 0; i < before.size(); i += 3) {
+                const uint32_t t = pieces_.mesh.face[before[i].half_edge];
+                if (!moves[t]) continue;
+                ++tried;
+                if (!call_.tick(0.89)) return false;
+                for (const double flatter : {1.0, 0.5, 0.125})
+                    if (moves[t] && go_over(pieces_.mesh, pieces_.side, moves, t, flatter, grid_)) moves[t] = 0, --left;
+            }
+        }
+        for (size_t i = 0; i < before.size(); ++i) {
+            const uint32_t t = pieces_.mesh.face[before[i].half_edge];
+            moves[t] = 0;
+            if (left == 0) continue;
+            grid_.chart[t] = c;
+            grid_.x[before[i].half_edge] = before[i].x;
+            grid_.y[before[i].half_edge] = before[i].y;
+        }
+    }
+    return number_charts();
 }
 
 // A chart for each part in one piece.
@@ -311,7 +372,8 @@ Done ChartLayout::separate() {
     for (uint32_t e = 0; e < pieces_.mesh.edge_count; ++e)
         if (is_joined(pieces_.mesh, grid_, e))
             unite(part.data(), pieces_.mesh.face[2 * e], pieces_.mesh.face[2 * e + 1]);
-    for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t) grid_.chart[t] = find_root(part.data(), t);
+    for (uint32_t t = 0; t < pieces_.mesh.face_count; ++t)
+        if (grid_.chart[t] != NONE) grid_.chart[t] = find_root(part.data(), t);
     grid_.chart_count = pieces_.mesh.face_count;
     return number_charts();
 }

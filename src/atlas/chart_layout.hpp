@@ -30,8 +30,9 @@ private:
     Done number_charts();
     Done scale_to_grid();
     Done take_overlaps_out();
-    void lay_alone(uint32_t face);
+    void lay_as_in_space(uint32_t face);
     Done separate();
+    Done dissolve_small();
 
     const FlatPieces& pieces_;
     const ChartPlan& plan_;

@@ -122,12 +122,14 @@ Done ChartPlan::list_faces() {
     if (!of_chart_.allocate_filled(call_.memory, size_t{charts.count} + 1, 0)
         || !faces_.allocate(call_.memory, pieces_.side.size()))
         return false;
-    for (const uint32_t p : pieces_.strips.piece) ++of_chart_[charts.of_piece[p]];
+    for (const uint32_t p : pieces_.strips.piece)
+        if (p != NONE) ++of_chart_[charts.of_piece[p]];
     for (uint32_t c = 0, sum = 0; c <= charts.count; ++c) sum = of_chart_[c] += sum;
     for (uint32_t t = 0; t < pieces_.side.size(); ++t) {
         if (t % 65536 == 0 && !call_.tick(0.88)) return false;
         const uint32_t p = pieces_.strips.piece[t], h = pieces_.side[t], n = pieces_.mesh.next[h],
                        q = pieces_.mesh.next[n];
+        if (p == NONE) continue;
         const Motion& m = charts.motion[p];
         const auto middle = [&](const Array<int64_t>& x, int64_t off) {
             return (static_cast<double>(m.sign * x[h] + off) + static_cast<double>(m.sign * x[n] + off)

@@ -47,7 +47,7 @@ void Charts::find_boxes(const Strips& strips) {
         const Strip& strip = strips.list[c];
         const uint32_t begin = strip.first_piece, end = strips.list[c + 1].first_piece;
         for (uint32_t p = begin; p < end; ++p) {
-            const int64_t to = p + 1 < end ? strips.cuts[p + 1] : strips.cuts[begin] + strip.period;
+            const int64_t to = p + 1 < end ? strips.cuts[p + 1] : strips.cuts[begin] + strip.length;
             box[p] = {static_cast<double>(strip.low), static_cast<double>(strips.cuts[p]),
                       static_cast<double>(strip.high), static_cast<double>(to)};
         }
@@ -59,7 +59,7 @@ hmf_status Charts::find_contacts(const Mesh& mesh, const SignBundle& bundle, con
         if (e % 65536 == 0 && !call.tick(0.87)) return call.was_cancelled();
         uint32_t h = 2 * e, t = 2 * e + 1;
         uint32_t p = strips.piece[mesh.face[h]], q = strips.piece[mesh.face[t]];
-        if (p == q) continue;
+        if (p == q || p == NONE || q == NONE) continue;
         if (p > q) std::swap(p, q), std::swap(h, t);
         const int64_t sign = strips.sign[mesh.face[h]] * strips.sign[mesh.face[t]] * bundle.turn[e];
         const uint32_t n_h = mesh.next[h], n_t = mesh.next[t];

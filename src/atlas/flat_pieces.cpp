@@ -31,8 +31,11 @@ hmf_status FlatPieces::measure(Call& call) {
     const uint32_t n = strips.piece_count();
     if (!area.allocate_filled(call.memory, n, 0) || !image.allocate_filled(call.memory, n, 0))
         return call.out_of_memory();
+    size_t count = 0;
     for (uint32_t t = 0; t < side.size(); ++t) {
         const uint32_t p = strips.piece[t];
+        if (p == NONE) continue;
+        ++count;
         area[p] += twice_area(side[t]);
         image[p] += image_area(side[t]);
     }
@@ -44,7 +47,7 @@ hmf_status FlatPieces::measure(Call& call) {
     mirror = sum < 0 ? -1 : 1;
     for (double& x : image) x *= static_cast<double>(mirror);
     whole = std::fabs(sum) / 2;
-    triangle = 1.5 * std::sqrt(2 * whole / static_cast<double>(side.size()));
+    triangle = 1.5 * std::sqrt(2 * whole / static_cast<double>(count));
     return call.tick(0.86) ? HMF_OK : call.was_cancelled();
 }
 

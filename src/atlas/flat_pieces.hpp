@@ -12,8 +12,8 @@ struct FlatPieces {
     const Strips& strips;
     double margin; // of charts, as a part of the side of the square
 
-    Array<uint32_t> side;             // a half-edge of each face
-    Array<double> area, image;        // per piece, twice: in space, in the plane
+    Array<uint32_t> side;      // a half-edge of each face; with boundary also of those behind, which have no piece
+    Array<double> area, image; // per piece, twice: in space, in the plane
     double whole = 0, whole_area = 0; // image of all; twice the surface
     double triangle = 0;              // length of a side in the plane
     int64_t mirror = 1;               // -1: the plane is turned over

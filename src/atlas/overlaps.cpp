@@ -228,7 +228,7 @@ Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayo
     return true;
 }
 
-bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face,
+bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face, double flatter,
              GridLayout& layout) {
     uint32_t h = side[face];
     if (grid_area(mesh, layout, h) <= 0) return false;
@@ -242,7 +242,7 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
                      by = static_cast<double>(layout.y[p] - layout.y[h]);
         const double square = ax * ax + ay * ay;
         if (!(square > 0)) continue;
-        const double along = (ax * bx + ay * by) / square, left = (ax * by - ay * bx) / square;
+        const double along = (ax * bx + ay * by) / square, left = flatter * (ax * by - ay * bx) / square;
         const int64_t x0 = layout.x[mesh.next[g]], y0 = layout.y[mesh.next[g]];
         const double cx = static_cast<double>(layout.x[g] - x0), cy = static_cast<double>(layout.y[g] - y0);
         const double px = std::floor(along * cx - left * cy + 0.5), py = std::floor(along * cy + left * cx + 0.5);

@@ -28,8 +28,8 @@ Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayo
                    Array<uint8_t>& bad, Call& call);
 
 // Lays a triangle next to one of its neighbours where it overlaps nothing, if there is such a place; `bad` ones are not
-// there.
-bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face,
+// there.  flatter: its height over the side, as a part of what it is.
+bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>& bad, uint32_t face, double flatter,
              GridLayout& layout);
 
 } // namespace hmf

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace hmf {
 
@@ -19,8 +20,10 @@ constexpr uint32_t STRIDE = 65536;
 
 class RollOut {
 public:
-    RollOut(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat, Strips& out, Call& call) :
-        f_(f), mesh_(f.mesh), cylinders_(cylinders), flat_(flat), out_(out), call_(call) {}
+    RollOut(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat, const Reflection* reflection,
+            Strips& out, Call& call) :
+        f_(f),
+        mesh_(f.mesh), cylinders_(cylinders), flat_(flat), reflection_(reflection), out_(out), call_(call) {}
 
     hmf_status run(double to_flat) {
         Memory& memory = call_.memory;
@@ -45,13 +48,15 @@ public:
             strip.low = -strip.high;
             const Crossing* leaf = middle.crossings.data() + middle.offsets[c];
             const size_t length = static_cast<size_t>(middle.offsets[c + 1] - middle.offsets[c]);
-            strip.period = period(leaf, length);
+            strip.period = strip.length = period(leaf, length);
             // Twice: at first the zeros are only nearly where the strip ends.
             for (uint32_t round = 0; round < 2; ++round) {
                 if (!spread(strip, leaf, length, 2 * c + round + 1)) return call_.stopped();
                 if (round == 0) find_sides(strip, static_cast<int64_t>(height));
             }
-            if (!add_cuts(strip)) return call_.stopped();
+            int64_t begin = 0;
+            if (!keep_front(strip, begin)) continue;
+            if (!add_cuts(strip, begin)) return call_.stopped();
         }
         out_.list[n] = {};
         out_.list[n].first_piece = out_.piece_count();
@@ -168,8 +173,57 @@ private:
         if (below && !above) strip.high = strip.low + height;
     }
 
+    bool is_front(uint32_t h) const { return !reflection_ || reflection_->is_front[h]; }
+
+    // Where the boundary runs across a strip.
+    struct Across {
+        int64_t length = 0; // in u
+        int64_t begin = 0;  // v, with the front at larger v
+        bool found = false;
+    };
+    void add_boundary(uint32_t h, int64_t period, Across& a) const {
+        const uint32_t n = mesh_.next[h], p = mesh_.next[n];
+        const int64_t du = std::abs(out_.u[n] - out_.u[h]), dv = std::abs(out_.v[n] - out_.v[h]);
+        if (du <= dv) return;
+        a.length += du;
+        if (a.found || out_.v[p] <= out_.v[h]) return;
+        a.found = true;
+        a.begin = period > 0 ? out_.v[h] % period : 0;
+    }
+
+    // Of a strip of a double: what of it lies in front, and where that begins in v.  False: nothing.
+    bool keep_front(Strip& strip, int64_t& begin) {
+        if (!reflection_) return true;
+        Across across;
+        uint32_t kept = 0;
+        const uint32_t all = reached_;
+        int64_t low = INT64_MAX, high = INT64_MIN;
+        for (uint32_t i = 0; i < all; ++i) {
+            uint32_t h = queue_[i];
+            if (!is_front(h)) continue;
+            queue_[kept++] = h;
+            for (int k = 0; k < 3; ++k, h = mesh_.next[h]) {
+                low = std::min(low, out_.u[h]);
+                high = std::max(high, out_.u[h]);
+                if (reflection_->on_boundary(h)) add_boundary(h, strip.period, across);
+            }
+        }
+        reached_ = kept;
+        // A few triangles over its edge do not make it one of the other side.
+        if (kept < all / 8 || kept == 0) return false;
+        if (kept > all - all / 8) return true;
+        if (across.found && across.length > (strip.high - strip.low) / 2) {
+            strip.length = strip.period / 2;
+            begin = across.begin;
+            return true;
+        }
+        strip.low = std::max(strip.low, low);
+        strip.high = std::min(strip.high, high);
+        return strip.low < strip.high;
+    }
+
     // Cuts at the zeros on the sides, but not closer to each other than a few triangles; at least one.
-    Done add_cuts(const Strip& strip) {
+    Done add_cuts(const Strip& strip, int64_t begin) {
         const int64_t height = strip.high - strip.low, period = strip.period;
         places_.start(call_.memory);
         for (const uint32_t h : zeros_) {
@@ -178,18 +232,23 @@ private:
             if (off > height / 64) continue;
             int64_t v = period > 0 ? out_.v[h] % period : 0;
             if (v < 0) v += period;
+            if (strip.length < period) {
+                v = v < begin ? v + period : v;
+                if (v - begin > strip.length) continue;
+            }
             if (!places_.push(v)) return false;
         }
-        if (places_.empty() && !places_.push(0)) return false;
+        if ((strip.length < period || places_.empty()) && !places_.push(begin)) return false;
         heap_sort(places_.data(), places_.size(), [](int64_t a, int64_t b) { return a < b; });
         const int64_t apart = period / 64;
         const size_t first = out_.cuts.size();
         for (const int64_t v : places_)
-            if (out_.cuts.size() == first || (v - out_.cuts.back() > apart && out_.cuts[first] + period - v > apart))
+            if (out_.cuts.size() == first
+                || (v - out_.cuts.back() > apart && out_.cuts[first] + strip.length - v > apart))
                 if (!out_.cuts.push(v)) return false;
         for (uint32_t i = 0; i < reached_; ++i) {
             const uint32_t h = queue_[i];
-            bring_back(h, period, out_.cuts[first]);
+            bring_back(h, period, out_.cuts[first] - (period - strip.length) / 2);
             const int64_t sum = out_.v[h] + out_.v[mesh_.next[h]] + out_.v[mesh_.prev(h)];
             size_t k = first;
             while (k + 1 < out_.cuts.size() && sum >= 3 * out_.cuts[k + 1]) ++k;
@@ -202,7 +261,7 @@ private:
     Done take_the_rest() {
         uint32_t size = 0;
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
-            if (out_.piece[mesh_.face[h]] != NONE && out_.piece[mesh_.face[twin(h)]] == NONE) add_beyond(h, size);
+            if (out_.piece[mesh_.face[h]] != NONE) add_beyond(h, size);
         for (uint32_t i = 0; i < size; ++i) {
             if (i % STRIDE == 0 && !call_.tick(0.86)) return false;
             uint32_t h = queue_[i];
@@ -212,7 +271,7 @@ private:
     }
     void add_beyond(uint32_t h, uint32_t& size) {
         const uint32_t t = twin(h);
-        if (out_.piece[mesh_.face[t]] != NONE) return;
+        if (out_.piece[mesh_.face[t]] != NONE || !is_front(t)) return;
         lay_beyond(h);
         out_.piece[mesh_.face[t]] = out_.piece[mesh_.face[h]];
         queue_[size++] = t;
@@ -222,6 +281,7 @@ private:
     const Mesh& mesh_;
     const Cylinders& cylinders_;
     const FlatSurface& flat_;
+    const Reflection* reflection_;
     Strips& out_;
     Call& call_;
     Array<int32_t> cone_;
@@ -234,9 +294,9 @@ private:
 
 } // namespace
 
-hmf_status Strips::build(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat, double to_flat,
-                         Call& call) {
-    return RollOut(f, cylinders, flat, *this, call).run(to_flat);
+hmf_status Strips::build(const Foliation& f, const Cylinders& cylinders, const FlatSurface& flat,
+                         const Reflection* reflection, double to_flat, Call& call) {
+    return RollOut(f, cylinders, flat, reflection, *this, call).run(to_flat);
 }
 
 } // namespace hmf
