@@ -410,14 +410,14 @@ class Leaves(Case):
         box = self.write("box.obj", obj_text(corners, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]))
         out, loops, unevenness = self.path("q.obj"), self.path("l.txt"), {}
         for count in ("0", "2000"):
-            done = self.run_tool("quads", box, out, "--refine", count, "--report", self.path("r.json"), "--save-mesh", self.path("m.obj"), "--save-loops", loops)
+            done = self.run_tool("quads", box, out, "--refine", count, "--report", self.path("r.json"), "--save-mesh", self.path("m.obj"), "--save-loops", loops, "--save-marks", self.path("marks.txt"))
             unevenness[count] = json.loads(self.read("r.json"))["unevenness"]
             self.assertEqual("cut into 2000 triangles" in done.stderr, count != "0")
         self.assertLess(unevenness["2000"], 0.7 * unevenness["0"])
-        self.assertEqual(self.read("m.obj").count("\nf "), 2000)
+        self.assertEqual(self.read("m.obj").count(b"\nf "), 2000)
         self.assertIn("cut into 2000 triangles", self.run_tool("quads", box, out).stderr)
         # Loops of a file are on the mesh as it is.
-        self.assertNotIn("cut into", self.run_tool("quads", self.path("m.obj"), out, "--loops", loops, "--refine", "9000").stderr)
+        self.assertNotIn("cut into", self.run_tool("quads", self.path("m.obj"), out, "--loops", loops, "--marks", self.path("marks.txt"), "--refine", "9000").stderr)
 
     def test_places_of_zeros(self):
         folder = self.path("demo")

@@ -98,6 +98,9 @@ TEST(Refine, LeavesOthersAlone) {
     TriangleMesh nothing;
     readers::refine(nothing, 10);
     EXPECT_TRUE(nothing.triangles.empty());
+    TriangleMesh pillow{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 1}};
+    readers::refine(pillow, 10);
+    EXPECT_EQ(pillow.triangle_count(), 2u);
     // A triangle that names a vertex twice, or has no area, is cut like any other.
     TriangleMesh flat{{0, 0, 0, 1, 0, 0, 2, 0, 0}, {0, 1, 2, 0, 0, 2}};
     readers::refine(flat, 40);

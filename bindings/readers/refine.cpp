@@ -1,5 +1,6 @@
 #include "refine.hpp"
 
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -14,7 +15,10 @@ public:
         for (uint32_t t = 0; t < mesh.triangle_count(); ++t) add(t);
     }
 
-    void halve_longest_edge() {
+    // False: there is none.
+    bool halve_longest_edge() {
+        while (!longest_.empty() && !can_be_cut(longest_.rbegin()->second)) longest_.erase(std::prev(longest_.end()));
+        if (longest_.empty()) return false;
         const auto [a, b] = longest_.rbegin()->second;
         const std::set<uint32_t> at_edge = edges_.at({a, b});
         const uint32_t middle = static_cast<uint32_t>(mesh_.vertex_count());
@@ -30,6 +34,7 @@ public:
             add(t);
             add(half);
         }
+        return true;
     }
 
 private:
@@ -47,6 +52,16 @@ private:
     Edge side(uint32_t t, size_t s) const {
         const uint32_t v = mesh_.triangles[3 * t + s], w = mesh_.triangles[3 * t + (s + 1) % 3];
         return v < w ? Edge{v, w} : Edge{w, v};
+    }
+    // Two triangles back to back would get one new edge for both.
+    bool can_be_cut(Edge edge) const {
+        std::set<uint32_t> opposite;
+        for (const uint32_t t : edges_.at(edge))
+            for (size_t c = 0; c < 3; ++c) {
+                const uint32_t v = mesh_.triangles[3 * t + c];
+                if (v != edge.first && v != edge.second && !opposite.insert(v).second) return false;
+            }
+        return true;
     }
     void add(uint32_t t) {
         for (size_t s = 0; s < 3; ++s) {
@@ -75,7 +90,7 @@ private:
 void refine(TriangleMesh& mesh, size_t triangles) {
     if (mesh.triangles.empty() || mesh.triangle_count() >= triangles) return;
     Refinement refinement(mesh);
-    while (mesh.triangle_count() < triangles) refinement.halve_longest_edge();
+    while (mesh.triangle_count() < triangles && refinement.halve_longest_edge()) {}
 }
 
 } // namespace readers
