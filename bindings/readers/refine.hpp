@@ -7,9 +7,9 @@
 
 namespace readers {
 
-// Halves the longest edge, again and again, until there are so many triangles: the surface stays as it is, vertices keep
-// their numbers, new ones come last.  Every triangle at an edge is cut with it, so that a surface stays one, and where
-// three or more meet they still do.  Two triangles with the same three vertices stay.
+// Halves the longest edge, again and again, until there are so many triangles: the surface stays as it is, vertices
+// keep their numbers, new ones come last.  Every triangle at an edge is cut with it, so that a surface stays one, and
+// where three or more meet they still do.  Two triangles with the same three vertices stay.
 //
 //        c                c
 //       / .              /|.
