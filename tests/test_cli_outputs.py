@@ -403,6 +403,22 @@ class Leaves(Case):
         self.assertTrue(surface.is_watertight and surface.is_winding_consistent)
         self.assertEqual(surface.euler_number, -4)
 
+    def test_quads_of_few_triangles(self):
+        """A long box of 12 triangles has no vertices for leaves to bend at."""
+        corners = [(x, y, z) for x in (0, 6) for y in (0, 1) for z in (0, 1)]
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        box = self.write("box.obj", obj_text(corners, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]))
+        out, loops, unevenness = self.path("q.obj"), self.path("l.txt"), {}
+        for count in ("0", "2000"):
+            done = self.run_tool("quads", box, out, "--refine", count, "--report", self.path("r.json"), "--save-mesh", self.path("m.obj"), "--save-loops", loops, "--save-marks", self.path("marks.txt"))
+            unevenness[count] = json.loads(self.read("r.json"))["unevenness"]
+            self.assertEqual("cut into 2000 triangles" in done.stderr, count != "0")
+        self.assertLess(unevenness["2000"], 0.7 * unevenness["0"])
+        self.assertEqual(self.read("m.obj").count(b"\nf "), 2000)
+        self.assertIn("cut into 2000 triangles", self.run_tool("quads", box, out).stderr)
+        # Loops of a file are on the mesh as it is.
+        self.assertNotIn("cut into", self.run_tool("quads", self.path("m.obj"), out, "--loops", loops, "--marks", self.path("marks.txt"), "--refine", "9000").stderr)
+
     def test_places_of_zeros(self):
         folder = self.path("demo")
         self.run_tool("demo", folder)
