@@ -5,12 +5,15 @@
 //     x--x-----x--x      on the edge: they slide along it until they are even
 //     |   |   |   |
 //     o---o---o---o      on the side, held
+#include "../src/quads/fit_quads.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace {
@@ -78,6 +81,18 @@ TEST_F(OnAnEdge, VerticesSlide) {
     }
 }
 
+// Where the quads are slanted against the edge by 45 degrees, their vertices stay on it; at 63 degrees they leave it.
+TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
+    for (const double shift : {0.5, 1.0}) {
+        for (uint32_t i = 0; i < COLUMNS; ++i) {
+            quads.positions[3 * i] = even(i) + shift;
+            quads.positions[3 * (COLUMNS + i)] = even(i);
+        }
+        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, call), HMF_OK);
+        EXPECT_EQ(std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE), shift < 1 ? COLUMNS - 2 : 0);
+    }
+}
+
 // A free row goes to the edge, where the quads cover more of both faces: without that it stays where they are as high
 // as each other, .16 from it.
 TEST_F(OnAnEdge, RowsBesideItGoThere) {
@@ -103,4 +118,45 @@ TEST_F(OnAnEdge, FinerQuadsStay) {
         EXPECT_TRUE(hmf::is_sharp(mesh, made.positions.data(), quads.sides[v]));
     }
     EXPECT_EQ(sliding, (COLUMNS - 2) + (COLUMNS - 3)); // where both ends slide
+}
+
+// A grid in a plane, held at its rim and displaced most in the middle: steps that go on with a part of the one before
+// get further than as many that each begin at rest.
+TEST(RelaxQuads, StepsGoOn) {
+    constexpr int N = 16, STEPS = 40;
+    test::MadeMesh made(
+        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
+    const Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    const auto off_after = [&](int calls, int steps) {
+        hmf::QuadMesh quads;
+        quads.start(memory);
+        const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+        const double turn = 3.141592653589793 / N;
+        bool room = true;
+        for (int i = 0; i <= N; ++i)
+            for (int j = 0; j <= N; ++j) {
+                const bool rim = i == 0 || j == 0 || i == N || j == N;
+                room = room && quads.positions.push(i + 0.8 * std::sin(turn * i) * std::sin(turn * j))
+                    && quads.positions.push(j) && quads.positions.push(0) && quads.sides.push(side)
+                    && quads.held.push(rim);
+            }
+        for (uint32_t i = 0; i < N; ++i)
+            for (uint32_t j = 0; j < N; ++j)
+                for (const uint32_t v :
+                     {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
+                    room = room && quads.quads.push(v);
+        EXPECT_TRUE(room);
+        for (int k = 0; k < calls; ++k)
+            EXPECT_EQ(hmf::relax_quads(mesh, position, steps, hmf::Untangle::all, false, quads, call), HMF_OK);
+        double most = 0;
+        for (uint32_t i = 0; i <= N; ++i)
+            for (uint32_t j = 0; j <= N; ++j)
+                most = std::max(most, std::fabs(quads.positions[3 * (i * (N + 1) + j)] - i));
+        return most;
+    };
+    EXPECT_GT(off_after(0, 0), 0.79);
+    EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
 }
