@@ -7,6 +7,8 @@
 // are reached; a few bytes may then spoil it.
 //
 //     bytes -> surface, options -> components, hierarchy -> loops -> initial foliation, solve -> calls on it
+#include <numeric>
+
 #include "interface/calls.hpp"
 #include "interface/components.hpp"
 
@@ -18,6 +20,7 @@ class Session {
 public:
     Session(const uint8_t* data, size_t size) : bytes_(data, size) {
         meter_now = &meter_;
+        charts_now = std::accumulate(data, data + size, 0u) % 8 == 0;
         build_.allocate = Meter::take;
         build_.release = Meter::give;
         build_.allocator_user = &meter_;

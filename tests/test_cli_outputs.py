@@ -250,6 +250,17 @@ class Outputs(Case):
         self.assertEqual(self.read("a.glb")[:4], b"glTF")
         self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
+    def test_coordinates_beyond_floats(self):
+        huge = self.path("huge.obj")
+        with open(self.mesh) as old, open(huge, "w") as new:
+            for line in old:
+                words = line.split()
+                new.write(" ".join(["v", *(repr(1e60 * float(w)) for w in words[1:4])]) + "\n" if words[:1] == ["v"] else line)
+        for option in ("--textured", "--atlas"):
+            self.refused(3, "solve", huge, option, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.refused(3, "quads", huge, self.path("h.glb"), says=["3.4e38", ".obj"])
+        self.run_tool("solve", huge, "--quads", self.path("h.obj"))
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")
@@ -391,6 +402,22 @@ class Leaves(Case):
         surface = trimesh.load(quads, process=False)
         self.assertTrue(surface.is_watertight and surface.is_winding_consistent)
         self.assertEqual(surface.euler_number, -4)
+
+    def test_quads_of_few_triangles(self):
+        """A long box of 12 triangles has no vertices for leaves to bend at."""
+        corners = [(x, y, z) for x in (0, 6) for y in (0, 1) for z in (0, 1)]
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        box = self.write("box.obj", obj_text(corners, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]))
+        out, loops, unevenness = self.path("q.obj"), self.path("l.txt"), {}
+        for count in ("0", "2000"):
+            done = self.run_tool("quads", box, out, "--refine", count, "--report", self.path("r.json"), "--save-mesh", self.path("m.obj"), "--save-loops", loops, "--save-marks", self.path("marks.txt"))
+            unevenness[count] = json.loads(self.read("r.json"))["unevenness"]
+            self.assertEqual("cut into 2000 triangles" in done.stderr, count != "0")
+        self.assertLess(unevenness["2000"], 0.7 * unevenness["0"])
+        self.assertEqual(self.read("m.obj").count(b"\nf "), 2000)
+        self.assertIn("cut into 2000 triangles", self.run_tool("quads", box, out).stderr)
+        # Loops of a file are on the mesh as it is.
+        self.assertNotIn("cut into", self.run_tool("quads", self.path("m.obj"), out, "--loops", loops, "--marks", self.path("marks.txt"), "--refine", "9000").stderr)
 
     def test_places_of_zeros(self):
         folder = self.path("demo")

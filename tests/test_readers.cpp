@@ -434,6 +434,13 @@ TEST(ReadMesh, NoHeaderIsBelieved) {
     });
 }
 
+TEST(ReadMesh, OldLineEnds) {
+    const std::string lines = "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r";
+    expect_refused(lines, Format::off, {":1:", "carriage returns alone"});
+    expect_refused("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", Format::obj, {":1:", "carriage returns alone"});
+    expect_refused("ply\rformat ascii 1.0\rend_header\r", Format::ply, {"carriage returns alone"});
+}
+
 // --- Numbers of points -----------------------------------------------------------
 
 TEST(PointNumbers, PointsThatCollideOnPurpose) {

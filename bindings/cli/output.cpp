@@ -1,8 +1,10 @@
 #include "output.hpp"
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "failure.hpp"
 
@@ -32,6 +34,13 @@ void Output::close() {
     const bool unclosed = file_ != stdout && std::fclose(file_) != 0;
     file_ = nullptr;
     if (failed || unclosed) refuse(path_, "cannot be written to the end");
+}
+
+float single_precision(double coordinate) {
+    if (!(std::fabs(coordinate) <= double(std::numeric_limits<float>::max())))
+        throw Failure(EXIT_BAD_INPUT, "a coordinate is larger than 3.4e38, and this format has floats; scale the mesh, "
+                                      "or write .obj");
+    return static_cast<float>(coordinate);
 }
 
 void check_writable(const std::string& path) {

@@ -20,6 +20,9 @@ private:
     std::FILE* file_;
 };
 
+// A coordinate in a file that has floats; throws Failure(EXIT_BAD_INPUT) where it is larger than all of them.
+float single_precision(double coordinate);
+
 // Throws unless a file of this name can be made: asked before the work, not after.
 void check_writable(const std::string& path);
 

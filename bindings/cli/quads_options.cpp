@@ -9,6 +9,7 @@ Options quads_options(SolveRequest& r) {
     r.count = 5000;
     r.relax = 40;
     r.merges = true;
+    r.refine = 2000;
     r.pattern = static_cast<int32_t>(Pattern::quads);
     return {
         Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
@@ -26,6 +27,10 @@ Options quads_options(SolveRequest& r) {
         repair_option(r.repairs),
         join_option(r.joins),
         mollify_option(r),
+        Option{"--refine", &r.refine, "N",
+               "a mesh of fewer triangles is cut into so many at its longest edges, which leaves the surface\n"
+               "as it is; not with --loops FILE"}
+            .in("[0, 1000000]"),
         threads_option(r),
         Option{"--image", &r.image, "FILE.png", "picture of the quads; irregular vertices and loops are marked"}.writes(
             ".png"),

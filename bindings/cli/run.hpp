@@ -31,6 +31,7 @@ public:
 private:
     // Input.
     void read();
+    void refine();
     void split();
     void build();
     // Gives each marked vertex of the caller to its component.

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "../readers/components.hpp"
+#include "../readers/refine.hpp"
 #include "draw_loops.hpp"
 #include "marks.hpp"
 #include "read_mesh.hpp"
@@ -26,6 +27,7 @@ void Run::read() {
     if (repairs_.count() > 0 && r_.save_mesh.empty() && !outputs_of(options_).empty())
         std::fprintf(stderr, "%s: the outputs refer to the repaired mesh; --save-mesh FILE.obj writes it\n",
                      name_.c_str());
+    refine();
     if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
     if (kind_ != 0 || has_start_) return;
     if (!r_.through.empty()) {
@@ -39,6 +41,17 @@ void Run::read() {
         throw Failure(EXIT_RESOURCES, "--loops: neither a kind of loops nor a file that can be read has the name \""
                                           + r_.loops + "\"; the kinds are cut, handle, tunnel, pants and even");
     }
+}
+
+// Loops of a file are on the mesh as it is.
+void Run::refine() {
+    const bool of_file = kind_ == 0 && r_.through.empty();
+    if (mesh_.triangle_count() >= r_.refine || of_file) return;
+    readers::refine(mesh_, r_.refine);
+    std::fprintf(stderr, "%s: cut into %zu triangles%s\n", name_.c_str(), mesh_.triangle_count(),
+                 r_.save_mesh.empty() && !(r_.save_loops.empty() && r_.save_marks.empty())
+                     ? "; loops and marks refer to them, --save-mesh FILE.obj writes them"
+                     : "");
 }
 
 void Run::split() {

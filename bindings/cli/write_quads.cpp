@@ -78,7 +78,7 @@ std::string glb_of(const Components& components, uint64_t vertices, uint64_t qua
     bool first = true;
     for (const Owned<hmf_quad_mesh>& mesh : components)
         for (uint64_t i = 0; i < 3 * mesh->vertex_count; ++i) {
-            const float x = static_cast<float>(mesh->positions[i]);
+            const float x = single_precision(mesh->positions[i]);
             const size_t axis = i % 3;
             if (first || x < low[axis]) low[axis] = x;
             if (first || x > high[axis]) high[axis] = x;

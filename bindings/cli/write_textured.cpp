@@ -143,7 +143,7 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
     float low[3] = {}, high[3] = {};
     for (size_t n = 0; n < points.corner.size(); ++n)
         for (size_t i = 0; i < 3; ++i) {
-            const float x = static_cast<float>(f.positions[3 * size_t{f.triangles[points.corner[n]]} + i]);
+            const float x = single_precision(f.positions[3 * size_t{f.triangles[points.corner[n]]} + i]);
             low[i] = n ? std::min(low[i], x) : x;
             high[i] = n ? std::max(high[i], x) : x;
             put(binary, x);

@@ -40,8 +40,19 @@ std::optional<Format> format_of_content(std::string_view bytes) {
     return {};
 }
 
+namespace {
+
+// As programs for the Macintosh wrote them once.
+bool has_old_line_ends(std::string_view bytes) {
+    return bytes.find('\n') == bytes.npos && bytes.find('\r') != bytes.npos;
+}
+
+} // namespace
+
 TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour) {
     if (bytes.empty()) throw MeshError("the file is empty");
+    if (format != Format::stl && format != Format::gltf && has_old_line_ends(bytes))
+        throw MeshError("the lines end in carriage returns alone; save the file with line feeds", 1);
     TriangleMesh mesh;
     switch (format) {
     case Format::obj: mesh = read_obj(bytes); break;

@@ -53,6 +53,8 @@ struct Stop {
 
 inline Meter* meter_now = nullptr;
 inline size_t marks_now = 0;
+// Charts for this input?  Packing them takes ten times as long as all the rest.
+inline bool charts_now = false;
 
 // Of all singularities of a foliation; marked vertices take their share.
 inline int64_t index_sum(const hmf_hierarchy* h) {

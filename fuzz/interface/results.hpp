@@ -22,6 +22,15 @@ inline void expect_parameterization(const hmf_hierarchy* h, const hmf_foliation*
     FUZZ_ASSERT(hmf_boundary_count(h) > 0 || sum == 4 - 4 * static_cast<int64_t>(hmf_genus(h)));
 }
 
+inline void expect_charts(const hmf_foliation* f, bool memory_is_short) {
+    const auto atlas = result_of<hmf_chart_set>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
+                                                [&](auto out) { return hmf_atlas(f, nullptr, nullptr, out, nullptr); });
+    for (size_t t = 0; atlas && t < atlas->triangle_count; ++t) {
+        FUZZ_ASSERT(atlas->triangle_chart[t] < atlas->chart_count);
+        for (size_t i = 6 * t; i < 6 * t + 6; ++i) FUZZ_ASSERT(atlas->corner_uv[i] >= 0 && atlas->corner_uv[i] <= 1);
+    }
+}
+
 // Leaves close or join zeros, a quad mesh is closed and has the right genus.
 inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double largest, bool memory_is_short) {
     hmf_trace_options options = sized<hmf_trace_options>();
@@ -44,12 +53,7 @@ inline void expect_leaves(const hmf_hierarchy* h, const hmf_foliation* f, double
                                 memory_is_short,
                                 [&](auto out) { return hmf_cylinders(f, nullptr, nullptr, out, nullptr); });
 
-    const auto atlas = result_of<hmf_chart_set>({HMF_ERROR_VALUE_NOT_HARMONIC, HMF_ERROR_UNSUPPORTED}, memory_is_short,
-                                                [&](auto out) { return hmf_atlas(f, nullptr, nullptr, out, nullptr); });
-    for (size_t t = 0; atlas && t < atlas->triangle_count; ++t) {
-        FUZZ_ASSERT(atlas->triangle_chart[t] < atlas->chart_count);
-        for (size_t i = 6 * t; i < 6 * t + 6; ++i) FUZZ_ASSERT(atlas->corner_uv[i] >= 0 && atlas->corner_uv[i] <= 1);
-    }
+    if (charts_now) expect_charts(f, memory_is_short);
     const auto mesh = result_of<hmf_quad_mesh>({HMF_ERROR_UNSUPPORTED, HMF_ERROR_OPTIONS}, memory_is_short,
                                                [&](auto out) { return hmf_quads(f, nullptr, nullptr, out, nullptr); });
     if (!mesh) return;

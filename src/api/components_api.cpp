@@ -171,7 +171,6 @@ private:
 template <class Result, class Work>
 hmf_status begin(const hmf_build_options* options, const hmf_control* control, Result** out, hmf_error* error,
                  Work&& work) {
-    if (out) *out = nullptr;
     MeshEntry entry(options, control, error);
     if (entry.check(out) || entry.check_options()) return entry.call.status();
     *out = work(entry.hierarchy, entry.options, entry.call);

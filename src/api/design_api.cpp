@@ -25,7 +25,6 @@ hmf_status take_closed(const hmf_hierarchy& h, Call& call, Found& out) {
 extern "C" hmf_status hmf_even_design(const double* positions, size_t vertex_count, const uint32_t* triangles,
                                       size_t triangle_count, const hmf_design_options* options,
                                       const hmf_control* control, hmf_design** out, hmf_error* error) {
-    if (out) *out = nullptr;
     hmf_design_options all;
     const bool readable = copy_options(options, all) && all.no_poles >= 0 && all.no_poles <= 1;
     MeshEntry entry(readable ? all.build : nullptr, control, error);

@@ -32,8 +32,15 @@ public:
     Call call;
 
     // out is there, and the control can be read.
-    [[nodiscard]] hmf_status check(const void* out);
+    template <class Result>
+    [[nodiscard]] hmf_status check(Result** out) {
+        if (out) *out = nullptr;
+        return check(static_cast<const void*>(out));
+    }
     [[nodiscard]] hmf_status check_options() { return readable_ ? HMF_OK : refuse_build_options(call); }
+
+private:
+    [[nodiscard]] hmf_status check(const void* out);
 };
 
 } // namespace hmf

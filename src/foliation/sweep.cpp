@@ -35,7 +35,7 @@ Done Sweeps::prepare(const Foliation& f, const Rings& rings, uint32_t coarser_co
                 other |= block[rings.neighbour[t]] ^ block[v];
             if (block[v] == NONE) other = NONE;
             uint32_t word = block[v] & (outside_in(0) - 1);
-            for (uint32_t r = 0; r < round_count_; ++r) word |= other >> round_[r].shift ? outside_in(r) : 0;
+            for (uint32_t r = 0; other && r < round_count_; ++r) word |= other >> round_[r].shift ? outside_in(r) : 0;
             inside_[v] = word;
         }
     });
@@ -57,25 +57,31 @@ void Sweeps::plan_rounds() {
 
 // Those of the finer level by number; the others like a neighbour, as soon as it has one.
 void Sweeps::find_blocks(const Rings& rings, uint32_t coarser_count, uint32_t* block, const Parallel& parallel) {
-    constexpr int pairs_of_passes = 4; // what is further from a vertex of the finer level has no block
+    constexpr int most_passes = 8; // what is further from a vertex of the finer level has no block
     const uint32_t n = static_cast<uint32_t>(inside_.size()), first = coarser_count < n ? coarser_count : 0;
+    uint32_t* const other = inside_.data(); // not needed yet
     parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v)
-            block[v] = v < first ? NONE : static_cast<uint32_t>((v - first) * block_count_ / (n - first));
+            other[v] = block[v] = v < first ? NONE : static_cast<uint32_t>((v - first) * block_count_ / (n - first));
     });
-    uint32_t* const other = inside_.data(); // not needed yet
-    for (int pass = 0; pass < 2 * pairs_of_passes; ++pass) {
-        const uint32_t* const from = pass % 2 ? other : block;
-        uint32_t* const to = pass % 2 ? block : other;
-        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+    const uint32_t* from = other;
+    uint32_t left = first;
+    for (int pass = 0; pass < most_passes && left > 0; ++pass) {
+        uint32_t* const to = from == other ? block : other;
+        left = parallel.sum_blocks<uint32_t>(first, [&](size_t begin, size_t end) {
+            uint32_t without = 0;
             for (size_t v = begin; v < end; ++v) {
                 uint32_t own = from[v];
                 for (uint32_t t = rings.offset[v]; own == NONE && t < rings.offset[v + 1]; ++t)
                     own = from[rings.neighbour[t]];
                 to[v] = own;
+                without += own == NONE;
             }
+            return without;
         });
+        from = to;
     }
+    if (from == other) parallel.copy(block, from, first);
 }
 
 // That of the first round in which it is inside of a block.

@@ -214,7 +214,8 @@ hmf_status Builder::load_double(size_t vertex_count, const uint32_t* triangles, 
 // Metric of the input, and sums of cotangents for the weights of level 0.
 hmf_status Builder::measure_input(const Mesh& mesh, const double* position, const uint32_t* sides) {
     if (!measure(mesh, position, sides, metric_, weight_, call_)
-        || (options_.mollify > 0 && !mollify(mesh, options_.mollify, metric_, weight_, call_)))
+        || (options_.mollify > 0 && !mollify(mesh, options_.mollify, metric_, weight_, call_))
+        || !measure_thin(mesh, options_.mollify > 0 ? nullptr : position, metric_, weight_, call_))
         return call_.stopped();
     for (const double area : metric_.four_areas)
         if (!(area > 0)) // all points are one
@@ -323,7 +324,8 @@ hmf_status Builder::number() {
     runs_.release();
     if (h_.level_count == 1) return HMF_OK;
     Array<double> copy;
-    if (!copy.allocate(h_.memory, edge_count_)) return call_.out_of_memory(); // the largest
+    const size_t largest = metric_.square.empty() ? edge_count_ : 2 * size_t{edge_count_};
+    if (!copy.allocate(h_.memory, largest)) return call_.out_of_memory();
     // width values for each element
     const auto permute = [&](double* value, size_t count, size_t width, const uint32_t* number) {
         call_.parallel.copy(copy.data(), value, width * count);
@@ -352,6 +354,11 @@ hmf_status Builder::number() {
     if (!is_delaunay_) {
         permute(metric_.length.data(), edge_count_, 1, finest.edge);
         permute(metric_.four_areas.data(), face_count_, 1, finest.face);
+        const auto permute_fine = [&](Array<TwoDoubles>& value, const uint32_t* number) {
+            if (!value.empty()) permute(&value.data()->high, value.size(), 2, number);
+        };
+        permute_fine(metric_.square, finest.edge);
+        permute_fine(metric_.fine_area, finest.face);
     }
     const auto renumber_edges = [&](size_t begin, size_t end) {
         for (size_t e = begin; e < end; ++e) h_.edge_internal[e] = finest.edge[h_.edge_internal[e]];

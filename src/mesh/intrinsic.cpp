@@ -31,6 +31,7 @@ namespace {
 constexpr double TOLERANCE = -1e-9; // of the sum of two cotangents
 constexpr double FAILURE = -1e-7;   // of the weight
 constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
+constexpr double THIN = 1e3;        // sum of cotangents
 constexpr uint32_t NOT_WAITING = NONE - 1, NEEDED = NONE - 2;
 
 // b^2 + c^2 - a^2 without the cancellation of needles.  Branch-free, by a
@@ -62,6 +63,29 @@ struct Quad {
     }
 };
 
+// The same to 31 digits, by squares of lengths.
+struct FineQuad {
+    TwoDoubles ij, jk, ki, il, lj, area_k, area_l;
+
+    FineQuad(const Mesh& mesh, const Metric& metric, uint32_t edge) {
+        const uint32_t h = 2 * edge, t = twin(h);
+        const uint32_t jk_side = mesh.next[h], il_side = mesh.next[t];
+        ij = metric.square[edge];
+        jk = metric.square[edge_of(jk_side)];
+        ki = metric.square[edge_of(mesh.next[jk_side])];
+        il = metric.square[edge_of(il_side)];
+        lj = metric.square[edge_of(mesh.next[il_side])];
+        area_k = metric.fine_area[mesh.face[h]];
+        area_l = metric.fine_area[mesh.face[t]];
+    }
+    double cotangent_sum() const { return ((jk + ki - ij) / area_k + (il + lj - ij) / area_l).value(); }
+};
+
+double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge) {
+    return metric.square.empty() ? Quad(mesh, metric, edge).cotangent_sum()
+                                 : FineQuad(mesh, metric, edge).cotangent_sum();
+}
+
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
 bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) {
@@ -84,9 +108,34 @@ bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
          < GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
 }
 
+// Products of the sides at i, and at j, give the angles there: with ij along the x-axis, dots are ij times the feet
+// of k and l, and half of four areas are ij times their heights.
+bool other_diagonal(const FineQuad& q, TwoDoubles& kl, TwoDoubles& area_i, TwoDoubles& area_j) {
+    const TwoDoubles i_k = 0.5 * (q.ij + q.ki - q.jk), i_l = 0.5 * (q.ij + q.il - q.lj);
+    const TwoDoubles j_k = q.ij - i_k, j_l = q.ij - i_l, k = 0.5 * q.area_k, l = 0.5 * q.area_l;
+    kl = q.ki + q.il - 2 * ((i_k * i_l - k * l) / q.ij);
+    area_i = 2 * ((k * i_l + l * i_k) / q.ij);
+    area_j = 2 * ((k * j_l + l * j_k) / q.ij);
+    if (!(kl.high > 0 && area_i.high > 0 && area_j.high > 0)) return false;
+    const TwoDoubles after = (kl + q.ki + q.il) / area_i + (kl + q.lj + q.jk) / area_j,
+                     before = (q.ij + q.jk + q.ki) / q.area_k + (q.ij + q.il + q.lj) / q.area_l;
+    return after.value() < GAIN * before.value();
+}
+
+bool flip_thin(Mesh& mesh, Metric& metric, uint32_t edge) {
+    TwoDoubles kl, area_i, area_j;
+    if (!other_diagonal(FineQuad(mesh, metric, edge), kl, area_i, area_j)) return false;
+    flip(mesh, edge);
+    metric.square[edge] = kl;
+    metric.fine_area[mesh.face[2 * edge]] = area_i;
+    metric.fine_area[mesh.face[2 * edge + 1]] = area_j;
+    return true;
+}
+
 // Flips if that is needed and possible.
 bool flip_if_needed(Mesh& mesh, Metric& metric, const double* sum, uint32_t edge) {
     if (!needs_flip(mesh, sum, edge)) return false;
+    if (!metric.square.empty()) return flip_thin(mesh, metric, edge);
     double kl = 0, area_i = 0, area_j = 0;
     if (!other_diagonal(Quad(mesh, metric, edge), kl, area_i, area_j)) return false;
     flip(mesh, edge); // its triangle on the left is then the one at i
@@ -179,6 +228,43 @@ Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call&
     return !sum || sums.add(call, 0);
 }
 
+Done measure_thin(const Mesh& mesh, const double* position, Metric& metric, double* sum, Call& call) {
+    bool thin = false;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) thin |= sum[e] > THIN || sum[e] < -THIN;
+    if (!thin) return true;
+    if (!metric.square.allocate(call.memory, mesh.edge_count)
+        || !metric.fine_area.allocate(call.memory, mesh.face_count))
+        return false;
+    const auto squares = [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e) {
+            TwoDoubles square;
+            for (size_t c = 0; c < 3 && position; ++c) {
+                const TwoDoubles side = TwoDoubles::of_sum(position[size_t{3} * mesh.origin[2 * e + 1] + c],
+                                                           -position[size_t{3} * mesh.origin[2 * e] + c]);
+                square = square + side * side;
+            }
+            metric.square[e] = position ? square : TwoDoubles::of_product(metric.length[e], metric.length[e]);
+        }
+    };
+    const auto areas = [&](size_t begin, size_t end) {
+        for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
+                      [&](uint32_t ij, uint32_t jk, uint32_t ki) {
+                          const TwoDoubles a = metric.square[edge_of(ij)], b = metric.square[edge_of(jk)],
+                                           c = metric.square[edge_of(ki)], dot = a + b - c;
+                          const TwoDoubles area = square_root(4 * (a * b) - dot * dot);
+                          // Without an area in exact numbers it has that which rounding gave it.
+                          const double rounded = metric.four_areas[mesh.face[ij]];
+                          const bool is_known = area.high > 0.5 * rounded && area.high < 2 * rounded;
+                          metric.fine_area[mesh.face[ij]] = is_known ? area : TwoDoubles{rounded, 0};
+                      });
+    };
+    const auto sums = [&](size_t begin, size_t end) {
+        for (size_t e = begin; e < end; ++e) sum[e] = FineQuad(mesh, metric, static_cast<uint32_t>(e)).cotangent_sum();
+    };
+    return call.pass(mesh.edge_count, 0, squares) && call.pass(size_t{2} * mesh.edge_count, 0, areas)
+        && call.pass(mesh.edge_count, 0, sums);
+}
+
 bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel) {
     return parallel.sum_blocks<uint64_t>(mesh.edge_count, [&](size_t begin, size_t end) {
         uint64_t flips = 0;
@@ -212,10 +298,10 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t*
                 ++flip_count;
                 const uint32_t h = 2 * e, t = twin(h);
                 const uint32_t round[4] = {mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)};
-                sum[e] = Quad(mesh, metric, e).cotangent_sum();
+                sum[e] = cotangent_sum(mesh, metric, e);
                 for (const uint32_t side : round) {
                     const uint32_t other = edge_of(side);
-                    sum[other] = Quad(mesh, metric, other).cotangent_sum();
+                    sum[other] = cotangent_sum(mesh, metric, other);
                     if (waiting[other] != NOT_WAITING && waiting[other] != NEEDED) continue;
                     waiting[other] = top;
                     top = other;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../base/memory.hpp"
+#include "../base/two_doubles.hpp"
 #include "mesh.hpp"
 
 namespace hmf {
@@ -18,6 +19,10 @@ constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
 struct Metric {
     Array<double> length;     // per edge
     Array<double> four_areas; // per face
+    // Of a mesh with thin triangles the flips go by these; else they are empty.  An angle as small as 1e-5 has
+    // an area that lengths of 53 bits know to 6 digits, so that the weights would depend on the order of the flips.
+    Array<TwoDoubles> square;    // of the length, per edge
+    Array<TwoDoubles> fine_area; // four areas, per face
 };
 
 // The metric of positions (3 per vertex).  Unless sum is NULL, it gets the cotangents of
@@ -29,6 +34,10 @@ Done measure(const Mesh& mesh, const double* position, const uint32_t* sides, Me
 // inequality by a margin of factor * mean length [Sharp and Crane 2020].  sum as
 // for measure.
 Done mollify(const Mesh& mesh, double factor, Metric& metric, double* sum, Call& call);
+
+// If there are thin triangles, by the sums of cotangents: squares and areas to 31 digits, and the sums from them.
+// position: as for measure; NULL: the lengths count as they are (mollify).
+Done measure_thin(const Mesh& mesh, const double* position, Metric& metric, double* sum, Call& call);
 
 // Can every edge stay?
 bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel = Parallel());

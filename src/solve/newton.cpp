@@ -615,6 +615,21 @@ private:
     uint32_t without_ = 0;
 };
 
+// Is it the rounding that so many steps have not been enough?  Looked at once.
+struct UnitOfLevel {
+    bool known;
+    uint32_t patience = steering::patience; // less where the unit cannot be as fine as it should
+
+    bool is_refined(LevelWork& work, double goal, Progress& progress) {
+        if (known) return false;
+        known = true;
+        const Fineness fineness = work.refine_unit(goal);
+        if (!fineness.enough) patience = steering::patience_when_rounded;
+        if (fineness.changed) progress.forget_least();
+        return fineness.changed;
+    }
+};
+
 // Steps of a part, between those of the whole level: zeros that have far to go through a limb, where values fall by
 // decades, and what they leave behind, for which the rest of the mesh has nothing to do.
 struct Parts {
@@ -692,6 +707,18 @@ struct LevelPlan {
     }
 };
 
+// For the whole level, or a part of it.
+Effort next_effort(const LevelWork& work, const LevelPlan& plan, Newton& newton, Parts& parts, uint32_t round,
+                   double residual) {
+    Effort effort = effort_for(round, residual, plan.goal, plan.finest);
+    if (plan.finest && !work.gated && parts.are_worth_it(round, residual))
+        effort.part =
+            newton.is_in_part(std::max(steering::part_residual * residual, 0.5 * plan.goal),
+                              round < steering::early_part_rounds ? steering::early_part_share : steering::part_share);
+    parts.next(effort.part);
+    return effort.part ? effort_for_part(effort) : effort;
+}
+
 } // namespace
 
 hmf_status newton_level(LevelWork& work, double tolerance) {
@@ -702,9 +729,8 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     if (!newton.allocate()) return work.call.out_of_memory();
     newton.sweeps(plan.coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
     Progress progress;
-    uint32_t patience = steering::patience;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
-    bool fineness_known = !finest;
+    UnitOfLevel unit{!finest};
     Parts parts;
     bool moves_wait = false;
     for (uint32_t round = 0; round < plan.rounds; ++round) {
@@ -727,36 +753,22 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
-        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) break;
+        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, unit.patience)) break;
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
-        // Is it the rounding that so many steps have not been enough?
-        if (!fineness_known && round >= steering::rounds_before_finer && residual < steering::close_residual) {
-            fineness_known = true;
-            const Fineness fineness = work.refine_unit(goal);
-            if (!fineness.enough) patience = steering::patience_when_rounded;
-            if (fineness.changed) {
-                progress.forget_least();
-                continue;
-            }
-        }
+        if (round >= steering::rounds_before_finer && residual < steering::close_residual
+            && unit.is_refined(work, goal, progress))
+            continue;
         --steps_left;
         double accepted = 0;
         bool tight = false;
-        Effort effort = effort_for(round, residual, goal, finest);
-        if (finest && !work.gated && parts.are_worth_it(round, residual))
-            effort.part = newton.is_in_part(std::max(steering::part_residual * residual, 0.5 * goal),
-                                            round < steering::early_part_rounds ? steering::early_part_share
-                                                                                : steering::part_share);
-        parts.next(effort.part);
+        const Effort effort = next_effort(work, plan, newton, parts, round, residual);
+        if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         if (effort.part) {
-            effort = effort_for_part(effort);
-            if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
             if (accepted < 1) ++parts.shortened;
             newton.relax_after_step(false);
             continue;
         }
-        if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
         moves_wait = accepted == 1 && tight && !plan.middle;
         if (moves_wait) continue;
         newton.relax_after_step(finest && round > steering::far_after);
