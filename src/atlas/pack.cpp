@@ -111,8 +111,8 @@ Done Packer::turn_upside_down() {
     return true;
 }
 
-// The lowest y, at most `most`, at which a profile is free in all columns from x on.  hint: the column to look at first;
-// then, where it is not free, the one to look at first a column further right.
+// The lowest y, at most `most`, at which a profile is free in all columns from x on.
+// hint: the column to look at first; where it is not free, the one to look at first a column further right.
 bool Packer::lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, double& y) {
     const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
     y = 0;
