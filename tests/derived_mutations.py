@@ -16,6 +16,7 @@ that a part of it is a sample of all of it; its order depends on the texts and t
 noticed      a case fails, crashes or does not end; without the defect it passes
 same code    the object files are the same: nothing was changed
 named        in tests/equivalent_mutations.txt with the reason why no result changes, or why only speed or memory does
+open         named there as well, without a reason: a test is missing
 not reached  no case below five seconds reaches the line
 survives     must not be
 
@@ -43,7 +44,7 @@ CHECKED = ["-UNDEBUG", "-fsanitize=bounds,signed-integer-overflow,shift,null,int
            "-fsanitize-undefined-trap-on-error"]
 NAMED = ROOT / "tests/equivalent_mutations.txt"
 DRAWN, DRAWN_SEED = ROOT / "tests/drawn_mutations.txt", 1
-COLUMNS = ["noticed", "same code", "changes nothing", "speed or memory", "not reached", "survives"]
+COLUMNS = ["noticed", "same code", "changes nothing", "speed or memory", "not reached", "open", "survives"]
 
 SWAPS = [
     ("comparison", re.compile(r"(?<= )(<=|>=|==|!=|<|>)(?= )"),
@@ -340,9 +341,14 @@ class Trial:
         if not objects:
             return {"fate": "same code"}
         if not named:
-            by = self.noticed_by(self.compiled(place, [s for s, _ in objects], True), place, cases, 6)
-            if by:
-                return {"fate": "noticed", "by": by}
+            sources = [s for s, _ in objects]
+            by = self.noticed_by(self.compiled(place, sources, True), place, cases, 6)
+            if by:  # and not without the defect
+                (place / defect.file).write_text((ROOT / defect.file).read_text())
+                self.core.link(place / "libcore.so", self.compiled(place, sources, True))
+                program, _, case = by.partition(" ")
+                if not self.run_cases(program, [case], place).code:
+                    return {"fate": "noticed", "by": by}
         return {"fate": named or "survives", "cases": len(cases)}
 
     def __call__(self, defect):
@@ -366,7 +372,7 @@ class Trial:
 class Results:
     """FOLDER/results.txt: fate, file, number among lines alike, line, line with the defect, case."""
 
-    def __init__(self, folder, resume):
+    def __init__(self, folder, resume, named):
         self.path, digest = folder / "results.txt", hashlib.sha256()
         for path in sorted(p for part in ("src", "include", "tests", "fuzz") for p in (ROOT / part).rglob("*.[ch]*") if p.is_file()):
             digest.update(path.read_bytes())
@@ -375,8 +381,8 @@ class Results:
         if self.path.exists() and (resume or self.path.read_text().startswith(header)):
             for fate, *key, by in rows_of(self.path):
                 self.known[tuple(key)] = (fate, by)
-            again = ("survives", "not reached") if resume else ()
-            self.known = {k: v for k, v in self.known.items() if v[0] not in again}
+            unknown = lambda k, fate: fate in ("survives", "not reached") and k[:1] + k[2:] not in named
+            self.known = {k: v for k, v in self.known.items() if not (resume and unknown(k, v[0]))}
         else:
             self.path.write_text(header + "\n")
 
@@ -423,11 +429,11 @@ def main():
     programs = core.link_programs()
     reach = Reach(options.reach or folder.parent / "coverage/reach.json", options.patience)
     reach.keep(programs)
-    named = {(file, was, now): "speed or memory" if re.match("(speed|memory):", reason) else "changes nothing"
-             for file, was, now, reason in rows_of(NAMED)}
+    kinds = {"speed": "speed or memory", "memory": "speed or memory", "open": "open"}
+    named = {(file, was, now): kinds.get(reason.split(":")[0], "changes nothing") for file, was, now, reason in rows_of(NAMED)}
     for old in folder.glob("tree*"):
         shutil.rmtree(old)
-    results, trial = Results(folder, options.resume), Trial(core, programs, reach, named, folder)
+    results, trial = Results(folder, options.resume, named), Trial(core, programs, reach, named, folder)
     fates, survivors, tried, (tasks, count) = {}, 0, [], chosen(options)
 
     def take(result):
@@ -464,7 +470,8 @@ def main():
     print(table_of(fates))
     if options.write:
         write_drawn(tried, results.known)
-    print(f"{'not ok' if survivors else 'ok'} derived mutations: {applied()} with seed {options.seed}, {survivors} survive")
+    print(f"{'not ok' if survivors else 'ok'} derived mutations: {applied()} with seed {options.seed}, {survivors} survive, "
+          f"{sum(f.get('open', 0) for f in fates.values())} are known and open")
     return 1 if survivors else 0
 
 

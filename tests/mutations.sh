@@ -110,8 +110,8 @@ src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/
 src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= work.count || last >= work.count) return;/  test_parallel  Parallel.SlotsAreOwned
 
 # Design, boundary, weights
-src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  EvenDesign.TrialsShareLoops
-src/design/marked_trial.cpp  s/if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();//  test_design  EvenDesign.TrialsShareLoops
+src/design/marked_trial.cpp  s/if (loops.count() > 0) {/if (false) {/  test_design  Trials.ShareLoops
+src/design/marked_trial.cpp  s/if (!loops.copy_from(loops_, outer_.memory)) return outer_.out_of_memory();//  test_design  Trials.ShareLoops
 src/design/weight_search.cpp  s/^            area\[loop\] += share \* ends;//  test_design  EvenDesign.WeightsFollow*
 src/api/solve_result.cpp  s/options.method != HMF_METHOD_PAPER \&\& make_symmetric/options.method == HMF_METHOD_NEWTON \&\& make_symmetric/  test_boundary  Boundary.MethodsAgree
 src/mesh/intrinsic.cpp  s/: w > INTRINSIC_WEIGHT_CAP      ? INTRINSIC_WEIGHT_CAP/: w > INTRINSIC_WEIGHT_CAP ? w/  test_intrinsic  Mollify.WeightsAreKeptWithinBounds

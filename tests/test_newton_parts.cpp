@@ -407,3 +407,14 @@ TEST(Seams, AreWhereTheMapGoesOnDifferently) {
     EXPECT_EQ(sum.count, 5u);
     EXPECT_EQ(sum.length, 0.75);
 }
+
+// Two triangles on the same vertices: what is left would be no surface.
+TEST(Collapse, NotBetweenTrianglesOnTheSameVertices) {
+    test::Triangles pillow;
+    pillow.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    pillow.triangles = {0, 1, 2, 0, 2, 1};
+    test::MadeMesh made(pillow);
+    const Mesh mesh = made.mesh();
+    std::vector<uint8_t> marks(mesh.vertex_count, 0);
+    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) EXPECT_FALSE(can_collapse(mesh, h, marks.data())) << h;
+}
