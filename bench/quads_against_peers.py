@@ -7,7 +7,7 @@ Prints a table in Markdown, a row for each mesh and program, and with --pictures
 by side.  Closed triangle meshes of one component.  Columns:
 
   quads        their number
-  sound        closed, oriented, manifold, one component, the genus of the input
+  sound        closed, oriented, manifold, one component, the genus of the input, four corners each
   irregular    vertices with another number of edges than 4
   inverted     quads with a corner of 180 degrees or more, seen along the cross product of the diagonals
   aspect       longest / shortest side of a quad, 95 % quantile
@@ -57,6 +57,7 @@ def euler(faces, sides):
 
 
 def is_sound(quads, chi):
+    if (np.diff(np.sort(quads, axis=1), axis=1) == 0).any(): return False
     sides = half_edges(quads)
     there = {(a, b): i for i, (a, b) in enumerate(sides.tolist())}
     if len(there) != len(sides) or any(a == b or (b, a) not in there for a, b in there): return False

@@ -13,8 +13,11 @@ work=$(cd "$1" && pwd)
 flags=${HMF_REPRODUCIBLE_FLAGS:--O0 -g}
 failed=0
 
+# Of one moment: the first build takes minutes, and somebody may go on working.
+(cd "$root" && tar c CMakeLists.txt include src) > "$work/sources.tar" || exit 1
+
 build() { # folder, jobs
-    mkdir -p "$work/$1" && (cd "$root" && tar c CMakeLists.txt include src) | tar x -C "$work/$1" || return 1
+    mkdir -p "$work/$1" && tar x -C "$work/$1" -f "$work/sources.tar" || return 1
     local kind
     for kind in OFF ON; do
         cmake -S "$work/$1" -B "$work/$1/out-$kind" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="$flags -ffile-prefix-map=$work/$1=." \

@@ -10,9 +10,9 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t THOROUGH = 600000000; // steps of the packing
-constexpr double COLUMN = GRID / 320;    // of it
-constexpr int ROUNDS = 20;               // of finding the margin in units
+constexpr uint64_t THOROUGH = 1000000000; // steps of the packing
+constexpr double COLUMN = GRID / 320;     // of it
+constexpr int ROUNDS = 20;                // of finding the margin in units
 constexpr double LARGEST_MARGIN = 64 * GRID;
 
 // Charts on the grid into the square.

@@ -9,7 +9,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t QUICK = 1000000;            // steps of a planned packing
+constexpr uint64_t QUICK = 2000000;            // steps of a planned packing
 constexpr uint64_t PLANNING = 1000000000;      // of all of them
 constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
 constexpr double LEAST_USE = 0.79;             // below this each part counts three times

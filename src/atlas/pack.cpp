@@ -8,8 +8,8 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t ROUND = 300;                  // packings after which higher ones are accepted again
-constexpr uint32_t TRIES = 60, TRIES_EACH = 120; // of an atlas, and for each chart
+constexpr uint32_t ROUND = 300;                   // packings after which higher ones are accepted again
+constexpr uint32_t TRIES = 200, TRIES_EACH = 700; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
 } // namespace
 
@@ -112,24 +112,29 @@ Done Packer::turn_upside_down() {
 }
 
 // The lowest y, at most `most`, at which a profile is free in all columns from x on.
-bool Packer::lowest(const Profile& p, uint32_t x, double most, double& y) {
+// hint: the column to look at first; where it is not free, the one to look at first a column further right.
+bool Packer::lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, double& y) {
     const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
     y = 0;
-    // Each time it rises beyond an interval.
-    for (bool rises = true; rises;) {
-        rises = false;
-        steps_ += p.columns;
+    // It rises beyond all intervals of one column.  False: too far.
+    const auto rise = [&](uint32_t j) {
+        ++steps_;
+        for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
+            const Interval& i = intervals_[k];
+            if (y + top[j] <= i.bottom) break;
+            if (y + bottom[j] < i.top) y = i.top - bottom[j];
+        }
+        if (y <= most) return true;
+        hint = j > 0 ? j - 1 : 0;
+        return false;
+    };
+    if (most < 0 || !rise(std::min(hint, p.columns - 1))) return false;
+    for (double before = -1; before < y;) {
+        before = y;
         for (uint32_t j = 0; j < p.columns; ++j)
-            for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
-                const Interval& i = intervals_[k];
-                if (y + top[j] <= i.bottom) break;
-                if (y + bottom[j] >= i.top) continue;
-                y = i.top - bottom[j];
-                if (y > most) return false;
-                rises = true;
-            }
+            if (!rise(j)) return false;
     }
-    return y <= most;
+    return true;
 }
 
 void Packer::occupy(const Profile& p, uint32_t x, double y) {
@@ -155,10 +160,10 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
         const uint32_t turns = state.turns[i];
         const Profile& p = items_[i].side[turns];
         double best_y = column_ * width - p.height;
-        uint32_t best_x = none;
+        uint32_t best_x = none, hint = 0;
         for (uint32_t x = 0; x + p.columns <= width; ++x) {
             double y = 0;
-            if (lowest(p, x, best_x == none ? best_y : best_y - 1, y)) best_y = y, best_x = x;
+            if (lowest(p, x, best_x == none ? best_y : best_y - 1, hint, y)) best_y = y, best_x = x;
             if (best_x != none && best_y == 0) break;
         }
         if (best_x == none) {

@@ -62,7 +62,7 @@ private:
         double bottom, top;
         uint32_t next;
     };
-    bool lowest(const Profile& p, uint32_t x, double most, double& y);
+    bool lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, double& y);
     void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
