@@ -45,7 +45,6 @@ src/api/shared_flat.cpp  s/^            free_part(h, made);//  test_resources  S
 src/api/shared_flat.cpp  s/SharedFlat\* part = foliation.flat.load(.*/SharedFlat* part = nullptr;/  test_parameterize  Parameterize.IsShared*
 src/api/result.cpp  s/h.allocator_user, bytes}/h.allocator_user, size}/  test_parameterize  Parameterize.IsShared*
 src/api/result.cpp  s/return (bytes + 15) \/ 16 \* 16;/return bytes;/  test_parameterize  Parameterize.Arrays*
-src/api/result.cpp  s/at += aligned(part.bytes)/at += 0/  test_parameterize  Parameterize.SeamsEnd*
 src/api/read_loop_set.cpp  s/ || w < 1e-100//  test_errors  OnTorus.LoopWeights
 src/api/read_values.cpp  s/corner2 >= 0 \&\& corner2 % 2 == 0/corner2 % 2 == 0/  test_errors  OnTorus.ValueDefects
 src/api/read_values.cpp  s/^            --unit_exponent;//  test_reuse  Reuse.*
@@ -65,7 +64,6 @@ src/loops/check_loops.cpp  s/static_cast<Long>(d), static_cast<Long>(c), word/st
 src/loops/check_loops.cpp  s/else bad = middle;/else good = middle;/  test_library_loops  DrawnLoops.*
 
 # What is made of the result
-src/parameterize/seams.cpp  s/^        mark_path(mesh_.origin\[2 \* edge\]);//  test_parameterize  Parameterize.SeamsEnd*
 src/parameterize/parameterization.cpp  s/if (above > 16 + n \/ 20) break;//  test_parameterize  Parameterize.Many*
 src/parameterize/seams.cpp  s/^ *u\[t\] += u\[t\] > limit .*//  test_newton_parts  Layout.*
 src/quads/quad_sizes.cpp  s/return MOST_ROWS_NEEDED - 1/return MOST_ROWS_NEEDED - 2/  test_leaves  LeavesContract.NoTwoEdges*
