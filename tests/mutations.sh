@@ -91,7 +91,7 @@ include/hmf/hmf.hpp  s/parts\[on\].add(elements, whole.weights\[c\])/parts[on].a
 include/hmf/hmf.hpp  s/(on != HMF_NONE \&\& k != on)/(false)/  test_hpp  Hpp.LoopsGoToTheirComponents
 
 # Blocks of a pass do not depend on each other
-src/hierarchy/simplify.cpp  s/ | work_.at_border\[mesh_.origin\[2 \* e + 1\]\];/;/  test_parallel  Parallel.SameBitsOfTheBuild
+src/hierarchy/simplify.cpp  s/ | work_.at_border\[mesh_.origin\[2 \* e + 1\]\];/;/  test_hierarchy  Hierarchy.BordersOfBlocksAreKnown
 src/hierarchy/simplify.cpp  s/return (v ^ w) >> work_.block_shift != 0;/return false;/  test_parallel  Parallel.SameBitsOfTheBuild
 src/hierarchy/simplify.cpp  s/^            mark_border(mesh_.origin\[record.il\]);//  test_hierarchy  Hierarchy.BordersOfBlocksAreKnown
 src/foliation/cluster.cpp  s/if (!f.may_look(w, f.members.size())) return result;//  test_sweeps  SweepTask.*
@@ -104,7 +104,7 @@ src/api/result.cpp  s/call.memory.failure() ? nullptr : //  test_resources  Reso
 src/solve/to_minimum.cpp  s/unit \* unit) - 1;/unit * unit) - 2;/  test_leaves  Cylinders.OfValuesNear*
 src/solve/sweep_matrix.cpp  s/const bool border = least < own\[i\] || /const bool border = /  test_signed_multigrid  SweepMatrix.*
 src/solve/signed_aggregation.cpp  s/, a) : undecided;/, a) : undecided, a.of[i] = choice[i] != undecided ? choice[i] \/ 2 : a.of[i];/  test_signed_multigrid  SignedMultigrid.SameBitsWithThreads
-src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.BlocksAreThoseOfTheProblem
+src/base/parallel.hpp  s/work.count - 1 - last : first, slot/last : first, slot/  test_parallel  Parallel.SameBitsOfEveryFunction
 src/base/parallel.hpp  s/if (first + last >= work.count) return;/if (first >= work.count || last >= work.count) return;/  test_parallel  Parallel.SlotsAreOwned
 
 # Design, boundary, weights
