@@ -6,9 +6,11 @@
 //     |   |   |   |
 //     o---o---o---o      on the side, held
 #include "../src/quads/fit_quads.hpp"
+#include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
 #include "../src/quads/snap_quads.hpp"
+#include "../src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -89,7 +91,8 @@ TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
             quads.positions[3 * i] = even(i) + shift;
             quads.positions[3 * (COLUMNS + i)] = even(i);
         }
-        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, call), HMF_OK);
+        uint64_t inverted = 0;
+        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, inverted, call), HMF_OK);
         EXPECT_EQ(std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE), shift < 1 ? COLUMNS - 2 : 0);
     }
 }
@@ -212,4 +215,46 @@ TEST(RelaxQuads, StepsGoOn) {
     };
     EXPECT_GT(off_after(0, 0), 0.79);
     EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
+}
+
+// A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square, so that
+// relaxing them as they lie keeps it; unfolded, all look up.
+TEST(UnfoldQuads, PatchFaceDownIsTurned) {
+    constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
+    test::MadeMesh made(
+        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
+    const Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+    bool room = true;
+    for (uint32_t i = 0; i <= N; ++i)
+        for (uint32_t j = 0; j <= N; ++j) {
+            const bool patch = i >= LOW && i <= HIGH && j >= LOW && j <= HIGH;
+            const bool rim = i == 0 || j == 0 || i == N || j == N;
+            room = room && quads.positions.push(patch ? LOW + HIGH - i : i) && quads.positions.push(j)
+                && quads.positions.push(0) && quads.sides.push(side) && quads.held.push(rim);
+        }
+    for (uint32_t i = 0; i < N; ++i)
+        for (uint32_t j = 0; j < N; ++j)
+            for (const uint32_t v :
+                 {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
+                room = room && quads.quads.push(v);
+    ASSERT_TRUE(room);
+    const auto inwards = [&] {
+        size_t count = 0;
+        for (size_t q = 0; q < quads.quad_count(); ++q)
+            count += !(hmf::worst_corner_from_outside(mesh, position, quads, q) > 0);
+        return count;
+    };
+    const size_t before = inwards();
+    EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
+    bool turned = false;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, quads, turned, call), HMF_OK);
+    EXPECT_TRUE(turned);
+    EXPECT_EQ(inwards(), 0u);
+    EXPECT_EQ(quads.positions[0], 0); // what is held stays
 }
