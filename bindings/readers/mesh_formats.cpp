@@ -48,9 +48,7 @@ bool has_old_line_ends(std::string_view bytes) {
 }
 
 // By its byte order mark. Shells of Windows write such files.
-bool is_utf_16(std::string_view bytes) {
-    return bytes.substr(0, 2) == "\xff\xfe" || bytes.substr(0, 2) == "\xfe\xff";
-}
+bool is_utf_16(std::string_view bytes) { return bytes.substr(0, 2) == "\xff\xfe" || bytes.substr(0, 2) == "\xfe\xff"; }
 
 } // namespace
 
