@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 RELEASE = ROOT / "build/release"
 # Of the readers, which are no part of the core; and the corpus, which is not there everywhere.
-OTHERS = {"test_readers", "test_readers_gltf", "test_json", "test_repair", "test_corpus", "readers_replay"}
+OTHERS = {"test_readers", "test_readers_gltf", "test_json", "test_repair", "test_refine", "test_corpus", "readers_replay"}
 COMMON = ["-std=c++17", "-DNDEBUG", "-fPIC", "-fno-exceptions", "-fno-rtti", "-ffp-contract=off"]
 
 

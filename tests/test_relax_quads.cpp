@@ -9,6 +9,7 @@
 #include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
+#include "../src/quads/snap_quads.hpp"
 #include "../src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
 
@@ -108,6 +109,58 @@ TEST_F(OnAnEdge, RowsBesideItGoThere) {
     }
     ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
     for (uint32_t i = 2; i + 2 < COLUMNS; ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
+}
+
+// A row that lies on top, beyond the row on the edge: it is untangled onto the other face, and each vertex knows the
+// triangle that it is on.
+TEST_F(OnAnEdge, UntangledVerticesKnowTheirTriangle) {
+    for (uint32_t i = 0; i < COLUMNS; ++i) {
+        quads.positions[3 * i + 1] = 0;
+        if (quads.held[COLUMNS + i] != hmf::ON_CREASE) continue;
+        quads.held[COLUMNS + i] = 0;
+        quads.positions[3 * (COLUMNS + i) + 1] = 0.3;
+        quads.sides[COLUMNS + i] = quads.sides[i];
+    }
+    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 0, hmf::Untangle::all, true, quads, call), HMF_OK);
+    size_t over = 0;
+    for (uint32_t v = COLUMNS; v < 2 * COLUMNS; ++v) {
+        if (quads.held[v]) continue;
+        const double *const p = &quads.positions[3 * v], y = p[1], z = p[2];
+        over += z < 1;
+        const uint32_t h = quads.sides[v], corner[3] = {mesh.origin[h], mesh.target(h), mesh.origin[mesh.prev(h)]};
+        double low[3], high[3];
+        for (size_t k = 0; k < 3; ++k) {
+            const auto at = [&](size_t c) { return made.positions[3 * corner[c] + k]; };
+            low[k] = std::min({at(0), at(1), at(2)});
+            high[k] = std::max({at(0), at(1), at(2)});
+            EXPECT_GE(p[k], low[k] - 1e-12) << "vertex " << v << " at y " << y << " z " << z;
+            EXPECT_LE(p[k], high[k] + 1e-12) << "vertex " << v << " at y " << y << " z " << z;
+        }
+    }
+    EXPECT_GT(over, 0u);
+}
+
+// Two vertices of a row are within reach of a corner of the plate, the first one nearer: that one goes there.
+TEST_F(OnAnEdge, TheNearestTakesACorner) {
+    const double x[4] = {-1.2, -0.2, 0.3, 1.3};
+    const uint32_t side = half_edge_at(mesh, made.positions.data(), false, -1, 1);
+    hmf::QuadMesh patch;
+    patch.start(memory);
+    bool room = true;
+    for (int row = 0; row < 3; ++row)
+        for (uint32_t i = 0; i < 4; ++i)
+            room = room && patch.positions.push(x[i]) && patch.positions.push(row - 1) && patch.positions.push(1)
+                && patch.sides.push(side) && patch.held.push(row != 1 || i == 0 || i == 3);
+    for (uint32_t row = 0; row < 2; ++row)
+        for (uint32_t i = 0; i < 3; ++i)
+            for (const uint32_t v : {4 * row + i, 4 * row + i + 1, 4 * row + i + 5, 4 * row + i + 4})
+                room = room && patch.quads.push(v);
+    ASSERT_TRUE(room);
+    size_t snapped = 0;
+    ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), nullptr, patch, snapped, call), HMF_OK);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(patch.positions[3 * 5 + k], k == 2 ? 1 : 0);
+    EXPECT_EQ(patch.held[5], 1);
+    EXPECT_NE(patch.held[6], 1);
 }
 
 // The middle of a side on the edge slides along it as well.
