@@ -382,8 +382,8 @@ TEST(Packer, BeginsWithTheWidthOfItsArea) {
     EXPECT_LT(10 * steps[true], steps[false]);
 }
 
-// Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would hang
-// together by them, and a quarter of the square would be all that is used.
+// Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would
+// hang together by them, and a quarter of the square would be all that is used.
 TEST(Atlas, IslandsGoToTheirNeighbours) {
     const TriMesh mesh = torus(36, 18, 2, 0.8);
     Random random(39);
