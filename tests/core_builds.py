@@ -77,6 +77,9 @@ class Core:
             if name.startswith("test_"):
                 libraries = [str(RELEASE / "tests/libhmf_test_meshes.a"), *libraries, "-lgtest_main", "-lgtest"]
             made[name] = self.programs_folder / name
+            parts = [Path(p) for p in [*files, *libraries] if not p.startswith("-")]
+            if made[name].exists() and made[name].stat().st_mtime > max(p.stat().st_mtime for p in parts):
+                continue  # the core is found when it is started
             run = subprocess.run([self.linker, "-o", str(made[name]), *files, *libraries[:1], str(self.library), f"-Wl,-rpath,{self.folder}",
                                   *libraries[1:]], capture_output=True, text=True)
             if run.returncode:
