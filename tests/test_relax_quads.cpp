@@ -5,6 +5,7 @@
 //     x--x-----x--x      on the edge: they slide along it until they are even
 //     |   |   |   |
 //     o---o---o---o      on the side, held
+#include "../src/quads/boundary_walk.hpp"
 #include "../src/quads/fit_quads.hpp"
 #include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
@@ -125,7 +126,7 @@ TEST_F(OnAnEdge, UntangledVerticesKnowTheirTriangle) {
             const uint32_t row = v / COLUMNS, i = v % COLUMNS;
             const double p[3] = {even(i) + off(random), row == 2 ? 0 : 0.5 + off(random),
                                  row == 2 ? 0.5 + off(random) : 1};
-            quads.held[v] = row == 1 && i > 0 && i + 1 < COLUMNS ? uint8_t{0} : hmf::AT_BOUNDARY;
+            quads.held[v] = row == 1 && i > 0 && i + 1 < COLUMNS ? uint8_t{0} : hmf::AT_CORNER;
             before[v] = quads.sides[v] =
                 hmf::walk_to_nearest(mesh, position, start[row == 2 ? v : i], p, &quads.positions[size_t{3} * v]);
         }
@@ -261,4 +262,47 @@ TEST(UnfoldQuads, PatchFaceDownIsTurned) {
     EXPECT_TRUE(turned);
     EXPECT_EQ(inwards(), 0u);
     EXPECT_EQ(quads.positions[0], 0); // what is held stays
+}
+
+// Two vertices of a straight boundary in the wrong order: they change places by sliding along it, all else stays.
+TEST(UnfoldQuads, VerticesSlideAlongTheBoundary) {
+    constexpr uint32_t N = 12;
+    test::MadeMesh made(
+        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
+    Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+    std::vector<uint32_t> face(mesh.face, mesh.face + 2 * mesh.edge_count);
+    for (uint32_t& f : face)
+        if (f != mesh.face[side]) f = hmf::NONE;
+    mesh.face = face.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    bool room = true;
+    for (uint32_t i = 0; i <= N; ++i)
+        for (uint32_t j = 0; j <= N; ++j) {
+            const bool rim = i == 0 || j == N || i == N, slides = !rim && j == 0;
+            const double x = j > 0 ? i : i == 5 ? 6 : i == 6 ? 5 : i, p[3] = {x, j - 40.0, 0};
+            const uint32_t at = slides ? hmf::rim_near(mesh, position, side, p) : side;
+            ASSERT_NE(at, hmf::NONE);
+            room = room && quads.add_vertex(p, at, slides ? hmf::AT_BOUNDARY : uint8_t{rim});
+        }
+    for (uint32_t i = 0; i < N; ++i)
+        for (uint32_t j = 0; j < N; ++j) {
+            const uint32_t a = i * (N + 1) + j, b = a + N + 1;
+            room = room && quads.add_quad(a, b, b + 1, a + 1);
+        }
+    ASSERT_TRUE(room);
+    bool turned = false;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, quads, turned, call), HMF_OK);
+    EXPECT_TRUE(turned);
+    hmf::QuadFigures figures;
+    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    EXPECT_EQ(figures.inverted, 0u);
+    for (uint32_t i = 0; i <= N; ++i) {
+        EXPECT_EQ(quads.positions[3 * i * (N + 1) + 1], -40);
+        if (i > 0) EXPECT_GT(quads.positions[3 * i * (N + 1)], quads.positions[3 * (i - 1) * (N + 1)]);
+    }
 }

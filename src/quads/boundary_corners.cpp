@@ -1,6 +1,7 @@
 #include "boundary_corners.hpp"
 
 #include "../base/heap_sort.hpp"
+#include "boundary_walk.hpp"
 #include "quad_shape.hpp"
 
 #include <cmath>
@@ -15,14 +16,14 @@ constexpr int ROUNDS = 2;
 constexpr size_t STRIDE = 1024;
 
 struct CutCorner {
-    uint32_t from, to, vertex; // ends of the side, vertex of the mesh
+    uint32_t from, to, vertex, rim; // ends of the side, vertex of the mesh, the edge of the boundary that ends there
     double size;
 };
 
 class Corners {
 public:
-    Corners(const Mesh& mesh, const double* position, const Reflection& front, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), front_(front), quads_(quads), call_(call) {}
+    Corners(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
 
     hmf_status run(size_t& moved) {
         moved = 0;
@@ -43,18 +44,8 @@ public:
 
 private:
     Done prepare() {
-        Memory& memory = call_.memory;
-        cut_.start(memory);
-        if (!ahead_.allocate_filled(memory, mesh_.vertex_count, NONE)
-            || !behind_.allocate_filled(memory, mesh_.vertex_count, NONE)
-            || !at_corner_.allocate_filled(memory, quads_.vertex_count(), uint8_t{0}) || !stars_.build(quads_, memory))
-            return false;
-        for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
-            if (front_.on_boundary(h) && front_.is_front[h]) {
-                ahead_[mesh_.origin[h]] = h;
-                behind_[mesh_.target(h)] = h;
-            }
-        return true;
+        cut_.start(call_.memory);
+        return stars_.build(quads_, call_.memory);
     }
 
     Point place(uint32_t vertex) const { return point(position_, vertex); }
@@ -66,23 +57,6 @@ private:
         t = t < 0 ? 0 : t > 1 ? 1 : t;
         const Point off = p - (a + t * side);
         return dot(off, off);
-    }
-
-    // The side of the boundary on which a vertex of the quads lies; NONE if it is not near.
-    uint32_t side_of(uint32_t v) const {
-        uint32_t best = NONE, h = quads_.sides[v];
-        double nearest = HUGE_VAL;
-        for (int k = 0; k < 3; ++k, h = mesh_.next[h])
-            for (const uint32_t side : {ahead_[mesh_.origin[h]], behind_[mesh_.origin[h]]}) {
-                if (side == NONE) continue;
-                const double square =
-                    square_to_segment(at(quads_, v), place(mesh_.origin[side]), place(mesh_.target(side)));
-                if (square < nearest) {
-                    nearest = square;
-                    best = side;
-                }
-            }
-        return best;
     }
 
     // Does only one quad have the side?
@@ -98,7 +72,9 @@ private:
         for (size_t i = 0; i < quads_.quads.size(); ++i) {
             if (i % (4 * STRIDE) == 0 && !call_.tick(0)) return call_.was_cancelled();
             const uint32_t a = quads_.quads[i], b = quads_.quads[i / 4 * 4 + (i + 1) % 4];
-            if (quads_.held[a] != AT_BOUNDARY || quads_.held[b] != AT_BOUNDARY || !is_outer(a, b)) continue;
+            if (!is_on_rim(mesh_, quads_.sides[a]) || !is_on_rim(mesh_, quads_.sides[b]) || !is_at_boundary(quads_.held[a])
+                || !is_at_boundary(quads_.held[b]) || !is_outer(a, b))
+                continue;
             const CutCorner c = worst_between(a, b);
             if (c.vertex != NONE && !cut_.push(c)) return call_.out_of_memory();
         }
@@ -107,9 +83,8 @@ private:
 
     // The vertex of the boundary between two of the quads that is farthest from their side, if it is far.
     CutCorner worst_between(uint32_t a, uint32_t b) const {
-        CutCorner worst{a, b, NONE, 0};
-        const uint32_t begin = side_of(a), end = side_of(b);
-        if (begin == NONE || end == NONE) return worst;
+        CutCorner worst{a, b, NONE, NONE, 0};
+        const uint32_t begin = quads_.sides[a], end = quads_.sides[b];
         const Point side = at(quads_, b) - at(quads_, a);
         double farthest = CUT * CUT * dot(side, side);
         for (uint32_t h = begin; h != end;) {
@@ -118,22 +93,13 @@ private:
             if (square > farthest) {
                 farthest = square;
                 worst.vertex = w;
+                worst.rim = h;
                 worst.size = square / dot(side, side);
             }
-            h = ahead_[w];
-            if (h == begin) return {a, b, NONE, 0}; // another boundary
+            h = next_on_rim(mesh_, h);
+            if (h == begin) return {a, b, NONE, NONE, 0}; // another boundary
         }
         return worst;
-    }
-
-    // At a corner that was marked.
-    bool stays(uint32_t v) const {
-        const uint32_t h = side_of(v);
-        for (const uint32_t w : {mesh_.origin[h], mesh_.target(h)}) {
-            const Point off = place(w) - at(quads_, v);
-            if (mesh_.is_marked(w) && !(dot(off, off) > 0)) return true;
-        }
-        return at_corner_[v];
     }
 
     bool take(const CutCorner& c) {
@@ -142,42 +108,37 @@ private:
         const Point corner = place(c.vertex);
         const Point to_first = corner - at(quads_, c.from), to_second = corner - at(quads_, c.to);
         const bool first = dot(to_first, to_first) <= dot(to_second, to_second);
-        return move(first ? c.from : c.to, c.vertex) || move(first ? c.to : c.from, c.vertex);
+        return move(first ? c.from : c.to, c) || move(first ? c.to : c.from, c);
     }
 
-    bool move(uint32_t v, uint32_t corner) {
-        if (stays(v)) return false;
+    bool move(uint32_t v, const CutCorner& c) {
+        if (quads_.held[v] == AT_CORNER) return false;
         const Point from = at(quads_, v);
         const double before[3] = {from.x, from.y, from.z};
         const uint32_t side = quads_.sides[v];
         const double worst = stars_.worst_corner(mesh_, position_, quads_, v);
-        quads_.put(v, position_ + size_t{3} * corner, ahead_[corner]);
+        quads_.put(v, position_ + size_t{3} * c.vertex, c.rim);
         const double after = stars_.worst_corner(mesh_, position_, quads_, v);
         if (after < LEAST_CORNER && after < worst) {
             quads_.put(v, before, side);
             return false;
         }
-        at_corner_[v] = 1;
+        quads_.held[v] = AT_CORNER;
         return true;
     }
 
     const Mesh& mesh_;
     const double* position_;
-    const Reflection& front_;
     QuadMesh& quads_;
     Call& call_;
     QuadStars stars_;
-    Array<uint32_t> ahead_,
-        behind_;               // per vertex of the mesh: the side of the boundary in front that begins, ends there
-    Array<uint8_t> at_corner_; // per vertex of the quads
     Array<CutCorner> cut_;
 };
 
 } // namespace
 
-hmf_status take_boundary_corners(const Mesh& mesh, const double* position, const Reflection& front, QuadMesh& quads,
-                                 size_t& moved, Call& call) {
-    return Corners(mesh, position, front, quads, call).run(moved);
+hmf_status take_boundary_corners(const Mesh& mesh, const double* position, QuadMesh& quads, size_t& moved, Call& call) {
+    return Corners(mesh, position, quads, call).run(moved);
 }
 
 } // namespace hmf

@@ -8,12 +8,12 @@ namespace hmf {
 // The nearer end of the side moves to the corner, where no quad is the worse for it:
 //
 //      -----c                 -----b
-//        a   \                  a   |      marked vertices of the boundary stay
+//        a   \                  a   |      what is at a corner stays
 //     ---'-.  |        ->     ---'--|
 //           '-b                     |
 //
-// mesh: of a double, front: its reflection; sides of the quads lie in front.  moved: how many.
-[[nodiscard]] hmf_status take_boundary_corners(const Mesh& mesh, const double* position, const Reflection& front,
-                                               QuadMesh& quads, size_t& moved, Call& call);
+// Vertices of the quads AT_BOUNDARY lie on edges of it; those moved become AT_CORNER.  moved: how many.
+[[nodiscard]] hmf_status take_boundary_corners(const Mesh& mesh, const double* position, QuadMesh& quads, size_t& moved,
+                                               Call& call);
 
 } // namespace hmf

@@ -5,6 +5,7 @@
 #include "fit_quads.hpp"
 
 #include "boundary_corners.hpp"
+#include "boundary_walk.hpp"
 #include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
@@ -72,11 +73,12 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
                const Attempt& as, QuadMesh& quads, QuadFigures& figures, Call& call) {
     if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
-        size_t reached = 0, snapped = 0;
-        if (reach_tips(mesh, position, front, quads, reached, call)
+        size_t reached = 0, snapped = 0, corners = 0;
+        if ((front && take_boundary_corners(mesh, position, quads, corners, call))
+            || reach_tips(mesh, position, front, quads, reached, call)
             || (as.to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
             return call.status();
-        if (reached + snapped == 0) break;
+        if (reached + snapped + corners == 0) break;
         if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     }
     const int again = leave_sharp_edges(quads) ? steps : 0;
@@ -107,6 +109,27 @@ struct Front {
         for (uint32_t& side : quads.sides)
             if (face[side] == NONE) side = twin(reflection.half_edge[side]);
         return true;
+    }
+
+    // Those of the boundary lie on its edges; a marked one at a corner stays, and so does one of which it is not
+    // known on which edge it lies.
+    void find_rim(const double* position, QuadMesh& quads) const {
+        for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
+            if (!is_at_boundary(quads.held[v])) continue;
+            const double* const p = &quads.positions[size_t{3} * v];
+            const uint32_t rim = rim_near(mesh, position, quads.sides[v], p);
+            if (rim != NONE) quads.sides[v] = rim;
+            if (rim == NONE || is_marked_corner(position, rim, p)) quads.held[v] = AT_CORNER;
+        }
+    }
+
+    // Whether p is a marked vertex at an end of the boundary edge, and the boundary turns there.
+    bool is_marked_corner(const double* position, uint32_t rim, const double* p) const {
+        for (const uint32_t v : {mesh.origin[rim], mesh.target(rim)}) {
+            const Point off = point(position, v) - point(p, 0);
+            if (mesh.is_marked(v) && !(dot(off, off) > 0)) return true;
+        }
+        return false;
     }
 };
 
@@ -142,8 +165,9 @@ hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection*
     if (!front) return fit_better(mesh, position, front, steps, halvings, quads, inverted, call);
     Front shown;
     if (!shown.build(mesh, *front, quads, call.memory)) return call.out_of_memory();
+    shown.find_rim(position, quads);
     size_t corners = 0;
-    if (steps > 0 && take_boundary_corners(shown.mesh, position, *front, quads, corners, call)) return call.status();
+    if (steps > 0 && take_boundary_corners(shown.mesh, position, quads, corners, call)) return call.status();
     return fit_better(shown.mesh, position, front, steps, halvings, quads, inverted, call);
 }
 

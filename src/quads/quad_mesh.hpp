@@ -7,14 +7,17 @@
 
 namespace hmf {
 
-// A vertex of the boundary of the surface, and one that slides along a sharp edge.
-constexpr uint8_t AT_BOUNDARY = 2, ON_CREASE = 3;
+// A vertex of the boundary of the surface, which slides along it; one that slides along a sharp edge; and one at a
+// corner of the boundary, where it stays.
+constexpr uint8_t AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4;
+inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held == AT_CORNER; }
+inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
 
 struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
     Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
-    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; AT_BOUNDARY likewise; ON_CREASE
+    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; or one of the above
 
     void start(Memory& memory) {
         positions.start(memory);

@@ -43,7 +43,7 @@ private:
         poles_.clear();
         for (uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
             number_[v] = NONE;
-            if (uses_[v] != 2 || mesh_.held[v] == AT_BOUNDARY) continue;
+            if (uses_[v] != 2 || is_at_boundary(mesh_.held[v])) continue;
             number_[v] = static_cast<uint32_t>(poles_.size());
             if (!poles_.push(v)) return false;
         }
@@ -75,7 +75,7 @@ private:
         // From v: b, x, a in the other one, a, y, b here.
         const uint32_t b = other[(at + 1) % 4], a = quad[(k + 1) % 4], y = quad[(k + 2) % 4];
         if (quad[(k + 3) % 4] != b || other[(at + 3) % 4] != a || other[(at + 2) % 4] == y) return;
-        if (uses_[a] < 3 || uses_[b] < 3 || mesh_.held[a] == AT_BOUNDARY || mesh_.held[b] == AT_BOUNDARY) return;
+        if (uses_[a] < 3 || uses_[b] < 3 || is_at_boundary(mesh_.held[a]) || is_at_boundary(mesh_.held[b])) return;
         --uses_[a];
         --uses_[b];
         uses_[v] = 0;

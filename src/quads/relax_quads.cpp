@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "boundary_walk.hpp"
 #include "quad_shape.hpp"
 #include "sharp_edges.hpp"
 #include "surface_walk.hpp"
@@ -79,7 +80,9 @@ private:
             if (i % SLICE == 0 && !call_.tick(0)) return false;
             for (size_t k = 0; k < 4; ++k) {
                 const uint32_t v = quad(i)[k];
-                if (is_fixed(v) || !(pull_[v].quads > 0) || (!region_.empty() && !region_[v])) continue;
+                if (is_fixed(v) || is_at_boundary(quads_.held[v]) || !(pull_[v].quads > 0)
+                    || (!region_.empty() && !region_[v]))
+                    continue;
                 follow(v);
                 pull_[v].quads = 0; // once
             }
@@ -135,14 +138,17 @@ private:
 
     double worst(size_t q) const { return worst_corner(quads_, q); }
 
-    bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
+    bool is_fixed(uint32_t v) const { return quads_.held[v] && !can_slide(quads_.held[v]); }
 
     bool may_move() const { return moves_ < MOST_STEPS * quads_.quad_count() + MORE_MOVES; }
 
     void move(uint32_t v, const Point& to) {
         ++moves_;
         const double p[3] = {to.x, to.y, to.z};
-        const auto walk = quads_.held[v] == ON_CREASE ? walk_along_sharp_edges : walk_to_nearest;
+        const uint8_t held = quads_.held[v];
+        const auto walk = held == ON_CREASE   ? walk_along_sharp_edges
+                        : held == AT_BOUNDARY ? walk_along_rim
+                                              : walk_to_nearest;
         quads_.sides[v] = walk(mesh_, position_, quads_.sides[v], p, &quads_.positions[size_t{3} * v]);
     }
 
@@ -199,7 +205,7 @@ private:
                 for (size_t k = 0; k < 4; ++k) {
                     region_[quads_.quads[4 * q + k]] = 1;
                     uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
-                    if (round > 0 && held != AT_BOUNDARY) held = 0; // without them it did not help
+                    if (round > 0 && !is_at_boundary(held)) held = 0; // without them it did not help
                 }
         list_.clear();
         const int rings = RINGS * (round + 1);
@@ -317,7 +323,7 @@ hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call)
     if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
     for (const uint32_t v : quads.quads) ++valence[v];
     for (uint32_t v = 0; v < quads.vertex_count(); ++v)
-        figures.irregular += valence[v] != (quads.held[v] == AT_BOUNDARY ? 2 : 4);
+        figures.irregular += valence[v] != (is_at_boundary(quads.held[v]) ? 2 : 4);
     for (size_t q = 0; q < quads.quad_count(); ++q) {
         if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
         figures.inverted += !(worst_corner(quads, q) > 0);

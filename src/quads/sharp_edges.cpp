@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "line_walk.hpp"
+
 namespace hmf {
 
 namespace {
@@ -29,25 +31,6 @@ double fold(const Mesh& mesh, const double* position, uint32_t h) {
     return one > 0 && two > 0 ? dot / std::sqrt(one * two) : 1;
 }
 
-// The point of an edge nearest to p, at 0 <= t <= 1 of it; returns the squared distance.
-double nearest_on_edge(const Mesh& mesh, const double* position, uint32_t h, const double* p, double* nearest,
-                       double& t) {
-    const double* const a = position + size_t{3} * mesh.origin[h];
-    const double* const b = position + size_t{3} * mesh.target(h);
-    double along = 0, length = 0, distance = 0;
-    for (int k = 0; k < 3; ++k) {
-        along += (p[k] - a[k]) * (b[k] - a[k]);
-        length += (b[k] - a[k]) * (b[k] - a[k]);
-    }
-    t = length > 0 ? along / length : 0;
-    t = t < 0 ? 0 : t > 1 ? 1 : t;
-    for (int k = 0; k < 3; ++k) {
-        nearest[k] = a[k] + t * (b[k] - a[k]);
-        distance += (p[k] - nearest[k]) * (p[k] - nearest[k]);
-    }
-    return distance;
-}
-
 // The other sharp edge at the vertex where h ends, pointing away; NONE at a corner.
 uint32_t next_sharp_edge(const Mesh& mesh, const double* position, uint32_t h) {
     uint32_t found = NONE;
@@ -65,20 +48,8 @@ bool is_sharp(const Mesh& mesh, const double* position, uint32_t h) { return fol
 
 uint32_t walk_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const double* p,
                                 double* nearest) {
-    double t = 0;
-    double distance = nearest_on_edge(mesh, position, h, p, nearest, t);
-    while (t == 0 || t == 1) {
-        const uint32_t next = next_sharp_edge(mesh, position, t == 1 ? h : twin(h));
-        if (next == NONE) break;
-        double point[3], at = 0;
-        const double nearer = nearest_on_edge(mesh, position, next, p, point, at);
-        if (!(nearer < distance)) break;
-        distance = nearer;
-        t = at;
-        h = next;
-        for (int k = 0; k < 3; ++k) nearest[k] = point[k];
-    }
-    return h;
+    return walk_along_line(mesh, position, h, p, nearest,
+                           [&](uint32_t g) { return next_sharp_edge(mesh, position, g); });
 }
 
 } // namespace hmf

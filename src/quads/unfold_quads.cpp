@@ -14,6 +14,7 @@
 // corner better alone would stop where two corners are equally bad.
 #include "unfold_quads.hpp"
 
+#include "boundary_walk.hpp"
 #include "quad_shape.hpp"
 #include "surface_walk.hpp"
 
@@ -30,7 +31,6 @@ constexpr double SIZE = 0.5;    // weight of sizes beside shapes
 constexpr int RINGS = 2;        // round bad quads, in the first round; in each further one twice as many
 constexpr int ROUNDS = 4, SWEEPS = 60, EVEN = 6;
 constexpr uint64_t MOVES = 200000, MOVES_EACH = 20; // after which no other round begins; and for each quad
-constexpr size_t SHARE = 20;                        // if one of so many is bad, quads are too large for the surface
 
 struct Bad {
     size_t inverted = 0, inwards = 0, corners = 0; // as they are, as seen from outside, and nearly
@@ -50,7 +50,7 @@ public:
         QuadPlaces best;
         Bad least, now;
         if (!count_bad(least)) return call_.was_cancelled();
-        if (least.corners == 0 || least.corners > quads_.quad_count() / SHARE) return HMF_OK;
+        if (least.corners == 0) return HMF_OK;
         const uint64_t most = MOVES + MOVES_EACH * quads_.quad_count();
         if (!stars_.build(quads_, call_.memory) || !best.keep(quads_, call_.memory)) return call_.out_of_memory();
         bool is_best = true;
@@ -109,8 +109,8 @@ private:
                     if (inside[v]) continue;
                     inside[v] = 1;
                     uint8_t& held = quads_.held[v];
-                    if (round > 0 && held != AT_BOUNDARY) held = 0; // with them it did not help
-                    if (!held && !moving_.push(v)) return call_.out_of_memory();
+                    if (round > 0 && !is_at_boundary(held)) held = 0; // with them it did not help
+                    if ((!held || held == AT_BOUNDARY) && !moving_.push(v)) return call_.out_of_memory();
                     for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
                         if (!add(*q)) return call_.out_of_memory();
                 }
@@ -214,13 +214,14 @@ private:
         const Slope slope = energy(v, from);
         if (!(slope.bend > 0) || !std::isfinite(slope.bend)) return;
         const uint32_t side = quads_.sides[v];
+        const auto walk = quads_.held[v] == AT_BOUNDARY ? walk_along_rim : walk_to_nearest;
         double least = slope.energy, best[3] = {from.x, from.y, from.z};
         uint32_t best_side = side;
         for (const double t : {8.0, 3.0, 1.0, 0.3, 0.1}) {
             const Point to = from - (t / slope.bend) * slope.gradient;
             const double p[3] = {to.x, to.y, to.z};
             double nearest[3];
-            const uint32_t there = walk_to_nearest(mesh_, position_, side, p, nearest);
+            const uint32_t there = walk(mesh_, position_, side, p, nearest);
             const double e = energy(v, point(nearest, 0)).energy;
             ++moves_;
             if (!(e < least)) {
