@@ -377,10 +377,9 @@ $(grep -o 'cov: [0-9]*' "$results/fuzzing-$name.log" | tail -1 | cut -c 6-) edge
     done
 }
 variant_mutations() {
-    run_check mutations tests/mutations.sh build/mutations
-    install_if_possible clang llvm
-    [ -e build/coverage/reach.json ] || python3 tests/coverage.py build/coverage --quick > "$results/reach.log" 2>&1
-    run_check derived-mutations python3 tests/derived_mutations.py build/derived \
+    install_if_possible clang llvm # where a recorded case does not notice its defect any more: which cases reach it
+    run_check mutations python3 tests/table_mutations.py build/derived
+    run_check derived-mutations python3 tests/derived_mutations.py build/derived --as-built \
         --count "${HMF_MUTATIONS:-0}" --seed "${HMF_MUTATION_SEED:-1}"
 }
 variant_corpus() { run_corpus corpus 250000 900; }

@@ -1,7 +1,7 @@
 """Defects derived from the sources: is each of them noticed?
 
 derived_mutations.py FOLDER [--count N] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N] [--patience 40] [--resume]
-                            [--write]
+                            [--write] [--named]
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
 statement that is left out.  For each the file is compiled again, the core linked as a shared library, and the cases that
@@ -9,8 +9,9 @@ reach the line run, the quickest first, until one fails.  What survives that is 
 bounds in the file, as the debug and sanitizer builds have them.  FILE is reach.json of coverage.py (default: FOLDER/../coverage/reach.json).
 
 Those of seed 1 are in tests/drawn_mutations.txt: a defect is known by its file, the text of its line and how many lines like
-it come before, so that it stays the same when other lines change.  The last field is the case that noticed it last, which is
-run first.  A line that has gone is replaced by the next one of the draw.  The draw goes through the files again and again, so
+it come before, so that it stays the same when other lines change.  The last field is the case that noticed it last: it is
+run alone, and only where it does not notice the defect any more FILE is needed (it is made if it is not there) and the other
+cases are run.  A named defect is compiled, and run only with --named.  A line that has gone is replaced by the next one of the draw.  The draw goes through the files again and again, so
 that a part of it is a sample of all of it; its order depends on the texts and the seed.
 
 noticed      a case fails, crashes or does not end; without the defect it passes
@@ -30,6 +31,7 @@ import hashlib
 import json
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 import threading
@@ -38,6 +40,7 @@ from pathlib import Path
 
 from core_builds import ROOT, Core, build_release, jobs, link_test, run
 
+LONGEST_CASE = 5  # seconds, of those that are recorded
 FIRST_DEPENDENTS = 12  # of a header, each a file to compile; the others only if the defect survives
 # As the debug and sanitizer builds have it; what is found ends the program.
 CHECKED = ["-UNDEBUG", "-fsanitize=bounds,signed-integer-overflow,shift,null,integer-divide-by-zero",
@@ -238,11 +241,16 @@ class MutableCore(Core):
         return list(self.needs.get(header, ()))
 
 
+def nearest_first(header, users):
+    return sorted(users, key=lambda u: (u[:-4] != header[:-4], Path(u).parent != Path(header).parent, u))
+
+
 class Trial:
     """Tries defects, one at a time in each copy of the sources."""
 
-    def __init__(self, core, programs, reach, named, folder):
-        self.core, self.programs, self.reach, self.named, self.folder = core, programs, reach, named, folder
+    def __init__(self, core, programs, read_reach, named, folder, tries_named):
+        self.core, self.programs, self.named, self.folder, self.tries_named = core, programs, named, folder, tries_named
+        self.read_reach, self.reach = read_reach, None  # when it is needed
         self.trees, self.lock, self.passing = [], threading.Lock(), {}
 
     def tree(self):
@@ -255,7 +263,8 @@ class Trial:
         return made
 
     def run_cases(self, program, names, library=None, made=None):
-        seconds = sum(self.reach.cases[f"{program} {n}".strip()]["seconds"] for n in names)
+        known = self.reach.cases if self.reach else {}
+        seconds = sum(known.get(f"{program} {n}".strip(), {"seconds": LONGEST_CASE})["seconds"] for n in names)
         command = [str(made or self.programs[program])]
         if names == [""]:
             corpus = ROOT / "fuzz/corpus" / program[:-len("_replay")]
@@ -303,27 +312,58 @@ class Trial:
                 return by
         return None
 
-    def noticed_by_includers(self, header, objects, place):
-        """The tests that include a header themselves, compiled with it."""
+    def noticed_by_includers(self, header, objects, place, only="", cases=()):
+        """The tests that include a header themselves, compiled with it.  only: this one, and these cases."""
         if objects:
             self.core.link(place / "libcore.so", objects)
         if not (place / "tests").exists():
             shutil.copytree(ROOT / "tests", place / "tests")
         for source in sorted((place / "tests").glob("test_*.cpp")):
-            if f'#include "../{header}"' in source.read_text() and source.stem in self.programs:
-                made, names = place / source.stem, [n.split(" ")[1] for n in self.reach.cases if n.split(" ")[0] == source.stem]
+            if f'#include "../{header}"' in source.read_text() and source.stem in self.programs and only in ("", source.stem):
+                made = place / source.stem
+                names = list(cases) or [n.split(" ")[1] for n in self.reach.cases if n.split(" ")[0] == source.stem]
                 if link_test(source, place, made, self.core.library) and names:
                     by = self.failing(source.stem, names, place, made)
                     if by:
                         return by
         return None
 
+    def users_of(self, file):
+        if file.endswith(".cpp"):
+            return [file]
+        return nearest_first(file, self.core.dependents(file))
+
+    def fate_as_recorded(self, defect, place, named):
+        """By the case that noticed it last, alone; or None."""
+        users, objects = self.users_of(defect.file), []
+        program, _, case = defect.by.partition(" ")
+        if named and not self.tries_named:
+            objects = self.compiled(place, users[:FIRST_DEPENDENTS])
+            if objects is None:
+                return {"fate": "no compile"}
+            return {"fate": named if objects or len(users) > FIRST_DEPENDENTS else "same code"}
+        if program not in self.programs:
+            return None
+        for part in (users[:FIRST_DEPENDENTS], users[FIRST_DEPENDENTS:]):
+            more = self.compiled(place, part)
+            if more is None:
+                return {"fate": "no compile"}
+            objects += more
+            if more:
+                self.core.link(place / "libcore.so", objects)
+                by = self.failing(program, [case], place)
+                if by:
+                    return {"fate": "noticed", "by": by}
+        if defect.file.endswith(".hpp"):
+            by = self.noticed_by_includers(defect.file, objects, place, program, [case])
+            if by:
+                return {"fate": "noticed", "by": by}
+        return None
+
     def fate(self, defect, place, cases):
-        users = [defect.file] if defect.file.endswith(".cpp") else self.core.dependents(defect.file)
+        users = self.users_of(defect.file)
         users.sort(key=lambda u: (-len(self.reach.files.get(u, ())), u))
         named = self.named.get((defect.file, defect.was, defect.now))
-        if defect.by in cases:
-            cases = [defect.by, *(c for c in cases if c != defect.by)]
         objects, rest = [], users
         while rest and not (named and objects):
             part, rest = rest[:FIRST_DEPENDENTS] if rest is users else rest, rest[FIRST_DEPENDENTS:] if rest is users else []
@@ -331,7 +371,7 @@ class Trial:
             if more is None:
                 return {"fate": "no compile"}
             objects += more
-            by = self.noticed_by(objects, place, cases, 1 if defect.by else 6) if more else None
+            by = self.noticed_by(objects, place, cases, 6) if more else None
             if by:
                 return {"fate": "noticed", "by": by}
         if not named and defect.file.endswith(".hpp"):
@@ -353,16 +393,19 @@ class Trial:
 
     def __call__(self, defect):
         line, changed = defect.applied()
-        cases = self.reach.of(defect.file, line, self.core.dependents(defect.file))
         result = {"defect": defect, "line": line, "by": "", "cases": 0}
-        if not cases:
-            named = self.named.get((defect.file, defect.was, defect.now))
-            return {**result, "fate": named or "not reached"}
+        named = self.named.get((defect.file, defect.was, defect.now))
         place = self.tree()
         original = (place / defect.file).read_text()
         try:
             (place / defect.file).write_text(changed)
-            return {**result, **self.fate(defect, place, cases)}
+            fate = self.fate_as_recorded(defect, place, named)
+            if not fate:
+                with self.lock:
+                    self.reach = self.reach or self.read_reach()
+                cases = self.reach.of(defect.file, line, self.core.dependents(defect.file))
+                fate = self.fate(defect, place, cases) if cases else {"fate": named or "not reached"}
+            return {**result, **fate}
         finally:
             (place / defect.file).write_text(original)
             with self.lock:
@@ -418,6 +461,7 @@ def main():
     parser.add_argument("--patience", type=float, default=40, help="seconds of cases for each defect")
     parser.add_argument("--resume", action="store_true", help="keep results of other sources and tests, but of survivors")
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--named", action="store_true", help="run cases on named defects as well")
     parser.add_argument("--as-built", action="store_true", help="the core is as in the last run")
     options = parser.parse_args()
     folder = Path(options.folder).resolve()
@@ -427,13 +471,19 @@ def main():
         core.compile_all()
         core.link()
     programs = core.link_programs()
-    reach = Reach(options.reach or folder.parent / "coverage/reach.json", options.patience)
-    reach.keep(programs)
+
+    def read_reach():
+        path = Path(options.reach or folder.parent / "coverage/reach.json")
+        if not path.exists():
+            subprocess.run([sys.executable, ROOT / "tests/coverage.py", path.parent, "--quick"], check=True, stdout=subprocess.DEVNULL)
+        reach = Reach(path, options.patience)
+        reach.keep(programs)
+        return reach
     kinds = {"speed": "speed or memory", "memory": "speed or memory", "open": "open"}
     named = {(file, was, now): kinds.get(reason.split(":")[0], "changes nothing") for file, was, now, reason in rows_of(NAMED)}
     for old in folder.glob("tree*"):
         shutil.rmtree(old)
-    results, trial = Results(folder, options.resume, named), Trial(core, programs, reach, named, folder)
+    results, trial = Results(folder, options.resume, named), Trial(core, programs, read_reach, named, folder, options.named)
     fates, survivors, tried, (tasks, count) = {}, 0, [], chosen(options)
 
     def take(result):

@@ -332,6 +332,39 @@ TEST(Packer, LetsShapesDownOntoEachOther) {
     }
 }
 
+// Squares that fill a square: the first width that is tried is that of their area, not that of one of them.
+TEST(Packer, BeginsWithTheWidthOfItsArea) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    uint64_t steps[2] = {0, 0};
+    for (const bool told : {false, true}) {
+        hmf::Packer packer;
+        packer.start(memory, 10, 0);
+        for (int k = 0; k < 36; ++k) {
+            const double xy[8] = {0, 0, 95, 0, 95, 95, 0, 95};
+            ASSERT_TRUE(packer.begin_shape(0, 0, 95, 95));
+            packer.add_part(xy, 4);
+            if (told) packer.add_area(100 * 100); // with the columns that it does not fill
+        }
+        ASSERT_EQ(packer.search(0, call), HMF_OK);
+        EXPECT_GE(packer.side(), 600 - 10);
+        steps[told] = packer.steps();
+    }
+    EXPECT_LT(10 * steps[true], steps[false]);
+}
+
+// Two charts leave nearly half of the square free: the margin, a part of its side, is found in rounds.
+TEST(Atlas, LargeMarginsAreKept) {
+    const TriMesh mesh = pretzel(2, 1);
+    const SolvedSurface surface(mesh, {});
+    const double margin = 1.0 / 24;
+    const Made atlas = atlas_of(surface.solution.foliation, margin);
+    ASSERT_TRUE(atlas);
+    EXPECT_GT(atlas->chart_count, 1u);
+    expect_atlas(mesh, surface.solution.foliation, *atlas, margin);
+}
+
 // A torus of revolution is one rectangle, which is cut to fit.
 TEST(Atlas, ATorusNeedsFewCharts) {
     const TriMesh mesh = torus(120, 48, 2, 0.8);

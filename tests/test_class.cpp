@@ -293,6 +293,23 @@ TEST(ClassGuard, SaysWhichLoopIsLost) {
     EXPECT_EQ(start.watch.repeats, start.hierarchy.levels());
 }
 
+// A level that the host ended is not looked at, and none is solved once more.
+TEST(ClassGuard, NothingIsRepeatedAfterAFinish) {
+    Start start(pretzel(2, 2), HMF_LOOPS_PANTS);
+    start.load({5, 3, 1});
+    ASSERT_EQ(start.watch.start(start.state, 1, &start.loops, start.weights, start.call), HMF_OK);
+    start.reload({5, 4, 1}); // which is another class
+    hmf::SolveOptions options;
+    options.tolerance = 1e-8;
+    options.guarded = true;
+    hmf::Call ending(
+        start.memory, &start.error, [](void*, double) -> int32_t { return HMF_PROGRESS_FINISH; }, nullptr);
+    hmf::Recorder recorder(false, ending, 1);
+    EXPECT_EQ(hmf::run_cascade(start.state, options, ending, recorder, &start.watch), HMF_CANCELLED);
+    EXPECT_EQ(start.state.level, options.stop_level);
+    EXPECT_EQ(start.watch.repeats, 0u);
+}
+
 // hmf_relax: what was known of the class is handed on, and Newton steps are certified.
 TEST(ClassRelax, KeepsWhatWasKnown) {
     for (const TriMesh& mesh : {pretzel(3, 2), torus(40, 20, 3, 1)}) {

@@ -332,6 +332,7 @@ TEST(EvenDesign, WeightsFollowTheSizeOfHandles) {
         EXPECT_LT(made->unevenness, 0.9 * made->unevenness_before);
         const double* w = made->loops->weights;
         ASSERT_GE(made->loops->count, 2u);
+        EXPECT_GT(*std::min_element(w, w + made->loops->count), 0);
         EXPECT_GT(*std::max_element(w, w + made->loops->count), 1.5 * *std::min_element(w, w + made->loops->count));
     }
 }

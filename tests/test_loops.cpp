@@ -10,6 +10,7 @@
 #include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/closed_geodesic.hpp"
 #include "../src/loops/cut_surface.hpp"
+#include "../src/loops/disjoint.hpp"
 #include "../src/loops/dual_length.hpp"
 #include "../src/loops/loops.hpp"
 #include "../src/loops/signatures.hpp"
@@ -729,4 +730,15 @@ TEST(ShortenLoops, AWanderingLoopBecomesARing) {
         for (size_t i = 0; i < loops.length(0); ++i) measured[wanders] += length(edge_of(loops.loop(0)[i]));
     }
     EXPECT_LE(measured[1], measured[0] * (1 + 1e-9));
+}
+
+TEST(Cycles, AreTheSameFromEachStart) {
+    const std::vector<uint32_t> a = {3, 1, 4, 1, 5, 9, 2, 6};
+    for (size_t turn = 0; turn < a.size(); ++turn) {
+        std::vector<uint32_t> b = a;
+        std::rotate(b.begin(), b.begin() + static_cast<std::ptrdiff_t>(turn), b.end());
+        EXPECT_TRUE(hmf::same_cycle(a.data(), b.data(), a.size())) << turn;
+        std::swap(b[2], b[5]);
+        EXPECT_FALSE(hmf::same_cycle(a.data(), b.data(), a.size())) << turn;
+    }
 }

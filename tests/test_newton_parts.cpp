@@ -8,11 +8,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <random>
 #include <vector>
 
 #include "../src/foliation/whitehead.hpp"
+#include "../src/parameterize/flat_surface.hpp"
 #include "../src/parameterize/parameterization.hpp"
 #include "../src/parameterize/seams.hpp"
+#include "../src/solve/fraction.hpp"
 #include "../src/solve/part_system.hpp"
 #include "../src/solve/twisted_model.hpp"
 #include "support/make_mesh.hpp"
@@ -417,4 +420,78 @@ TEST(Collapse, NotBetweenTrianglesOnTheSameVertices) {
     const Mesh mesh = made.mesh();
     std::vector<uint8_t> marks(mesh.vertex_count, 0);
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) EXPECT_FALSE(can_collapse(mesh, h, marks.data())) << h;
+}
+
+// A sphere of which nothing is left but a point: who has what of the curvature is not known, together it is that of a
+// sphere.
+TEST(ConeAngles, OfASurfaceThatIsAPoint) {
+    test::MadeMesh made(test::Triangles{{1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1},
+                                        {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5}});
+    const hmf::Mesh mesh = made.mesh();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::FlatSurface flat;
+    hmf::VertexCharts charts;
+    ASSERT_TRUE(flat.bundle.turn.allocate_filled(memory, mesh.edge_count, int8_t{1})
+                && flat.du.value.allocate_filled(memory, mesh.edge_count, 0)
+                && flat.dv.value.allocate_filled(memory, mesh.edge_count, 0) && charts.build(mesh, flat.bundle, call));
+    std::vector<int32_t> cone(mesh.vertex_count, 0);
+    ASSERT_TRUE(hmf::cone_angles(mesh, flat, charts, cone.data(), call));
+    int32_t missing = 0;
+    for (const int32_t c : cone) {
+        EXPECT_TRUE(c == 0 || c == 2) << c;
+        missing += 2 - c;
+    }
+    EXPECT_EQ(missing, 4);
+}
+
+// A vertex as high as its six neighbours.  The seven get fractions at random: the class is kept where none of them
+// becomes as high as all that it was higher than, or one with an edge that opens an extremum, as their heights tell.
+TEST(Fractions, KeepTheClassWhereHeightsDo) {
+    Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
+    const Mesh& mesh = combed.f.mesh;
+    const uint32_t centre = mesh.vertex_count - 1; // the last one: its sides are the last of all
+    std::vector<uint32_t> disk{centre};
+    for (const uint32_t h : mesh.around(centre)) disk.push_back(mesh.target(h));
+    for (const uint32_t v : disk) combed.height[v] = combed.height[centre];
+    combed.value = combed.values();
+    Foliation& f = combed.f;
+    f.value = combed.value.data();
+    Memory& memory = combed.memory;
+    std::vector<double> weight(mesh.edge_count, 1.0);
+    Rings rings;
+    Star star;
+    Call call(memory, nullptr, nullptr, nullptr);
+    TwistedModel model;
+    ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                && model.allocate(mesh, memory) && model.look(f, rings, weight.data(), star, call));
+    int up = 0; // the sign of edges that leave the disk upward
+    for (const uint32_t v : disk) {
+        ASSERT_EQ(model.rests[v], 0);
+        for (const uint32_t h : mesh.around(v))
+            if (combed.rise(h) > 0) up = model.sign[h];
+    }
+    ASSERT_NE(up, 0);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(-0.9, 0.9);
+    size_t kept = 0, lost = 0;
+    for (int round = 0; round < 300; ++round) {
+        std::vector<double> raised(mesh.vertex_count, 0), part(mesh.vertex_count, 0);
+        for (const uint32_t v : disk) raised[v] = place(random), part[v] = up * raised[v];
+        if (round % 2) raised[centre] = part[centre] = 0;
+        bool expected = true;
+        for (const uint32_t v : disk) {
+            bool higher = false, lower = false;
+            for (const uint32_t h : mesh.around(v)) {
+                const double there = static_cast<double>(combed.rise(h)) + raised[mesh.target(h)] - raised[v];
+                higher = higher || there > 0;
+                lower = lower || there < 0;
+            }
+            expected = expected && higher && lower;
+        }
+        EXPECT_EQ(hmf::keeps_class(f, rings, model, part.data()), expected) << round;
+        ++(expected ? kept : lost);
+    }
+    EXPECT_GT(kept, 20u);
+    EXPECT_GT(lost, 20u);
 }

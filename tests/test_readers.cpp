@@ -441,6 +441,16 @@ TEST(ReadMesh, OldLineEnds) {
     expect_refused("ply\rformat ascii 1.0\rend_header\r", Format::ply, {"carriage returns alone"});
 }
 
+TEST(ReadMesh, TwoBytesACharacter) {
+    const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::string little = "\xff\xfe", big = "\xfe\xff";
+    for (const char c : text) {
+        little += {c, '\0'};
+        big += {'\0', c};
+    }
+    for (const std::string& bytes : {little, big}) expect_refused(bytes, Format::obj, {":1:", "UTF-16", "save"});
+}
+
 // --- Numbers of points -----------------------------------------------------------
 
 TEST(PointNumbers, PointsThatCollideOnPurpose) {

@@ -6,8 +6,11 @@
 //     |   |   |   |
 //     o---o---o---o      on the side, held
 #include "../src/quads/fit_quads.hpp"
+#include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
+#include "../src/quads/snap_quads.hpp"
+#include "../src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -88,7 +91,8 @@ TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
             quads.positions[3 * i] = even(i) + shift;
             quads.positions[3 * (COLUMNS + i)] = even(i);
         }
-        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, call), HMF_OK);
+        uint64_t inverted = 0;
+        ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, inverted, call), HMF_OK);
         EXPECT_EQ(std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE), shift < 1 ? COLUMNS - 2 : 0);
     }
 }
@@ -105,6 +109,58 @@ TEST_F(OnAnEdge, RowsBesideItGoThere) {
     }
     ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 200, hmf::Untangle::all, false, quads, call), HMF_OK);
     for (uint32_t i = 2; i + 2 < COLUMNS; ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
+}
+
+// A row that lies on top, beyond the row on the edge: it is untangled onto the other face, and each vertex knows the
+// triangle that it is on.
+TEST_F(OnAnEdge, UntangledVerticesKnowTheirTriangle) {
+    for (uint32_t i = 0; i < COLUMNS; ++i) {
+        quads.positions[3 * i + 1] = 0;
+        if (quads.held[COLUMNS + i] != hmf::ON_CREASE) continue;
+        quads.held[COLUMNS + i] = 0;
+        quads.positions[3 * (COLUMNS + i) + 1] = 0.3;
+        quads.sides[COLUMNS + i] = quads.sides[i];
+    }
+    ASSERT_EQ(hmf::relax_quads(mesh, made.positions.data(), 0, hmf::Untangle::all, true, quads, call), HMF_OK);
+    size_t over = 0;
+    for (uint32_t v = COLUMNS; v < 2 * COLUMNS; ++v) {
+        if (quads.held[v]) continue;
+        const double *const p = &quads.positions[3 * v], y = p[1], z = p[2];
+        over += z < 1;
+        const uint32_t h = quads.sides[v], corner[3] = {mesh.origin[h], mesh.target(h), mesh.origin[mesh.prev(h)]};
+        double low[3], high[3];
+        for (size_t k = 0; k < 3; ++k) {
+            const auto at = [&](size_t c) { return made.positions[3 * corner[c] + k]; };
+            low[k] = std::min({at(0), at(1), at(2)});
+            high[k] = std::max({at(0), at(1), at(2)});
+            EXPECT_GE(p[k], low[k] - 1e-12) << "vertex " << v << " at y " << y << " z " << z;
+            EXPECT_LE(p[k], high[k] + 1e-12) << "vertex " << v << " at y " << y << " z " << z;
+        }
+    }
+    EXPECT_GT(over, 0u);
+}
+
+// Two vertices of a row are within reach of a corner of the plate, the first one nearer: that one goes there.
+TEST_F(OnAnEdge, TheNearestTakesACorner) {
+    const double x[4] = {-1.2, -0.2, 0.3, 1.3};
+    const uint32_t side = half_edge_at(mesh, made.positions.data(), false, -1, 1);
+    hmf::QuadMesh patch;
+    patch.start(memory);
+    bool room = true;
+    for (int row = 0; row < 3; ++row)
+        for (uint32_t i = 0; i < 4; ++i)
+            room = room && patch.positions.push(x[i]) && patch.positions.push(row - 1) && patch.positions.push(1)
+                && patch.sides.push(side) && patch.held.push(row != 1 || i == 0 || i == 3);
+    for (uint32_t row = 0; row < 2; ++row)
+        for (uint32_t i = 0; i < 3; ++i)
+            for (const uint32_t v : {4 * row + i, 4 * row + i + 1, 4 * row + i + 5, 4 * row + i + 4})
+                room = room && patch.quads.push(v);
+    ASSERT_TRUE(room);
+    size_t snapped = 0;
+    ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), nullptr, patch, snapped, call), HMF_OK);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(patch.positions[3 * 5 + k], k == 2 ? 1 : 0);
+    EXPECT_EQ(patch.held[5], 1);
+    EXPECT_NE(patch.held[6], 1);
 }
 
 // The middle of a side on the edge slides along it as well.
@@ -159,4 +215,46 @@ TEST(RelaxQuads, StepsGoOn) {
     };
     EXPECT_GT(off_after(0, 0), 0.79);
     EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
+}
+
+// A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square, so that
+// relaxing them as they lie keeps it; unfolded, all look up.
+TEST(UnfoldQuads, PatchFaceDownIsTurned) {
+    constexpr uint32_t N = 32, LOW = 14, HIGH = 17;
+    test::MadeMesh made(
+        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
+    const Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+    bool room = true;
+    for (uint32_t i = 0; i <= N; ++i)
+        for (uint32_t j = 0; j <= N; ++j) {
+            const bool patch = i >= LOW && i <= HIGH && j >= LOW && j <= HIGH;
+            const bool rim = i == 0 || j == 0 || i == N || j == N;
+            room = room && quads.positions.push(patch ? LOW + HIGH - i : i) && quads.positions.push(j)
+                && quads.positions.push(0) && quads.sides.push(side) && quads.held.push(rim);
+        }
+    for (uint32_t i = 0; i < N; ++i)
+        for (uint32_t j = 0; j < N; ++j)
+            for (const uint32_t v :
+                 {i * (N + 1) + j, (i + 1) * (N + 1) + j, (i + 1) * (N + 1) + j + 1, i * (N + 1) + j + 1})
+                room = room && quads.quads.push(v);
+    ASSERT_TRUE(room);
+    const auto inwards = [&] {
+        size_t count = 0;
+        for (size_t q = 0; q < quads.quad_count(); ++q)
+            count += !(hmf::worst_corner_from_outside(mesh, position, quads, q) > 0);
+        return count;
+    };
+    const size_t before = inwards();
+    EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
+    bool turned = false;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, quads, turned, call), HMF_OK);
+    EXPECT_TRUE(turned);
+    EXPECT_EQ(inwards(), 0u);
+    EXPECT_EQ(quads.positions[0], 0); // what is held stays
 }

@@ -47,10 +47,15 @@ bool has_old_line_ends(std::string_view bytes) {
     return bytes.find('\n') == bytes.npos && bytes.find('\r') != bytes.npos;
 }
 
+// By its byte order mark. Shells of Windows write such files.
+bool is_utf_16(std::string_view bytes) { return bytes.substr(0, 2) == "\xff\xfe" || bytes.substr(0, 2) == "\xfe\xff"; }
+
 } // namespace
 
 TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour) {
     if (bytes.empty()) throw MeshError("the file is empty");
+    if (format != Format::stl && is_utf_16(bytes))
+        throw MeshError("the text is in UTF-16, two bytes a character; save the file as UTF-8", 1);
     if (format != Format::stl && format != Format::gltf && has_old_line_ends(bytes))
         throw MeshError("the lines end in carriage returns alone; save the file with line feeds", 1);
     TriangleMesh mesh;

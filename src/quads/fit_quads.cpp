@@ -1,8 +1,7 @@
 // In turns: vertices reach for tips, where they are held, or snap to sharp edges, along which they
 // slide from then on, and the others are relaxed round them.  A vertex leaves its sharp edge again where
-// that costs a corner too much.  Quads cut in four look outwards where the whole one did,
-// but at creases, where to turn them out takes long and does not always work.  Where a quad stays
-// inverted all is done again without sharp edges, and the better of both kept.
+// that costs a corner too much.  Where a quad stays inverted all is done again without sharp edges, then
+// also without a look at the side that quads look to, and the best kept.
 #include "fit_quads.hpp"
 
 #include "boundary_corners.hpp"
@@ -10,6 +9,7 @@
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
+#include "unfold_quads.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -19,8 +19,8 @@ namespace hmf {
 namespace {
 
 constexpr int ROUNDS = 3; // of reaching and snapping; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
-constexpr double TOO_FLAT = 0.5;  // sine of a corner of a quad on a sharp edge
-constexpr int STEPS_ON_FINER = 4; // of relaxation
+constexpr double TOO_FLAT = 0.5;                          // sine of a corner of a quad on a sharp edge
+constexpr int STEPS_ON_FINER = 4, STEPS_AFTER_TURNS = 20; // of relaxation
 
 template <class T>
 Done copy(const Array<T>& from, Array<T>& to, Memory& memory) {
@@ -43,41 +43,51 @@ bool leave_sharp_edges(QuadMesh& quads) {
     return any;
 }
 
-// Quads that look inwards are turned out, if no other quad gets inverted by that.
-hmf_status turn_outwards(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) {
-    QuadPlaces places;
-    QuadFigures before, after;
-    if (!places.keep(quads, call.memory)) return call.out_of_memory();
-    if (quad_figures(quads, before, call) || relax_quads(mesh, position, 0, Untangle::all, true, quads, call)
-        || quad_figures(quads, after, call))
+struct Attempt {
+    bool to_sharp_edges, outwards; // outwards: quads that look inwards are to turn, not only those that are inverted
+};
+// Where the surface is finer than the quads, which side they should look to is not always known.
+constexpr Attempt ATTEMPTS[] = {{true, false}, {true, true}, {false, true}, {false, false}};
+
+// What stays inverted is turned as it lies, to whatever side it looks.
+hmf_status untangle(const Mesh& mesh, const double* position, int steps, int after, bool outwards, QuadMesh& quads,
+                    QuadFigures& figures, Call& call) {
+    bool turned = false, again = false;
+    if (relax_quads(mesh, position, steps, Untangle::all, outwards, quads, call)
+        || unfold_quads(mesh, position, quads, turned, call))
         return call.status();
-    if (after.inverted > before.inverted) places.give_back(quads);
-    return HMF_OK;
+    // What was turned is even in size, and angles are not the best yet.
+    if (turned
+        && (relax_quads(mesh, position, after, Untangle::some, outwards, quads, call)
+            || unfold_quads(mesh, position, quads, again, call)))
+        return call.status();
+    if (quad_figures(quads, figures, call)) return call.status();
+    if (figures.inverted == 0 || !outwards) return HMF_OK;
+    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call)) return call.status();
+    return quad_figures(quads, figures, call);
 }
 
-// With sharp edges: is given up before the finest quads where some stay inverted.
+// Is given up before the finest quads where some stay inverted.
 hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-               bool to_sharp_edges, QuadMesh& quads, QuadFigures& figures, Call& call) {
-    if (relax_quads(mesh, position, steps, Untangle::some, false, quads, call)) return call.status();
+               const Attempt& as, QuadMesh& quads, QuadFigures& figures, Call& call) {
+    if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0;
         if (reach_tips(mesh, position, front, quads, reached, call)
-            || (to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
+            || (as.to_sharp_edges && snap_to_sharp_edges(mesh, position, front, quads, snapped, call)))
             return call.status();
         if (reached + snapped == 0) break;
-        if (relax_quads(mesh, position, steps, Untangle::some, false, quads, call)) return call.status();
+        if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     }
     const int again = leave_sharp_edges(quads) ? steps : 0;
-    if (relax_quads(mesh, position, again, Untangle::all, false, quads, call)
-        || turn_outwards(mesh, position, quads, call))
+    if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, figures, call))
         return call.status();
-    if (quad_figures(quads, figures, call)) return call.status();
     for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)
-            || relax_quads(mesh, position, std::min(steps, STEPS_ON_FINER), Untangle::all, false, quads, call)
-            || quad_figures(quads, figures, call))
+            || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), std::min(steps, STEPS_ON_FINER), as.outwards,
+                        quads, figures, call))
             return call.status();
-        if (to_sharp_edges && figures.inverted > 0) return HMF_OK;
+        if (as.to_sharp_edges && figures.inverted > 0) return HMF_OK;
     }
     return HMF_OK;
 }
@@ -100,32 +110,41 @@ struct Front {
     }
 };
 
-// With sharp edges, or without where that leaves fewer inverted.
+Done copy(const QuadMesh& from, QuadMesh& to, Memory& memory) {
+    return copy(from.positions, to.positions, memory) && copy(from.quads, to.quads, memory)
+        && copy(from.sides, to.sides, memory) && copy(from.held, to.held, memory);
+}
+
+// One attempt after the other, until no quad is inverted: the first one with all quads and the fewest inverted.
 hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-                      QuadMesh& quads, Call& call) {
-    QuadMesh free; // of sharp edges
-    QuadFigures figures, without;
-    if (!copy(quads.positions, free.positions, call.memory) || !copy(quads.quads, free.quads, call.memory)
-        || !copy(quads.sides, free.sides, call.memory) || !copy(quads.held, free.held, call.memory))
-        return call.out_of_memory();
-    const size_t wished = quads.quad_count() << 2 * halvings;
-    if (fit(mesh, position, front, steps, halvings, true, quads, figures, call)) return call.status();
-    if (figures.inverted == 0) return HMF_OK;
-    if (fit(mesh, position, front, steps, halvings, false, free, without, call)) return call.status();
-    if (without.inverted < figures.inverted || quads.quad_count() < wished) std::swap(quads, free);
+                      QuadMesh& quads, uint64_t& inverted, Call& call) {
+    QuadMesh start, now;
+    inverted = UINT64_MAX;
+    if (!copy(quads, start, call.memory)) return call.out_of_memory();
+    for (const Attempt& as : ATTEMPTS) {
+        QuadFigures figures;
+        if (!copy(start, now, call.memory)) return call.out_of_memory();
+        if (fit(mesh, position, front, steps, halvings, as, now, figures, call)) return call.status();
+        const bool more = now.quad_count() > quads.quad_count() || inverted == UINT64_MAX;
+        if (now.quad_count() >= quads.quad_count() && (more || figures.inverted < inverted)) {
+            inverted = figures.inverted;
+            std::swap(quads, now);
+        }
+        if (inverted == 0 && quads.quad_count() == start.quad_count() << 2 * halvings) break;
+    }
     return HMF_OK;
 }
 
 } // namespace
 
 hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-                     QuadMesh& quads, Call& call) {
-    if (!front) return fit_better(mesh, position, front, steps, halvings, quads, call);
+                     QuadMesh& quads, uint64_t& inverted, Call& call) {
+    if (!front) return fit_better(mesh, position, front, steps, halvings, quads, inverted, call);
     Front shown;
     if (!shown.build(mesh, *front, quads, call.memory)) return call.out_of_memory();
     size_t corners = 0;
     if (steps > 0 && take_boundary_corners(shown.mesh, position, *front, quads, corners, call)) return call.status();
-    return fit_better(shown.mesh, position, front, steps, halvings, quads, call);
+    return fit_better(shown.mesh, position, front, steps, halvings, quads, inverted, call);
 }
 
 } // namespace hmf

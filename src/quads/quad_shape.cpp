@@ -6,9 +6,6 @@
 
 namespace hmf {
 
-namespace {
-
-// Of the triangle left of a half-edge, of length 1; 0 without area.
 Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
     const Point a = point(position, mesh.origin[h]), b = point(position, mesh.target(h)),
                 c = point(position, mesh.origin[mesh.prev(h)]);
@@ -17,21 +14,26 @@ Point normal_at(const Mesh& mesh, const double* position, uint32_t h) {
     return doubled > 0 ? (1 / doubled) * normal : Point{};
 }
 
+Point outwards_at(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner) {
+    Point sum;
+    for (size_t k = 0; k < 4; ++k) sum = sum + normal_at(mesh, position, quads.sides[corner[k]]);
+    return sum;
+}
+
+namespace {
+
 // Along which the corners of a quad with this normal are seen: it; where it looks inwards, against the
 // normals where its corners lie, and where the surface is nearest to its middle, the latter.
 Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner,
            const Point& normal) {
     constexpr double CLEARLY = 0.5; // of the sum of four
-    Point outwards, middle;
-    for (size_t k = 0; k < 4; ++k) {
-        outwards = outwards + normal_at(mesh, position, quads.sides[corner[k]]);
-        middle = middle + 0.25 * at(quads, corner[k]);
-    }
-    if (dot(normal, outwards) > CLEARLY) return normal;
+    Point middle;
+    if (dot(normal, outwards_at(mesh, position, quads, corner)) > CLEARLY) return normal;
+    for (size_t k = 0; k < 4; ++k) middle = middle + 0.25 * at(quads, corner[k]);
     const double p[3] = {middle.x, middle.y, middle.z};
     double nearest[3];
-    outwards = normal_at(mesh, position, walk_to_nearest(mesh, position, quads.sides[corner[0]], p, nearest));
-    return dot(normal, outwards) < 0 ? outwards : normal;
+    const Point there = normal_at(mesh, position, walk_to_nearest(mesh, position, quads.sides[corner[0]], p, nearest));
+    return dot(normal, there) < 0 ? there : normal;
 }
 
 double least_sine(const Point* p, const Point& n) {

@@ -21,6 +21,12 @@ inline Point point(const double* positions, uint32_t v) {
 }
 inline Point at(const QuadMesh& quads, uint32_t v) { return point(quads.positions.data(), v); }
 
+// Normal of the triangle left of a half-edge, of length 1; 0 without area.
+Point normal_at(const Mesh& mesh, const double* position, uint32_t h);
+
+// The sum of those where the corners of a quad lie.
+Point outwards_at(const Mesh& mesh, const double* position, const QuadMesh& quads, const uint32_t* corner);
+
 // The least sine of its corners, as seen along its normal (of the diagonals).
 double worst_corner(const QuadMesh& quads, size_t q);
 // As seen along the normal of the surface, where its own looks inwards: at most 0 there.

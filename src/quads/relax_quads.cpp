@@ -36,6 +36,7 @@ constexpr uint32_t SLICE = 16384;    // vertices between ticks
 constexpr double WELL = 0.1;         // sine of a corner that needs no care
 constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
 constexpr double MOMENTUM = 0.8;
+constexpr double CLEARLY = 0.5; // inwards: of the sum of four normals of the surface
 // Towards a larger area: of the gradient, at most of the sides, and only where the normals of the quads agree
 // (their mean is as long) and no sine of a corner is less; else what is folded over would be folded more.
 constexpr double GROWTH = 0.6, MOST_GROWTH = 0.09, AGREE = 0.7, FLAT = 0.3;
@@ -93,6 +94,7 @@ private:
         const double length = std::sqrt(dot(normal, normal)), side = std::sqrt(0.5 * length);
         if (!(length > 0)) return;
         normal = (1 / length) * normal;
+        if (outwards_ && dot(normal, outwards_at(mesh_, position_, quads_, corner)) < -CLEARLY) normal = -1 * normal;
         const Point middle = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
         const Point d = 0.25 * ((p[0] - p[2]) - cross(normal, p[1] - p[3])), e = cross(normal, d);
         const Point square[4] = {middle + d, middle + e, middle - d, middle - e};
@@ -131,9 +133,7 @@ private:
         move(v, to);
     }
 
-    double worst(size_t q) const {
-        return outwards_ ? worst_corner_from_outside(mesh_, position_, quads_, q) : worst_corner(quads_, q);
-    }
+    double worst(size_t q) const { return worst_corner(quads_, q); }
 
     bool is_fixed(uint32_t v) const { return quads_.held[v] && quads_.held[v] != ON_CREASE; }
 

@@ -3,6 +3,7 @@
 #include "fit_quads.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace hmf {
 
@@ -22,6 +23,23 @@ hmf_status wished_number(const SizedQuads& wish, double area, double by_default,
                      number, static_cast<double>(MOST_QUADS));
 }
 
+// That number, then each cut in four so many times.
+hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
+                        const FlatMetric& metric, double number, int halvings, QuadMesh& out, uint64_t& inverted,
+                        Call& call) {
+    QuadWish first;
+    first.step = std::sqrt(metric.flat_area * wish.share / number);
+    first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
+    first.merge = wish.merge;
+    first.keep_poles = wish.keep_poles;
+    if (!(first.step > 0) || !std::isfinite(first.step))
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
+    if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
+    if (!(wish.relax > 0)) return HMF_OK;
+    return fit_quads(f.mesh, position, wish.front ? wish.reflection : nullptr, wish.relax, halvings, out, inverted,
+                     call);
+}
+
 } // namespace
 
 hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
@@ -38,17 +56,21 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
     double fewer = number;
     for (; refines && fewer > by_default && fewer > FEWEST_TO_REFINE && halvings < MOST_HALVINGS; ++halvings)
         fewer /= 4;
-    QuadWish first;
-    first.step = std::sqrt(metric.flat_area * wish.share / fewer);
-    first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(fewer + 0.5)) : 0;
-    first.merge = wish.merge;
-    first.keep_poles = wish.keep_poles;
-    if (!(first.step > 0) || !std::isfinite(first.step))
-        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
-    if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
-    return wish.relax > 0
-             ? fit_quads(f.mesh, position, wish.front ? wish.reflection : nullptr, wish.relax, halvings, out, call)
-             : HMF_OK;
+    // Quads that are inverted stay so when they are cut: then there are more and smaller ones to begin with.
+    uint64_t inverted = 0;
+    if (make_and_fit(f, position, cylinders, wish, metric, fewer, halvings, out, inverted, call)) return call.status();
+    for (; halvings > 0 && inverted > 0; fewer *= 4) {
+        QuadMesh other;
+        uint64_t left = 0;
+        --halvings;
+        other.start(call.memory);
+        if (make_and_fit(f, position, cylinders, wish, metric, 4 * fewer, halvings, other, left, call))
+            return call.status();
+        if (left >= inverted) continue;
+        inverted = left;
+        std::swap(out, other);
+    }
+    return HMF_OK;
 }
 
 } // namespace hmf

@@ -1,7 +1,6 @@
 #include "fraction.hpp"
 
 #include "signed_multigrid.hpp"
-#include "twisted_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,31 +76,6 @@ Done measure(Foliation& f, const Rings& rings, const double* weight, const Twist
     return true;
 }
 
-// No value that is not 0 changes its sign, and where edges of value 0 open each vertex keeps an edge in both of its
-// directions: so none becomes an extremum, on the way either (docs/mathematics.md, section 8).
-bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part) {
-    const Mesh& mesh = f.mesh;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const uint32_t h = 2 * e;
-        const double change = model.sign[h] * part[mesh.origin[h]] + model.sign[h + 1] * part[mesh.origin[h + 1]];
-        if (f.value[e] > 0 && !(static_cast<double>(f.value[e]) - change >= 0)) return false;
-    }
-    for (uint32_t v = 0; v < model.count; ++v) {
-        if (model.rests[v]) continue;
-        bool opens = false, ahead = false, behind = false;
-        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge, k = twin(h);
-            const double change = model.sign[h] * part[v] + model.sign[k] * part[mesh.origin[k]];
-            const double signed_value = model.sign[h] * (static_cast<double>(f.at(h)) - change);
-            opens |= f.at(h) == 0 && change != 0;
-            ahead |= signed_value > 0;
-            behind |= signed_value < 0;
-        }
-        if (opens && !(ahead && behind)) return false;
-    }
-    return true;
-}
-
 // The vertices that may move: those within some rings of the ones where the residual is too large, clusters as a
 // whole.  The others keep their integers.
 class Region {
@@ -149,6 +123,29 @@ private:
 };
 
 } // namespace
+
+bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part) {
+    const Mesh& mesh = f.mesh;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        const uint32_t h = 2 * e;
+        const double change = model.sign[h] * part[mesh.origin[h]] + model.sign[h + 1] * part[mesh.origin[h + 1]];
+        if (f.value[e] > 0 && !(static_cast<double>(f.value[e]) - change >= 0)) return false;
+    }
+    for (uint32_t v = 0; v < model.count; ++v) {
+        if (model.rests[v]) continue;
+        bool opens = false, ahead = false, behind = false;
+        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+            const uint32_t h = rings.side[t].half_edge, k = twin(h);
+            const double change = model.sign[h] * part[v] + model.sign[k] * part[mesh.origin[k]];
+            const double signed_value = model.sign[h] * (static_cast<double>(f.at(h)) - change);
+            opens |= f.at(h) == 0 && change != 0;
+            ahead |= signed_value > 0;
+            behind |= signed_value < 0;
+        }
+        if (opens && !(ahead && behind)) return false;
+    }
+    return true;
+}
 
 hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found) {
     constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a centre

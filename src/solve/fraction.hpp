@@ -9,6 +9,7 @@
 #pragma once
 
 #include "solve.hpp"
+#include "twisted_model.hpp"
 
 namespace hmf {
 
@@ -20,5 +21,9 @@ namespace hmf {
 [[nodiscard]] hmf_status residuals_with_fractions(Foliation& f, const Rings& rings, const double* weight,
                                                   const double* part, Star& star, double* residual, Call& call,
                                                   ResidualResult& found);
+
+// No value that is not 0 changes its sign, and where edges of value 0 open each vertex keeps an edge in both of its
+// directions: so none becomes an extremum, on the way either (docs/mathematics.md, section 8).
+bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part);
 
 } // namespace hmf

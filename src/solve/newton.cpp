@@ -320,7 +320,8 @@ private:
         LinearOptions options = stop_at(residual);
         if (multigrid_ready_) {
             options.hopeless_ends = true;
-            multigrid_.refresh(matrix, w_.call.parallel);
+            multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
+            model_.forget_changes(w_.call.parallel);
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                                                          steering::iterations_with_old_setup, w_.call, options);
             if (w_.call.cancelled() || w_.call.finishing()) return false;
@@ -331,6 +332,7 @@ private:
         if (!multigrid_.setup(matrix, w_.call.memory, &w_.call, smooth_only_ ? 1 : SignedMultigrid::max_levels))
             return false;
         multigrid_ready_ = true;
+        model_.forget_changes(w_.call.parallel);
         multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
                          smooth_only_ ? steering::iterations_with_smoother : steering::iterations_with_new_setup,
                          w_.call, options);

@@ -82,8 +82,8 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
 }
 
-void SignedMultigrid::refresh(const SignedMatrix& matrix, const Parallel& parallel) {
-    if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), parallel);
+void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {
+    if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), changed, parallel);
 }
 
 double SignedMultigrid::operator_complexity() const {
@@ -233,17 +233,14 @@ void SignedMultigrid::precondition(const Parallel& parallel) {
 
 namespace {
 
-// y = A x; returns x * y.
-double multiply(const SignedMatrix& a, const double* x, double* y, const Parallel& parallel) {
-    return parallel.sum_blocks<double>(a.n, [=](size_t begin, size_t end) {
-        double sum = 0;
+// y = A x.
+void multiply(const SignedMatrix& a, const double* x, double* y, const Parallel& parallel) {
+    parallel.for_blocks(a.n, [=](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             double v = a.diagonal[i] * x[i];
             for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k) v += a.entry[k] * x[a.column[k]];
             y[i] = v;
-            sum += x[i] * v;
         }
-        return sum;
     });
 }
 
@@ -272,15 +269,17 @@ struct ResidualNorms {
     double norm() const { return std::sqrt(squares); }
 };
 
-// row_scale: may be null.  residual(i) is asked for once for each row.
+// row_scale: may be null.  residual(i) is asked for once for each row.  input: if not null,
+// what the preconditioner is to have next, the scaled residual times factor.
 template <class Residual>
-ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scale, const Parallel& parallel,
-                             Residual residual) {
+ResidualNorms residual_norms(size_t n, const float* scale, const float* row_scale, float* input, double factor,
+                             const Parallel& parallel, Residual residual) {
     return parallel.sum_blocks<ResidualNorms>(n, [=](size_t begin, size_t end) {
         ResidualNorms norms;
         for (size_t i = begin; i < end; ++i) {
             const double r = residual(i), g = static_cast<double>(scale[i]) * r;
             norms.squares += g * g;
+            if (input) input[i] = static_cast<float>(g * factor) + floor_value;
             if (!row_scale) continue;
             const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
             if (row > norms.largest_row) norms.largest_row = row;
@@ -298,14 +297,32 @@ struct Projections {
     }
 };
 
-Projections project(size_t n, const float* scale, const float* output, const double* r, const double* q,
+// z: scaled back here.
+Projections project(size_t n, const float* scale, float* z, const double* r, const double* q,
                     const Parallel& parallel) {
     return parallel.sum_blocks<Projections>(n, [=](size_t begin, size_t end) {
         Projections sum;
         for (size_t i = begin; i < end; ++i) {
-            const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
-            sum.zr += z * r[i];
-            sum.zq += z * q[i];
+            z[i] *= scale[i];
+            sum.zr += static_cast<double>(z[i]) * r[i];
+            sum.zq += static_cast<double>(z[i]) * q[i];
+        }
+        return sum;
+    });
+}
+
+// p = z + beta p and q = A z + beta q, which is A p; returns p * q.
+double next_direction(const SignedMatrix& a, const float* z, double beta, double* p, double* q,
+                      const Parallel& parallel) {
+    return parallel.sum_blocks<double>(a.n, [=](size_t begin, size_t end) {
+        double sum = 0;
+        for (size_t i = begin; i < end; ++i) {
+            double v = a.diagonal[i] * static_cast<double>(z[i]);
+            for (uint32_t k = a.offset[i]; k < a.offset[i + 1]; ++k)
+                v += a.entry[k] * static_cast<double>(z[a.column[k]]);
+            p[i] = static_cast<double>(z[i]) + beta * p[i];
+            q[i] = v + beta * q[i];
+            sum += p[i] * q[i];
         }
         return sum;
     });
@@ -351,7 +368,8 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
     double* q = product_.data();
     const Parallel& parallel = call.parallel;
 
-    const double reference = residual_norms(n, scale, nullptr, parallel, [=](size_t i) { return b[i]; }).norm();
+    const double reference =
+        residual_norms(n, scale, nullptr, nullptr, 0, parallel, [=](size_t i) { return b[i]; }).norm();
     if (!(reference > 0) || !(reference < 1e300)) {
         for (size_t i = 0; i < n; ++i) x[i] = 0;
         result.converged = reference == 0;
@@ -366,17 +384,17 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
 
     // The residual of the recurrence drifts from the true one; at the goal the
     // true one decides, and if need be the search starts again from it.
-    double before_restart = 1e300;
+    double norm = reference, before_restart = 1e300;
     Pace pace(iteration_limit);
     for (uint32_t restart = 0; restart < 8; ++restart) {
         if (restart > 0 || !is_zero(x, n, parallel)) multiply(matrix, x, r, parallel);
         else parallel.for_blocks(n, [=](size_t begin, size_t end) { std::memset(r + begin, 0, (end - begin) * 8); });
         for (size_t k = 0; k < options.fixed_count; ++k) r[options.fixed[k]] = b[options.fixed[k]];
-        ResidualNorms norms = residual_norms(n, scale, options.row_scale, parallel, [=](size_t i) {
-            q[i] = 0;
+        ResidualNorms norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=](size_t i) {
+            p[i] = q[i] = 0;
             return r[i] = b[i] - r[i];
         });
-        double norm = norms.norm();
+        norm = norms.norm();
         const auto is_small = [&] {
             return !(norm > goal) || (options.row_scale && norms.largest_row <= options.row_tolerance);
         };
@@ -393,28 +411,16 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
                 result.row_residual = norms.largest_row;
                 return result;
             }
-            const double inverse = 1 / norm;
-            parallel.for_blocks(n, [=](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i)
-                    input[i] = static_cast<float>(static_cast<double>(scale[i]) * r[i] * inverse) + floor_value;
-            });
             precondition(parallel);
             leave_out(output);
             const auto [zr, zq] = project(n, scale, output, r, q, parallel);
-            const bool first = !(pq > 0);
-            const double beta = first ? 0 : -zq / pq;
-            parallel.for_blocks(n, [=](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i) {
-                    const double z = static_cast<double>(scale[i]) * static_cast<double>(output[i]);
-                    p[i] = first ? z : z + beta * p[i];
-                }
-            });
-            pq = multiply(matrix, p, q, parallel);
+            pq = next_direction(matrix, output, pq > 0 ? -zq / pq : 0, p, q, parallel);
             leave_out(q);
             ++result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
-            norms = residual_norms(n, scale, options.row_scale, parallel, [=](size_t i) {
+            // Times the norm before: about 1, as single precision wants it.
+            norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=](size_t i) {
                 x[i] += alpha * p[i];
                 return r[i] -= alpha * q[i];
             });

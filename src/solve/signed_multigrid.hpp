@@ -61,8 +61,8 @@ public:
     Done setup(const SignedMatrix& matrix, Memory& memory, Call* call = nullptr, uint32_t depth = max_levels);
 
     // Takes the values of a matrix that hardly differs, in the same columns, for the
-    // smoother of the finest level; the coarse levels stay.
-    void refresh(const SignedMatrix& matrix, const Parallel& parallel);
+    // smoother of the finest level; the coarse levels stay.  changed: rows with other values.
+    void refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel);
 
     // Solves A x = b from the given x.  A may differ from the matrix of setup
     // in values and columns, not in size: a change of signs near singularities

@@ -175,17 +175,14 @@ SweepMatrix::Group* SweepMatrix::write_row(const SignedMatrix& matrix, const flo
     return at + 1;
 }
 
-// next(at): the row that comes to place `at`, or no_row at the end.  Returns the end.
-template <class Next>
-SweepMatrix::Group* SweepMatrix::write_part(const SignedMatrix& matrix, const float* scale, uint32_t part, Next next) {
-    Group* at = group_.data() + range_[part].begin;
+// Row i of a part, at its place.  Returns the place of the next row.
+inline SweepMatrix::Group* SweepMatrix::write_row_of(const SignedMatrix& matrix, const float* scale, uint32_t part,
+                                                     uint32_t i, Group* at) {
     const Group* const end = group_.data() + range_[part].end;
     const uint8_t* const parts = part_.data();
     const uint8_t own = static_cast<uint8_t>(part);
-    for (uint32_t i = next(at); i != no_row; i = next(at))
-        at = part == parts_ ? write_row(matrix, scale, Before<true>{parts, i, own}, at, end)
-                            : write_row(matrix, scale, Before<false>{parts, i, own}, at, end);
-    return at;
+    return part == parts_ ? write_row(matrix, scale, Before<true>{parts, i, own}, at, end)
+                          : write_row(matrix, scale, Before<false>{parts, i, own}, at, end);
 }
 
 Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Parallel& parallel, Memory& memory) {
@@ -221,26 +218,33 @@ Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Pa
     if (!group_.allocate(memory, total)) return false;
     for (uint32_t part = 0; part <= parts_; ++part) group_[range[part].begin - 1].row = no_row;
     parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
-        uint32_t k = at[part];
         const uint32_t last = at[part + 1];
-        Group* const end = write_part(matrix, scale, part, [&](const Group*) {
-            if (k == last) return no_row;
+        Group* end = group_.data() + range_[part].begin;
+        for (uint32_t k = at[part]; k < last; ++k) {
             if (last - k > ahead) prefetch_row(matrix, order[k + ahead]);
-            return order[k++];
-        });
+            end = write_row_of(matrix, scale, part, order[k], end);
+        }
         end->row = no_row;
         range[part].end = static_cast<uint32_t>(end - group_.data());
     });
     return true;
 }
 
-void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const Parallel& parallel) {
+void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const uint8_t* changed,
+                          const Parallel& parallel) {
     parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
         const Group* const end = group_.data() + range_[part].end;
-        write_part(matrix, scale, part, [&](const Group* at) {
-            if (end - at > static_cast<ptrdiff_t>(ahead)) prefetch_row(matrix, (at + ahead)->row);
-            return at->row;
-        });
+        for (Group* at = group_.data() + range_[part].begin; at != end;) {
+            Group* next = at;
+            do ++next;
+            while (next->row == at->row);
+            if (changed[at->row]) {
+                const Group kept = *next; // a row that fills its groups clears the one after them
+                write_row_of(matrix, scale, part, at->row, at);
+                *next = kept;
+            }
+            at = next;
+        }
     });
 }
 

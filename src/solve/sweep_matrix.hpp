@@ -22,8 +22,8 @@ class SweepMatrix {
 public:
     // scale: of each row and column; 0 leaves them out.
     Done build(const SignedMatrix& matrix, const float* scale, const Parallel& parallel, Memory& memory);
-    // Takes the values of another matrix with the same columns.
-    void refresh(const SignedMatrix& matrix, const float* scale, const Parallel& parallel);
+    // Takes the values of another matrix with the same columns, in the rows with changed[i] != 0.
+    void refresh(const SignedMatrix& matrix, const float* scale, const uint8_t* changed, const Parallel& parallel);
 
     // x after a sweep from 0, and what is left of b then.  x has to be finite before.
     void forward(const float* b, float* x, float* residual, const Parallel& parallel) const;
@@ -67,8 +67,7 @@ private:
     Done cut(const SignedMatrix& matrix, Array<uint8_t>& room, const Parallel& parallel, Memory& memory);
     template <class Before>
     static Group* write_row(const SignedMatrix& matrix, const float* scale, Before before, Group* at, const Group* end);
-    template <class Next>
-    Group* write_part(const SignedMatrix& matrix, const float* scale, uint32_t part, Next next);
+    Group* write_row_of(const SignedMatrix& matrix, const float* scale, uint32_t part, uint32_t i, Group* at);
     template <class Row>
     void for_rows(uint32_t part, Row row) const;
 

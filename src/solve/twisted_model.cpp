@@ -13,8 +13,9 @@ Done TwistedModel::allocate(const Mesh& mesh, Memory& memory, const Parallel& pa
     fixed.start(memory);
     return tripod.reserve(64) && resting.reserve(n) && bounded.reserve(n) && special_.reserve(n) && fixed.reserve(n)
         && index.allocate(memory, n) && sign.allocate_filled(memory, 2 * m, 0, parallel) && rests.allocate(memory, n)
-        && entry.allocate(memory, 2 * m) && diagonal.allocate(memory, n) && right.allocate(memory, n)
-        && row_scale.allocate(memory, n) && lower.allocate_filled(memory, n, INT64_MIN, parallel)
+        && entry.allocate_filled(memory, 2 * m, 0, parallel) && changed.allocate_filled(memory, n, 0, parallel)
+        && diagonal.allocate(memory, n) && right.allocate(memory, n) && row_scale.allocate(memory, n)
+        && lower.allocate_filled(memory, n, INT64_MIN, parallel)
         && upper.allocate_filled(memory, n, INT64_MAX, parallel) && d.allocate(memory, n);
 }
 
@@ -201,10 +202,14 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
     if (!call.tick(0, true)) return;
     call.parallel.for_blocks(count, [&](size_t begin, size_t end) {
         for (size_t v = begin; v < end; ++v) {
+            bool same = true;
             for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
                 const uint32_t h = rings.side[t].half_edge;
+                const double before = entry[t];
                 entry[t] = weight[edge_of(h)] * (sign[h] * sign[twin(h)]);
+                same &= entry[t] == before;
             }
+            changed[v] |= !same;
             // A vertex that rests keeps its place in the preconditioner: it may move in the next model.
             diagonal[v] = rings.weight_sum[v];
             d[v] = 0;
@@ -225,6 +230,10 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
         for (uint32_t g : corners)
             if (!rests[mesh.origin[g]]) bound_along(mesh.origin[g], g, f.corner2(g) / 2);
     }
+}
+
+void TwistedModel::forget_changes(const Parallel& parallel) {
+    parallel.for_blocks(count, [&](size_t begin, size_t end) { std::memset(&changed[begin], 0, end - begin); });
 }
 
 // Edges from v to itself: both of their ends move.

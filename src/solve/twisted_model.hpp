@@ -42,6 +42,7 @@ struct TwistedModel {
     const uint32_t* offset = nullptr; // count + 1
     const uint32_t* column = nullptr;
     Array<double> entry;
+    Array<uint8_t> changed;        // count, rows with other entries since forget_changes
     Array<double> diagonal, right; // count
     Array<int64_t> lower, upper;   // count, bounds of d; INT64_MIN and INT64_MAX where there is none
     Array<uint32_t> bounded;       // unknowns that have a bound, in any order
@@ -56,6 +57,7 @@ struct TwistedModel {
     Done look(Foliation& f, const Rings& rings, const double* weight, Star& star, Call& call);
     // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
+    void forget_changes(const Parallel& parallel);
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.
     bool is_exact() const { return tripod.empty() && resting.empty(); }
