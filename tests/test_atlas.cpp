@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <random>
 #include <string>
 
 using namespace test;
@@ -326,10 +327,37 @@ TEST(Packer, LetsShapesDownOntoEachOther) {
             packer.add_part(xy, 3);
             packer.add_area(leg * leg / 2);
         }
-        ASSERT_EQ(packer.search(1000000, call), HMF_OK);
+        ASSERT_EQ(packer.search(1000000, nullptr, call), HMF_OK);
         EXPECT_GE(packer.side(), leg * std::sqrt(static_cast<double>(pairs)));
         EXPECT_LE(packer.side(), 1.3 * leg * std::sqrt(static_cast<double>(pairs)));
     }
+}
+
+// A search that begins with an arrangement needs no larger square, and a smaller one than without it.
+TEST(Packer, GoesOnWithAnArrangement) {
+    constexpr double column = 20;
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    const auto fill = [&](hmf::Packer& packer) {
+        std::mt19937 random(1);
+        packer.start(memory, column, 0);
+        for (int k = 0; k < 16; ++k) {
+            const double x = 100 + random() % 900, y = 100 + random() % 900, xy[8] = {0, 0, x, 0, x, y, 0, y};
+            ASSERT_TRUE(packer.begin_shape(0, 0, x, y));
+            packer.add_part(xy, 4);
+            packer.add_area(x * y);
+        }
+    };
+    hmf::Packer searched, rough, further;
+    fill(searched);
+    fill(rough);
+    fill(further);
+    ASSERT_EQ(searched.search(20000000, nullptr, call), HMF_OK);
+    ASSERT_EQ(rough.search(0, nullptr, call), HMF_OK);
+    ASSERT_EQ(further.search(0, &searched, call), HMF_OK);
+    EXPECT_EQ(further.side(), searched.side());
+    EXPECT_LT(further.side(), rough.side());
 }
 
 // Squares that fill a square: the first width that is tried is that of their area, not that of one of them.
@@ -347,7 +375,7 @@ TEST(Packer, BeginsWithTheWidthOfItsArea) {
             packer.add_part(xy, 4);
             if (told) packer.add_area(100 * 100); // with the columns that it does not fill
         }
-        ASSERT_EQ(packer.search(0, call), HMF_OK);
+        ASSERT_EQ(packer.search(0, nullptr, call), HMF_OK);
         EXPECT_GE(packer.side(), 600 - 10);
         steps[told] = packer.steps();
     }

@@ -10,9 +10,9 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t THOROUGH = 1000000000; // steps of the packing
-constexpr double COLUMN = GRID / 320;     // of it
-constexpr int ROUNDS = 20;                // of finding the margin in units
+constexpr uint64_t THOROUGH = 40000000, FINISHING = 60000000; // steps of packing, in wide columns, then narrow ones
+constexpr double COARSE_COLUMN = GRID / 128, COLUMN = GRID / 320;
+constexpr int ROUNDS = 20; // of finding the margin in units
 constexpr double LARGEST_MARGIN = 64 * GRID;
 
 // Charts on the grid into the square.
@@ -22,8 +22,12 @@ public:
         pieces_(pieces), grid_(grid), call_(call) {}
 
     hmf_status run(Atlas& out) {
-        if (!outline(out) || find_margin()) return call_.status() ? call_.status() : call_.out_of_memory();
-        if (packer_.search(THOROUGH, call_)) return call_.status();
+        if (!outline(out)) return call_.out_of_memory();
+        Packer coarse;
+        double margin = 0;
+        if (find_margin(margin) || add_charts(COARSE_COLUMN, margin, coarse) || coarse.search(THOROUGH, nullptr, call_)
+            || add_charts(COLUMN, margin, packer_) || packer_.search(FINISHING, &coarse, call_))
+            return call_.status();
         if (!out.uv.allocate_filled(call_.memory, size_t{4} * pieces_.mesh.edge_count, 0)) return call_.out_of_memory();
         for (uint32_t t = 0; t < pieces_.side.size(); ++t)
             if (grid_.chart[t] != NONE) place(t, out);
@@ -64,12 +68,12 @@ private:
         return true;
     }
 
-    hmf_status add_charts(double margin) {
-        packer_.start(call_.memory, COLUMN, margin);
-        packer_.add_area(area_);
+    hmf_status add_charts(double column, double margin, Packer& packer) {
+        packer.start(call_.memory, column, margin);
+        packer.add_area(area_);
         for (uint32_t c = 0; c < grid_.chart_count; ++c) {
             if (c % 256 == 0 && !call_.tick(0.9)) return call_.was_cancelled();
-            if (!packer_.begin_shape(box_[c].u0, box_[c].v0, box_[c].u1, box_[c].v1)) return call_.out_of_memory();
+            if (!packer.begin_shape(box_[c].u0, box_[c].v0, box_[c].u1, box_[c].v1)) return call_.out_of_memory();
             for (uint32_t i = first_[c]; i < first_[c + 1]; ++i) {
                 double xy[6];
                 size_t k = 0;
@@ -77,21 +81,21 @@ private:
                     xy[k++] = static_cast<double>(grid_.x[h]);
                     xy[k++] = static_cast<double>(grid_.y[h]);
                 });
-                packer_.add_part(xy, 3);
+                packer.add_part(xy, 3);
             }
         }
         return HMF_OK;
     }
 
     // The side of a rough packing tells the margin in units.
-    hmf_status find_margin() {
-        double margin = pieces_.margin * GRID * 1.12;
+    hmf_status find_margin(double& margin) {
+        margin = pieces_.margin * GRID * 1.12;
         for (int round = 0;; ++round) {
             if (round == ROUNDS || margin > LARGEST_MARGIN)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                                   "The margin is too large for %u charts. Choose a smaller one.",
                                   static_cast<unsigned>(grid_.chart_count));
-            if (add_charts(margin) || packer_.search(0, call_)) return call_.status();
+            if (add_charts(COARSE_COLUMN, margin, packer_) || packer_.search(0, nullptr, call_)) return call_.status();
             if (margin >= pieces_.margin * packer_.side()) return HMF_OK;
             margin = pieces_.margin * packer_.side() * 1.02;
         }

@@ -1,5 +1,6 @@
 #include "chart_plan.hpp"
 
+#include "../base/heap_sort.hpp"
 #include "pack.hpp"
 
 #include <algorithm>
@@ -9,7 +10,10 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t QUICK = 2000000;            // steps of a planned packing
+constexpr uint64_t ROUGH = 150000;             // steps of the packing that a cut is tried with
+constexpr uint64_t QUICK = 1500000;            // and of those that are best in it
+constexpr size_t CHOSEN = 3;                   // so many
+constexpr double COLUMNS = 96;                 // of these packings
 constexpr uint64_t PLANNING = 1000000000;      // of all of them
 constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
 constexpr double LEAST_USE = 0.79;             // below this each part counts three times
@@ -32,10 +36,10 @@ Box ChartPlan::piece_in_chart(uint32_t p) const {
 }
 
 // How large a square the parts need, roughly.
-hmf_status ChartPlan::try_packing(double& side) {
+hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
     const double size = std::sqrt(pieces_.whole), rim = 0.35 * pieces_.triangle;
     Packer packer;
-    packer.start(call_.memory, size / 128, pieces_.margin * size * 1.15);
+    packer.start(call_.memory, size / COLUMNS, pieces_.margin * size * 1.15);
     for (const ChartPart& part : parts) {
         const double k = part.scale, length = length_of(part) * k;
         if (!(length < LONGEST * size))
@@ -58,7 +62,7 @@ hmf_status ChartPlan::try_packing(double& side) {
             packer.add_area(b.area() * k * k);
         }
     }
-    if (packer.search(QUICK, call_)) return call_.status();
+    if (packer.search(effort, nullptr, call_)) return call_.status();
     side = packer.side();
     planned_ += packer.steps();
     return HMF_OK;
@@ -173,43 +177,65 @@ uint32_t ChartPlan::next_shorter(uint32_t last) const {
     return longest;
 }
 
-// The best cut across it, if it is better than `best`.
-hmf_status ChartPlan::try_cuts(uint32_t part, Cut& best) {
+// Cuts across it, with what a rough packing is worth.
+hmf_status ChartPlan::try_cuts(uint32_t part, Array<Cut>& cuts) {
     const ChartPart whole = parts[part];
-    const size_t count = parts.size();
     const Box& box = whole.box;
     const double length = length_of(whole);
     const bool in_u = box.u1 - box.u0 > box.v1 - box.v0;
-    const int steps = count <= FEW_PARTS ? FINE_STEPS : COARSE_STEPS;
+    const int steps = parts.size() <= FEW_PARTS ? FINE_STEPS : COARSE_STEPS;
     for (int k = 1; k < steps; ++k) {
         const double share = static_cast<double>(k) / steps;
         if (length * std::min(share, 1 - share) < SHORTEST * pieces_.triangle) continue;
         const double where = in_u ? box.u0 + share * (box.u1 - box.u0) : box.v0 + share * (box.v1 - box.v0);
-        double side = 0;
-        if (!cut_part(part, in_u, where)) return call_.out_of_memory();
-        if (try_packing(side)) return call_.status();
-        parts.pop();
-        parts[part] = whole;
-        const double cost = cost_of(side, count + 1);
-        if (cost < best.cost) best = {part, in_u, where, cost, side};
+        Cut cut{part, in_u, where, 0, 0};
+        if (try_cut(ROUGH, cut)) return call_.status();
+        if (!cuts.push(cut)) return call_.out_of_memory();
+    }
+    return HMF_OK;
+}
+
+hmf_status ChartPlan::try_cut(uint64_t effort, Cut& cut) {
+    const ChartPart whole = parts[cut.part];
+    if (!cut_part(cut.part, cut.in_u, cut.where)) return call_.out_of_memory();
+    if (try_packing(effort, cut.side)) return call_.status();
+    cut.cost = cost_of(cut.side, parts.size());
+    parts.pop();
+    parts[cut.part] = whole;
+    return HMF_OK;
+}
+
+// The best of those that are best in rough packings, if it is better than `best`.
+hmf_status ChartPlan::choose_cut(Array<Cut>& cuts, Cut& best) {
+    heap_sort(cuts.data(), cuts.size(), [](const Cut& a, const Cut& b) {
+        if (a.cost != b.cost) return a.cost < b.cost;
+        return a.part != b.part ? a.part < b.part : a.where < b.where;
+    });
+    for (size_t i = 0; i < std::min(cuts.size(), CHOSEN); ++i) {
+        if (try_cut(QUICK, cuts[i])) return call_.status();
+        if (cuts[i].cost < best.cost) best = cuts[i];
     }
     return HMF_OK;
 }
 
 hmf_status ChartPlan::cut_charts(double& cost) {
     double side = 0;
+    Array<Cut> cuts;
+    cuts.start(call_.memory);
     if (!list_faces()) return call_.stopped();
     if (!cut_long_parts()) return call_.out_of_memory();
-    if (try_packing(side)) return call_.status();
+    if (try_packing(QUICK, side)) return call_.status();
     cost = cost_of(side, parts.size());
     for (int cut = 0; cut < MOST_CUTS && pieces_.whole < WISHED_USE * side * side && planned_ < PLANNING; ++cut) {
         Cut best{NONE, false, 0, cost, side};
         uint32_t part = NONE;
+        cuts.clear();
         for (int tried = 0; tried < PARTS_TRIED; ++tried) {
             part = next_shorter(part);
             if (part == NONE) break;
-            if (try_cuts(part, best)) return call_.status();
+            if (try_cuts(part, cuts)) return call_.status();
         }
+        if (choose_cut(cuts, best)) return call_.status();
         side = best.side;
         if (best.part == NONE) break;
         if (!cut_part(best.part, best.in_u, best.where)) return call_.out_of_memory();

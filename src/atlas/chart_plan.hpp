@@ -34,13 +34,15 @@ private:
     };
 
     Box piece_in_chart(uint32_t piece) const;
-    hmf_status try_packing(double& side);
+    hmf_status try_packing(uint64_t effort, double& side);
     hmf_status whole_charts();
     double scale_of(double area, double image) const;
     double cost_of(double side, size_t charts) const;
     hmf_status cut_charts(double& cost);
     Done cut_long_parts();
-    hmf_status try_cuts(uint32_t part, Cut& best);
+    hmf_status try_cuts(uint32_t part, Array<Cut>& cuts);
+    hmf_status try_cut(uint64_t effort, Cut& cut);
+    hmf_status choose_cut(Array<Cut>& cuts, Cut& best);
     uint32_t next_shorter(uint32_t last) const;
     double length_of(const ChartPart& part) const;
     Done cut_part(uint32_t i, bool in_u, double where);

@@ -128,11 +128,14 @@ bool Packer::lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, d
         hint = j > 0 ? j - 1 : 0;
         return false;
     };
-    if (most < 0 || !rise(std::min(hint, p.columns - 1))) return false;
-    for (double before = -1; before < y;) {
-        before = y;
-        for (uint32_t j = 0; j < p.columns; ++j)
-            if (!rise(j)) return false;
+    if (most < 0) return false;
+    // Round and round, until none of them has made it rise.
+    uint32_t j = std::min(hint, p.columns - 1);
+    for (uint32_t free = 0; free < p.columns; ++free) {
+        const double before = y;
+        if (!rise(j)) return false;
+        if (y > before) free = 0;
+        if (++j == p.columns) j = 0;
     }
     return true;
 }
@@ -159,12 +162,17 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
         const uint32_t i = state.order[k];
         const uint32_t turns = state.turns[i];
         const Profile& p = items_[i].side[turns];
-        double best_y = column_ * width - p.height;
+        double best_y = column_ * width - p.height, y = 0;
         uint32_t best_x = none, hint = 0;
+        // Where it lay last, it may lie as low again: then most other columns are out of question at once.
+        if (last_x_[i] + p.columns <= width && lowest(p, last_x_[i], best_y, hint, y)) {
+            best_y = y;
+            best_x = last_x_[i];
+        }
+        hint = 0;
         for (uint32_t x = 0; x + p.columns <= width; ++x) {
-            double y = 0;
-            if (lowest(p, x, best_x == none ? best_y : best_y - 1, hint, y)) best_y = y, best_x = x;
-            if (best_x != none && best_y == 0) break;
+            if (best_y == 0 && x >= best_x) break;
+            if (x != best_x && lowest(p, x, x < best_x ? best_y : best_y - 1, hint, y)) best_y = y, best_x = x;
         }
         if (best_x == none) {
             missing += p.height * column_ * p.columns;
@@ -172,6 +180,7 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
             if (missing > most) return HUGE_VAL;
             continue;
         }
+        last_x_[i] = best_x;
         occupy(p, best_x, best_y);
         if (places) {
             const Item& item = items_[i];
@@ -205,7 +214,7 @@ void Packer::sort(Arrangement& state, int key, bool upright) const {
 hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
     const uint32_t n = count();
     if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
-        || !turn_upside_down())
+        || !last_x_.allocate_filled(*memory_, n, 0u) || !turn_upside_down())
         return call.out_of_memory();
     size_t most_intervals = 0;
     width.row = width.least = 1;
@@ -224,8 +233,17 @@ hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
 }
 
 // A width that all orders are tried with, until one fits; one row of all fits at last.
-hmf_status Packer::find_first(uint64_t effort, Arrangement& state, Widths& width, Call& call) {
+hmf_status Packer::find_first(uint64_t effort, const Packer* coarser, Arrangement& state, Widths& width, Call& call) {
     const uint32_t n = count();
+    if (coarser) {
+        if (!state.copy(coarser->best_, *memory_)) return call.out_of_memory();
+        width.now = std::min(width.row, std::max(width.now, static_cast<uint32_t>(coarser->side_ / column_)));
+        for (;; ++width.now) {
+            if (!call.tick(0.9)) return call.was_cancelled();
+            if (let_down(state, width.now, 0, nullptr) == 0) return HMF_OK;
+            if (width.now >= width.row) break;
+        }
+    }
     const int kinds = n < 100 ? 6 : 1;
     for (;;) {
         for (int kind = 0; kind < kinds; ++kind) {
@@ -282,10 +300,11 @@ hmf_status Packer::narrow(uint64_t effort, Arrangement& state, Widths& width, Ca
     return HMF_OK;
 }
 
-hmf_status Packer::search(uint64_t effort, Call& call) {
+hmf_status Packer::search(uint64_t effort, const Packer* coarser, Call& call) {
     Arrangement state;
     Widths width;
-    if (prepare(state, width, call) || find_first(effort, state, width, call) || narrow(effort, state, width, call))
+    if (prepare(state, width, call) || find_first(effort, coarser, state, width, call)
+        || narrow(effort, state, width, call))
         return call.status();
     let_down(best_, width.now, HUGE_VAL, best_places_.data());
     side_ = column_ * width.now;

@@ -29,9 +29,10 @@ public:
     void add_part(const double* xy, int corners);
     void add_area(double area) { area_ += area; }
 
+    // coarser: one of the same shapes with wider columns, with whose arrangement the search begins; or NULL.
     // Searches until about so many steps are taken, columns of shapes that were looked at; side is the width of the
     // square then.
-    [[nodiscard]] hmf_status search(uint64_t effort, Call& call);
+    [[nodiscard]] hmf_status search(uint64_t effort, const Packer* coarser, Call& call);
     uint64_t steps() const { return steps_; }
     double side() const { return side_; }
     // Where the point (x, y) of a shape lies, for 0 <= turns < 4 quarter turns counter-clockwise:
@@ -74,7 +75,8 @@ private:
         uint32_t now = 1, least = 1, row = 1; // row: all shapes side by side
     };
     [[nodiscard]] hmf_status prepare(Arrangement& state, Widths& width, Call& call);
-    [[nodiscard]] hmf_status find_first(uint64_t effort, Arrangement& state, Widths& width, Call& call);
+    [[nodiscard]] hmf_status find_first(uint64_t effort, const Packer* coarser, Arrangement& state, Widths& width,
+                                        Call& call);
     [[nodiscard]] hmf_status narrow(uint64_t effort, Arrangement& state, Widths& width, Call& call);
     void change(Arrangement& state, uint32_t missed);
 
@@ -86,6 +88,7 @@ private:
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
     Array<Interval> intervals_;
+    Array<uint32_t> last_x_; // column in which each shape lay last
     Arrangement best_, current_;
     Array<Place> best_places_;
 };
