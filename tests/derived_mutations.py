@@ -343,7 +343,8 @@ class Trial:
                 return {"fate": "no compile"}
             return {"fate": named if objects or len(users) > FIRST_DEPENDENTS else "same code"}
         if program not in self.programs:
-            return None
+            objects = self.compiled(place, users) if defect.file.endswith(".cpp") else True
+            return {"fate": "no compile"} if objects is None else {"fate": "same code"} if not objects else None
         for part in (users[:FIRST_DEPENDENTS], users[FIRST_DEPENDENTS:]):
             more = self.compiled(place, part)
             if more is None:

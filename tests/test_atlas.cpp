@@ -382,6 +382,22 @@ TEST(Packer, BeginsWithTheWidthOfItsArea) {
     EXPECT_LT(10 * steps[true], steps[false]);
 }
 
+// Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would
+// hang together by them, and a quarter of the square would be all that is used.
+TEST(Atlas, IslandsGoToTheirNeighbours) {
+    const TriMesh mesh = torus(36, 18, 2, 0.8);
+    Random random(39);
+    std::vector<uint32_t> marks;
+    while (marks.size() < 8) {
+        const uint32_t v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
+        if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
+    }
+    const SolvedSurface surface(mesh, marks);
+    const Made atlas = atlas_of(surface.solution.foliation);
+    ASSERT_TRUE(atlas);
+    EXPECT_GT(atlas->used_area, 0.5);
+}
+
 // Two charts leave nearly half of the square free: the margin, a part of its side, is found in rounds.
 TEST(Atlas, LargeMarginsAreKept) {
     const TriMesh mesh = pretzel(2, 1);

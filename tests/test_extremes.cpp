@@ -125,13 +125,13 @@ TEST(Extremes, ZerosDeepInLimbs) {
     TriMesh mesh;
     if (!folder || !read_obj(std::string(folder) + "/boot_40k.obj", mesh))
         GTEST_SKIP() << "skipped: set HMF_MESHES to a folder with boot_40k.obj";
-    for (const double angle : {5.50128, 6.13556}) {
+    for (const double angle : {2.2944, 5.95959}) {
         const Hierarchy hierarchy(transformed(mesh, rotation(0, 1, 0, angle)));
         ASSERT_TRUE(hierarchy);
         const Solution outcome = run(hierarchy);
         EXPECT_EQ(outcome.status, HMF_OK) << angle;
         EXPECT_LE(outcome.report.residual_max, 1e-8);
-        EXPECT_LE(finest_linear_solves(outcome), 13u) << angle; // 16 where only the first place was held
+        EXPECT_LE(finest_linear_solves(outcome), 13u) << angle; // 24 and 28 where only the first place was held
     }
 }
 

@@ -55,14 +55,14 @@ hmf_status hand_over(const hmf_hierarchy& from, const hmf_hierarchy& to, Loops& 
     return HMF_OK;
 }
 
-// Disjoint loops on level 0 to another level.
-hmf_status restrict_loops(const hmf_hierarchy& h, size_t level, Loops& loops, Call& call) {
+// Disjoint loops of a level to a coarser one.
+hmf_status restrict_loops(const hmf_hierarchy& h, size_t from, size_t level, Loops& loops, Call& call) {
     const size_t n = loops.count();
     State state;
     Array<int64_t> weight;
-    if (!state.allocate(h, 0, call.memory) || !weight.allocate(call.memory, n)) return call.out_of_memory();
+    if (!state.allocate(h, from, call.memory) || !weight.allocate(call.memory, n)) return call.out_of_memory();
     for (size_t c = 0; c < n; ++c) weight[c] = (static_cast<int64_t>(c) + 1) << UNIT_BITS;
-    state.load(0, Triangulation::input);
+    state.load(from, Triangulation::input);
     Foliation& f = state.foliation;
     initial_foliation(f.mesh, loops, weight.data(), f.value);
     if (!state.go_to(level, call)) return call.stopped();
@@ -94,8 +94,9 @@ hmf_status restrict_loops(const hmf_hierarchy& h, size_t level, Loops& loops, Ca
 } // namespace
 
 hmf_status reference_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out) {
-    if (is_reference(h)) return library_loops(h, level, kind, call, out);
-    hmf_hierarchy made(h, call.memory);
+    const size_t search = search_level(h);
+    const bool is_own = is_reference(h);
+    if (is_own && level <= search) return library_loops(h, level, kind, call, out);
     Call part(&call); // who asks to finish wants a result, and there is none without loops
     const auto failed = [&] {
         if (call.cancelled()) return call.was_cancelled();
@@ -104,11 +105,16 @@ hmf_status reference_loops(const hmf_hierarchy& h, size_t level, int32_t kind, C
                          "The loops could not be brought to this hierarchy (%d). Please report it.",
                          static_cast<int>(part.status()));
     };
+    if (is_own) {
+        if (library_loops(h, search, kind, call, out)) return call.status();
+        return restrict_loops(h, search, level, out, part) ? failed() : HMF_OK;
+    }
+    hmf_hierarchy made(h, call.memory);
     if (build_reference(h, made, part)) return failed();
     if (library_loops(made, 0, kind, call, out)) return call.status();
     if (hand_over(made, h, out, part)) return failed();
     if (level == 0) return pull_tight(h.input, call, out);
-    return restrict_loops(h, level, out, part) ? failed() : HMF_OK;
+    return restrict_loops(h, 0, level, out, part) ? failed() : HMF_OK;
 }
 
 } // namespace hmf

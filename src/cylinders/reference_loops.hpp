@@ -6,6 +6,9 @@
 //                                                                               | same triangles
 //     the caller's hierarchy:  level k  <------------ restriction --------- level 0
 //
+// Levels of the reference hierarchy that are coarser than its search level get them by
+// restriction from that.
+//
 // The restriction is that of a foliation, which is exact: the loops with the
 // weights 1, 2, 3, .. are a foliation on level 0, and the core of the cylinder of
 // height c that it has on level k is the loop of weight c.

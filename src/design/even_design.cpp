@@ -76,7 +76,7 @@ hmf_status loops_on_surface(const MarkedTrial& made, const Mesh& mesh, Call& cal
     const hmf_hierarchy& trial = made.hierarchy();
     Array<uint32_t> vertex;
     if (!loops.copy_from(made.loops(), call.memory)) return call.out_of_memory();
-    if (carry_from_coarsest(trial, 0, call, loops)) return call.status();
+    if (carry_to_finer(trial, trial.level_count - 1, 0, call, loops)) return call.status();
     if (!vertex.allocate(call.memory, mesh.vertex_count)) return call.out_of_memory();
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) vertex[trial.vertex_internal[v]] = v;
     for (uint32_t& x : loops.crossings) {

@@ -13,7 +13,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
-constexpr size_t MOST_STARTS = 4; // of a class
+constexpr size_t MOST_STARTS = 8; // of a class
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
@@ -22,11 +22,9 @@ constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from e
 
 } // namespace
 
-ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, Call& call, LoopCare care) :
-    hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, hierarchy.level_count - 1)),
-    position_(hierarchy.levels[hierarchy.level_count - 1].position), call_(call), care_(care),
-    coarsest_(hierarchy.level_count - 1), geodesic_(mesh_, position_, 0, call) {
-    level_ = coarsest_;
+ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care) :
+    hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
+    call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call) {
     while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
 }
 
@@ -161,7 +159,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     Class made{};
     if (!key_of(crossings, n, made.key)) return false;
     size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
-    // Another strip of a class may lead to another of its geodesics; not so if they meet.
+    // Another strip of a class may lead to another of its geodesics, unless it is half the same.
     ++visit_;
     for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
     size_t starts = 0;
@@ -170,15 +168,16 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         if (c.key != made.key) continue;
         id = table_[i];
         if (++starts == MOST_STARTS) return true;
-        for (uint64_t k = c.first; k < c.end; ++k)
-            if (visited_[mesh_.face[crossings_[k]]] == visit_) return true;
+        size_t met = 0;
+        for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
+        if (2 * met >= n) return true;
     }
     id = static_cast<uint32_t>(classes_.size());
     made.first = crossings_.size();
     for (size_t k = 0; k < n; ++k)
         if (!crossings_.push(crossings[k])) return false;
     made.end = crossings_.size();
-    made.stage = coarsest_ == 0 ? Stage::done : level_ == coarsest_ ? Stage::measured : Stage::found;
+    made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
     if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made) || !classes_.push(made)) return false;
     table_[i] = id;
     return 2 * classes_.size() < table_.size() || grow_table();
@@ -230,7 +229,7 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     if (ids.empty()) return true;
     changed = true;
     LoopCarrier carrier;
-    if (!carrier.load(*hierarchy_, coarsest_, finest, loops, call_.memory)) return false;
+    if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)) return false;
     while (carrier.level() > finest) {
         if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
         const bool last = carrier.level() == finest;

@@ -1,11 +1,11 @@
 // Lengths of the classes that loops are chosen from.
 //
-// A loop on the coarse level where it was found is as long as its strip there;
+// A loop on the level where it was found is as long as its strip there;
 // what counts is the closed geodesic of its class on the surface.  So each class,
 // known by its canonical walk (quad_system.hpp), has its length, first as pulled
 // straight where it was found, and once it matters as measured on a fine level:
 //
-//     found on the coarsest level -> carried (carry_loops.hpp) -> pulled straight
+//     found on a coarse level -> carried (carry_loops.hpp) -> pulled straight
 //
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the mesh of the caller.
@@ -25,8 +25,8 @@ namespace hmf {
 
 class ClassLengths {
 public:
-    // Loops on the coarsest level of a hierarchy, or on a mesh alone, where they are measured at once.
-    ClassLengths(const hmf_hierarchy& hierarchy, Call& call, LoopCare care = LoopCare::shortest);
+    // Loops on level `found` of a hierarchy, or on a mesh alone, where they are measured at once.
+    ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
     // The number of a loop's class, with others for strips of the class that lie elsewhere.
@@ -40,7 +40,7 @@ public:
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
-    // Of that, what is known from the coarsest level only.
+    // Of that, what is known from the level where it was found only.
     Done measure_found(bool& changed) {
         changed = false;
         return measure_stage(Stage::found, changed);
@@ -69,7 +69,7 @@ private:
     const double* position_;
     Call& call_;
     LoopCare care_ = LoopCare::shortest;
-    size_t coarsest_ = 0, level_ = 0; // where loops are found, and measured
+    size_t found_ = 0, level_ = 0; // where loops are found, and measured
     bool started_ = false;
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     EdgeWords words_;

@@ -15,23 +15,30 @@ DualLength::DualLength(const Mesh& mesh, const double* position, double ambiguou
 }
 
 double DualLength::operator()(uint32_t edge) const {
-    const uint32_t h = 2 * edge;
-    double middle[3], sum = 0;
-    for (uint32_t a = 0; a < 3; ++a)
-        middle[a] = (position_[3 * size_t{mesh_.origin[h]} + a] / largest_
-                     + position_[3 * size_t{mesh_.origin[h + 1]} + a] / largest_)
-                  / 2;
-    for (uint32_t side = h; side < h + 2; ++side) {
-        const uint32_t corner = mesh_.origin[mesh_.prev(side)];
-        double square = 0;
-        for (uint32_t a = 0; a < 3; ++a) {
-            // The centre lies a third of the way from the middle to the corner.
-            const double d = (position_[3 * size_t{corner} + a] / largest_ - middle[a]) / 3;
-            square += d * d;
-        }
-        sum += std::sqrt(square);
-    }
+    // To 24 bits: what is equal by symmetry stays equal in another unit.
+    const double sum = static_cast<double>(static_cast<float>(from_middle(2 * edge) + from_middle(2 * edge + 1)));
     return ambiguous_ != 1 && is_ambiguous(edge) ? ambiguous_ * sum : sum;
+}
+
+// From the middle of its edge to the centre of its triangle: the mean of the middles of the sides, each as often as it
+// is long.
+double DualLength::from_middle(uint32_t half_edge) const {
+    const uint32_t corner[3] = {mesh_.origin[half_edge], mesh_.target(half_edge), mesh_.origin[mesh_.prev(half_edge)]};
+    double middle[3], to[3] = {0, 0, 0}, total = 0;
+    for (uint32_t side = 0; side < 3; ++side) {
+        double length = 0, here[3];
+        for (uint32_t a = 0; a < 3; ++a) {
+            const double p = position_[3 * size_t{corner[side]} + a] / largest_;
+            const double q = position_[3 * size_t{corner[(side + 1) % 3]} + a] / largest_;
+            length += (q - p) * (q - p);
+            here[a] = (p + q) / 2;
+            if (side == 0) middle[a] = here[a];
+        }
+        length = std::sqrt(length);
+        for (uint32_t a = 0; a < 3; ++a) to[a] += length * (here[a] - middle[a]);
+        total += length;
+    }
+    return total > 0 ? std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) / total : 0;
 }
 
 bool DualLength::is_ambiguous(uint32_t edge) const {

@@ -111,13 +111,13 @@ private:
 
 class HandleSystem {
 public:
-    HandleSystem(const hmf_hierarchy& h, bool inside, Call& call) :
-        h_(h), mesh_(loop_mesh(h, h.level_count - 1)), position_(h.levels[h.level_count - 1].position), call_(call),
+    HandleSystem(const hmf_hierarchy& h, size_t found, bool inside, Call& call) :
+        h_(h), found_(found), mesh_(loop_mesh(h, found)), position_(h.levels[found].position), call_(call),
         inside_(inside) {}
 
     hmf_status run(Loops& out) {
         Loops a, b;
-        ClassLengths lengths(h_, call_);
+        ClassLengths lengths(h_, found_, call_);
         hmf_status status = cut_system(mesh_, position_, nullptr, lengths, call_, a);
         if (!status) status = partner_loops(mesh_, a, call_, b);
         if (!status) status = measure(a, b);
@@ -145,7 +145,7 @@ private:
         for (size_t k = 0; k < 2 * g; ++k)
             if (!both.add(k < g ? a : b, k < g ? k : k - g)) return call_.out_of_memory();
         LoopCarrier carrier;
-        if (!carrier.load(h_, h_.level_count - 1, 0, both, call_.memory)) return call_.out_of_memory();
+        if (!carrier.load(h_, found_, 0, both, call_.memory)) return call_.out_of_memory();
         while (carrier.level() > 0)
             if (!carrier.refine(call_)) return call_.stopped();
         if (!carrier.read(0, g, fine_a, call_.memory) || !carrier.read(g, 2 * g, fine_b, call_.memory))
@@ -251,7 +251,8 @@ private:
     }
 
     const hmf_hierarchy& h_;
-    const Mesh& mesh_; // of the coarsest level
+    size_t found_; // the level of the loops
+    const Mesh& mesh_;
     const double* position_;
     Call& call_;
     bool inside_;
@@ -263,8 +264,8 @@ private:
 
 } // namespace
 
-hmf_status handle_system(const hmf_hierarchy& hierarchy, bool inside, Call& call, Loops& out) {
-    HandleSystem system(hierarchy, inside, call);
+hmf_status handle_system(const hmf_hierarchy& hierarchy, size_t found, bool inside, Call& call, Loops& out) {
+    HandleSystem system(hierarchy, found, inside, call);
     return system.run(out);
 }
 

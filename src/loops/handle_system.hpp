@@ -6,8 +6,9 @@
 
 namespace hmf {
 
-// On the coarsest level: a cut system of loops that bound inside the surface
+// On level `found`: a cut system of loops that bound inside the surface
 // (null-homologous there), or outside of it.
-[[nodiscard]] hmf_status handle_system(const hmf_hierarchy& hierarchy, bool inside, Call& call, Loops& out);
+[[nodiscard]] hmf_status handle_system(const hmf_hierarchy& hierarchy, size_t found, bool inside, Call& call,
+                                       Loops& out);
 
 } // namespace hmf

@@ -1,4 +1,4 @@
-// Loops of the library: found where the mesh is coarse, then carried to the
+// Loops of the library: found on a coarse level, then carried to the
 // level that is asked for.  A search there would take 20 s on a million
 // triangles; carried loops are as short, as they are shortened on the way.
 #include "library_loops.hpp"
@@ -9,16 +9,19 @@
 #include "dual_length.hpp"
 #include "handle_system.hpp"
 
+#include <algorithm>
+
 namespace hmf {
 
 namespace {
 
-// On the coarsest level.
-hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, LoopCare care, Call& call, Loops& out) {
-    const size_t coarsest = h.level_count - 1;
-    const Mesh& mesh = loop_mesh(h, coarsest);
-    const double* position = h.levels[coarsest].position;
-    ClassLengths lengths(h, call, care);
+// A coarser level is not the surface any more: handles are shorter there, or longer, by half.
+constexpr uint64_t VERTICES_OF_HANDLE = 1000, MOST_VERTICES = 10000;
+
+hmf_status find_loops(const hmf_hierarchy& h, size_t found, int32_t kind, LoopCare care, Call& call, Loops& out) {
+    const Mesh& mesh = loop_mesh(h, found);
+    const double* position = h.levels[found].position;
+    ClassLengths lengths(h, found, call, care);
     if (h.genus == 0 && kind == HMF_LOOPS_CUT) return mark_loops(mesh, position, lengths, call, out);
     if (h.genus == 0 && (kind == HMF_LOOPS_HANDLE || kind == HMF_LOOPS_TUNNEL))
         return call.fail(HMF_ERROR_MESH_GENUS, HMF_ELEMENT_NONE, 0,
@@ -26,8 +29,8 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, LoopCare care, Call&
                          "marked vertices, or give loops.");
     switch (kind) {
     case HMF_LOOPS_CUT: return cut_system(mesh, position, nullptr, lengths, call, out);
-    case HMF_LOOPS_HANDLE: return handle_system(h, true, call, out);
-    case HMF_LOOPS_TUNNEL: return handle_system(h, false, call, out);
+    case HMF_LOOPS_HANDLE: return handle_system(h, found, true, call, out);
+    case HMF_LOOPS_TUNNEL: return handle_system(h, found, false, call, out);
     case HMF_LOOPS_PANTS: return pants_decomposition(mesh, position, lengths, call, out);
     default:
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "There is no loop kind %d. Use HMF_LOOPS_*.",
@@ -38,15 +41,22 @@ hmf_status find_loops(const hmf_hierarchy& h, int32_t kind, LoopCare care, Call&
 } // namespace
 
 hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Call& call, Loops& out, LoopCare care) {
-    const hmf_status status = find_loops(h, kind, care, call, out);
-    return status ? status : carry_from_coarsest(h, level, call, out);
+    const size_t found = care == LoopCare::quick ? h.level_count - 1 : std::max(level, search_level(h));
+    const hmf_status status = find_loops(h, found, kind, care, call, out);
+    return status ? status : carry_to_finer(h, found, level, call, out);
 }
 
-hmf_status carry_from_coarsest(const hmf_hierarchy& h, size_t level, Call& call, Loops& out) {
-    const size_t coarsest = h.level_count - 1;
-    if (level == coarsest) return pull_tight(loop_mesh(h, level), call, out);
+size_t search_level(const hmf_hierarchy& h) {
+    const uint64_t wanted = std::min(VERTICES_OF_HANDLE * h.genus, MOST_VERTICES);
+    size_t level = h.level_count - 1;
+    while (level > 1 && h.levels[level].mesh.vertex_count < wanted) --level;
+    return level;
+}
+
+hmf_status carry_to_finer(const hmf_hierarchy& h, size_t from, size_t level, Call& call, Loops& out) {
+    if (level == from) return pull_tight(loop_mesh(h, level), call, out);
     LoopCarrier carrier;
-    if (!carrier.load(h, coarsest, level, out, call.memory)) return call.out_of_memory();
+    if (!carrier.load(h, from, level, out, call.memory)) return call.out_of_memory();
     while (carrier.level() > level) {
         if (!carrier.refine(call) || !carrier.read(0, out.count(), out, call.memory)) return call.stopped();
         const hmf_status status = shorten_loops(carrier.mesh(), h.levels[carrier.level()].position, 0, 1, 1, call, out);

@@ -23,7 +23,6 @@ struct Mirror {
     const uint32_t* vertex = nullptr;              // of each vertex of the surface: its copy, itself on the boundary
 
     bool is_boundary(uint32_t v) const { return vertex[v] == v; }
-    bool is_back(uint32_t triangle) const { return triangle_count > 0 && triangle >= triangle_count; }
     // The vertex of the surface that a vertex of the double is a copy of.
     uint32_t front(uint32_t v) const {
         uint32_t of = v;
