@@ -43,7 +43,10 @@ private:
 
     size_t vertices() const { return vertices_; }
     size_t triangles() const { return surface_.triangles.size() / 3; }
-    uint32_t wide() { return bytes_.byte() * 7u + bytes_.byte(); }
+    uint32_t wide() {
+        const uint32_t first = bytes_.byte();
+        return 7 * first + bytes_.byte();
+    }
 
     void choose_options() {
         build_.coarsest = 20 + bytes_.byte();

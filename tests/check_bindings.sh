@@ -76,7 +76,16 @@ else
     tail -20 "$work/core.log"
     exit 1
 fi
+# Side by side: each has long stretches of one process.
+languages=
 for language in python rust javascript; do
-    [ -x "$root/bindings/$language/test.sh" ] && "$language"
+    [ -x "$root/bindings/$language/test.sh" ] || continue
+    languages="$languages $language"
+    { "$language"; echo "$failed" > "$work/$language.failed"; } > "$work/$language.printed" 2>&1 &
+done
+wait
+for language in $languages; do
+    cat "$work/$language.printed"
+    [ "$(cat "$work/$language.failed")" -eq 0 ] || failed=1
 done
 exit $failed

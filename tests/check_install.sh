@@ -1,15 +1,17 @@
 #!/bin/sh
-# check_install.sh WORK_FOLDER
+# check_install.sh WORK_FOLDER [BUILD]
 #
 # Installs the library, moves the tree, and uses it from there in each way:
 # find_package, pkg-config, cc alone, and add_subdirectory; static and shared.
 # The examples of the README and of bindings/ are built and run as well.
+# BUILD-ON, BUILD-OFF: where the library is built, or has been already (default: in WORK_FOLDER).
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
 work=$(cd "$1" && pwd)
 failed=0
 rm -rf "${work:?}"/*
+builds=${2:-$work/build}
 
 check() { # name, then the command
     name=$1
@@ -24,10 +26,10 @@ check() { # name, then the command
 }
 
 install_and_move() { # ON or OFF, target folder
-    cmake -S "$root" -B "$work/build-$1" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF \
+    cmake -S "$root" -B "$builds-$1" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF \
         -DCMAKE_INSTALL_PREFIX="$work/first" &&
-        cmake --build "$work/build-$1" -j2 &&
-        cmake --install "$work/build-$1" &&
+        cmake --build "$builds-$1" -j "${JOBS:-2}" &&
+        cmake --install "$builds-$1" &&
         ! grep -rqF -e "$work" -e "$root" "$work/first/lib"*/cmake "$work/first/lib"*/pkgconfig "$work/first/include" &&
         mv "$work/first" "$2"
 }
@@ -38,9 +40,9 @@ use_find_package() { # prefix, build folder
 }
 
 use_add_subdirectory() { # ON or OFF, build folder
-    cmake -S "$root/tests/consumers/add_subdirectory" -B "$2" -DHMF_SOURCE="$root" -DBUILD_SHARED_LIBS="$1" -DCMAKE_BUILD_TYPE=Release \
+    cmake -S "$root/tests/consumers/add_subdirectory" -B "$2" -DHMF_SOURCE="$root" -DBUILD_SHARED_LIBS="$1" -DCMAKE_BUILD_TYPE=None \
         -DCMAKE_UNITY_BUILD=ON &&
-        cmake --build "$2" -j2 && "$2/consumer"
+        cmake --build "$2" -j "${JOBS:-2}" && "$2/consumer"
 }
 
 build_with_pkg_config() { # prefix, standard, source, program, warnings

@@ -11,6 +11,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +20,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 RELEASE = ROOT / "build/release"
 # Of the readers, which are no part of the core; and the corpus, which is not there everywhere.
-OTHERS = {"test_readers", "test_readers_gltf", "test_json", "test_repair", "test_refine", "test_corpus", "readers_replay"}
+OTHERS = {"test_readers", "test_readers_gltf", "test_json", "test_refine", "test_repair", "test_corpus", "readers_replay"}
+# Of what is no part of the core: programs take of them what they need.
+ARCHIVES = ["bindings/readers/libhmf_readers.a", "libhmf_pool.a"]
 COMMON = ["-std=c++17", "-DNDEBUG", "-fPIC", "-fno-exceptions", "-fno-rtti", "-ffp-contract=off"]
 
 
@@ -49,9 +52,29 @@ class Core:
                               "-o", str(to)], capture_output=True, text=True)
         return run.stderr if run.returncode else None
 
-    def compile_all(self):
+    def outdated(self, source):
+        """Without an object, or with one older than a file that it was made of."""
+        made, listed = self.object(source), self.object(source).with_suffix(".d")
+        if not made.exists() or not listed.exists():
+            return True
+        files = listed.read_text().replace("\\\n", " ").split(":", 1)[1].split()
+        return any(not Path(f).exists() or Path(f).stat().st_mtime > made.stat().st_mtime for f in [*files, __file__, sys.argv[0]])
+
+    def update(self):
+        """Compiles what is outdated; the library stays as it is where nothing was, and no source came or went."""
+        sources = [s for s in self.sources if self.outdated(s)]
+        list_of_all = self.folder / "linked.txt"
+        if not sources and self.library.exists() and list_of_all.exists() and list_of_all.read_text().split() == self.sources:
+            return
+        self.library.unlink(missing_ok=True)
+        self.compile_all(sources)
+        self.link()
+        list_of_all.write_text("\n".join(self.sources))
+
+    def compile_all(self, sources=None):
+        sources = self.sources if sources is None else sources
         with ThreadPoolExecutor(jobs()) as pool:
-            for source, said in zip(self.sources, pool.map(self.compile, self.sources)):
+            for source, said in zip(sources, pool.map(self.compile, sources)):
                 if said:
                     raise SystemExit(f"{source} does not compile:\n{said}")
 
@@ -64,24 +87,28 @@ class Core:
         if run.returncode:
             raise SystemExit(f"the core cannot be linked:\n{run.stderr}")
 
+    @staticmethod
+    def objects_of(program):
+        return sorted(RELEASE.glob(f"*/CMakeFiles/{program}.dir/*.o"))
+
     def link_programs(self):
         """{name: path} of the test programs and fuzz drivers of build/release."""
         self.programs_folder.mkdir(exist_ok=True)
         made = {}
         for objects in sorted(RELEASE.glob("tests/CMakeFiles/test_*.dir")) + sorted(RELEASE.glob("fuzz/CMakeFiles/*_replay.dir")):
             name = objects.name[:-4]
-            files = sorted(map(str, objects.glob("*.o")))
+            files = self.objects_of(name)
             if name in OTHERS or not files:
                 continue
-            libraries = [str(RELEASE / "libhmf_pool.a"), "-lpthread"]
+            archives, libraries = [str(RELEASE / a) for a in ARCHIVES], ["-lpthread"]
             if name.startswith("test_"):
-                libraries = [str(RELEASE / "tests/libhmf_test_meshes.a"), *libraries, "-lgtest_main", "-lgtest"]
+                archives, libraries = [str(RELEASE / "tests/libhmf_test_meshes.a"), *archives], [*libraries, "-lgtest_main", "-lgtest"]
             made[name] = self.programs_folder / name
-            parts = [Path(p) for p in [*files, *libraries] if not p.startswith("-")]
+            parts = [Path(p) for p in [*files, *archives]]
             if made[name].exists() and made[name].stat().st_mtime > max(p.stat().st_mtime for p in parts):
                 continue  # the core is found when it is started
-            run = subprocess.run([self.linker, "-o", str(made[name]), *files, *libraries[:1], str(self.library), f"-Wl,-rpath,{self.folder}",
-                                  *libraries[1:]], capture_output=True, text=True)
+            run = subprocess.run([self.linker, "-o", str(made[name]), *map(str, files), *archives, str(self.library),
+                                  f"-Wl,-rpath,{self.folder}", *libraries], capture_output=True, text=True)
             if run.returncode:
                 raise SystemExit(f"{name} cannot be linked; build the preset release first:\n{run.stderr[-2000:]}")
         if len(made) < 10:

@@ -3,7 +3,9 @@
 coverage.py FOLDER [--quick] [--resume]   prints a table; FOLDER/uncovered.txt has each line that is not reached
 
 Source-based coverage of clang.  Fails below LINES.  The lines that are not reached are told apart by REASONS.  --quick: only
-cases of less than two seconds; no gate.  --resume: the core is as it was, and cases that have been measured are not run again.  FOLDER/reach.json: for each case its processor time and the lines that it reaches, for derived_mutations.py.
+cases of less than two seconds; no gate.  --resume: what is older than its sources is compiled; cases that have been measured with this
+core and this test program are not run again.  FOLDER/reach.json: for each case its processor time and the lines that it reaches,
+for derived_mutations.py.
 """
 
 import json
@@ -61,13 +63,13 @@ def main():
     folder, quick, resume = Path(sys.argv[1]).resolve(), "--quick" in sys.argv, "--resume" in sys.argv
     build_release()
     core = Core(ROOT, folder / "core", "clang++", ["-O1", "-fprofile-instr-generate", "-fcoverage-mapping"])
-    if not resume:
-        core.compile_all()
-        core.link()
+    core.update()
     programs = core.link_programs()
+    changed = {name: max(f.stat().st_mtime for f in [core.library, *core.objects_of(name)]) for name in programs}
     raw_folder = folder / "raw"
     raw_folder.mkdir(exist_ok=True)
-    reach = json.loads((folder / "reach.json").read_text()) if resume else {}
+    known = json.loads((folder / "reach.json").read_text()) if resume and (folder / "reach.json").exists() else {}
+    reach = {}
     all_raw, failed = [], []
     tasks = []
     for name, program in programs.items():
@@ -77,10 +79,15 @@ def main():
         else:
             tasks += [(f"{name} {case}", [str(program), f"--gtest_filter={case}"]) for case in cases_of(program)]
 
+    def raw_of(name):
+        return raw_folder / (name.replace("/", "_").replace(" ", "__") + ".raw")
+
     def measure(task):
         name, command = task
-        raw = raw_folder / (name.replace("/", "_").replace(" ", "__") + ".raw")
-        if resume and raw.exists() and raw.stat().st_size:
+        raw = raw_of(name)
+        if resume and raw.exists() and raw.stat().st_size and raw.stat().st_mtime > changed[name.split()[0]]:
+            if name in known:
+                reach[name] = known[name]
             return name, raw, Ended(0, 0, ""), None
         raw.unlink(missing_ok=True)
         ended = run(command, 2 if quick and " " in name else 600, environment={"LLVM_PROFILE_FILE": str(raw)})
@@ -103,6 +110,8 @@ def main():
                                "lines": {f: ranges(n for n, c in counts.items() if c) for f, counts in lines.items()}}
     (folder / "reach.json").write_text(json.dumps(reach))
     found = lines_of(profile_of(all_raw, folder / "all.profdata"), core)
+    for name in failed:  # runs again with --resume
+        raw_of(name).unlink(missing_ok=True)
 
     # --- Table and gate
     total, reached, folders, missing = 0, 0, {}, []

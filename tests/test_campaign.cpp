@@ -72,20 +72,31 @@ struct Problem {
     double decades = 0; // of the weights
 };
 
+TriMesh random_formula(Random& random) {
+    const size_t which = random.below(4);
+    if (which == 0) {
+        const size_t smoothings = random.below(6), refinements = 2 + random.below(2);
+        return pretzel(1 + random.below(8), refinements, smoothings);
+    }
+    if (which == 1) {
+        const size_t m = 8 + random.below(30);
+        return torus(12 + random.below(60), m, 3, 1);
+    }
+    if (which == 2) {
+        const size_t rings = 3 + random.below(9), m = 12 + random.below(8);
+        return joined_tori(20 + random.below(20), m, 8, rings);
+    }
+    const double length = 1 + 20 * random.unit();
+    return torus_with_finger(24, 16, 3 + random.below(30), length);
+}
+
 // False if the library makes no loops of the kind on this surface: said in an error of its own.
 bool make_problem(uint64_t seed, Problem& p) {
     Random random(seed);
     p.kind = static_cast<Kind>(random.below(kinds));
     do {
         switch (p.kind) {
-        case formula:
-            switch (random.below(4)) {
-            case 0: p.mesh = pretzel(1 + random.below(8), 2 + random.below(2), random.below(6)); break;
-            case 1: p.mesh = torus(12 + random.below(60), 8 + random.below(30), 3, 1); break;
-            case 2: p.mesh = joined_tori(20 + random.below(20), 12 + random.below(8), 8, 3 + random.below(9)); break;
-            default: p.mesh = torus_with_finger(24, 16, 3 + random.below(30), 1 + 20 * random.unit());
-            }
-            break;
+        case formula: p.mesh = random_formula(random); break;
         case plates: {
             const size_t a = 1 + random.below(random.below(4) ? 5 : 20), b = 1 + random.below(random.below(4) ? 3 : 10);
             p.mesh = holed_plate(a, b, random);
@@ -93,25 +104,30 @@ bool make_problem(uint64_t seed, Problem& p) {
             p.mesh = smooth(p.mesh, random.below(6));
             break;
         }
-        default:
-            p.mesh =
-                random_implicit_surface(8 + random.below(random.below(3) ? 10 : 22), 0.6 + 3 * random.unit(), random);
+        default: {
+            const double frequency = 0.6 + 3 * random.unit();
+            const size_t n = 8 + random.below(random.below(3) ? 10 : 22);
+            p.mesh = random_implicit_surface(n, frequency, random);
+        }
         }
     } while (p.mesh.genus == 0 || p.mesh.genus > 200);
     if (random.below(4) == 0) {
         p.decimated = true;
-        p.mesh = decimated(p.mesh, 1 + random.below(3), static_cast<int32_t>(1 + random.below(3)));
+        const int32_t method = static_cast<int32_t>(1 + random.below(3));
+        p.mesh = decimated(p.mesh, 1 + random.below(3), method);
     }
     if (random.below(6) == 0) {
         p.bad_triangles = true;
-        p.mesh = with_bad_triangles(p.mesh, 1 + random.below(40), log_uniform(random, -5), random.bits());
+        const uint64_t seed_of_places = random.bits();
+        const double height = log_uniform(random, -5);
+        p.mesh = with_bad_triangles(p.mesh, 1 + random.below(40), height, seed_of_places);
     }
     if (random.below(6) == 0) {
         p.flipped = true;
         p.mesh = with_random_flips(p.mesh, p.mesh.triangle_count() / 4, 0.9, random.bits());
     }
     p.stretch = random.below(3) == 0 ? 1 : log_uniform(random, 5);
-    p.mesh = transformed(p.mesh, rotation(random.unit(), random.unit(), 1, 6.3 * random.unit()));
+    p.mesh = transformed(p.mesh, random_rotation(random));
     p.mesh = transformed(p.mesh, {p.stretch, 0, 0, 0, log_uniform(random, 0.5), 0, 0, 0, 1});
     if (std::string defect = mesh_defect(p.mesh); !defect.empty()) {
         ADD_FAILURE() << "seed " << seed << ": " << defect;

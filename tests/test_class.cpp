@@ -63,20 +63,37 @@ double log_uniform(Random& random, double decades) { return std::pow(10, decades
 TriMesh random_surface(Random& random) {
     TriMesh mesh;
     switch (random.below(4)) {
-    case 0: mesh = pretzel(1 + random.below(7), 2 + random.below(2)); break;
-    case 1: mesh = torus(16 + random.below(60), 10 + random.below(30), 3, 1); break;
-    case 2: mesh = joined_tori(20 + random.below(20), 12 + random.below(8), 8, 3 + random.below(9)); break;
+    case 0: {
+        const size_t refinements = 2 + random.below(2);
+        mesh = pretzel(1 + random.below(7), refinements);
+        break;
+    }
+    case 1: {
+        const size_t m = 10 + random.below(30);
+        mesh = torus(16 + random.below(60), m, 3, 1);
+        break;
+    }
+    case 2: {
+        const size_t rings = 3 + random.below(9), m = 12 + random.below(8);
+        mesh = joined_tori(20 + random.below(20), m, 8, rings);
+        break;
+    }
     default:
-        do mesh = random_blocks(3 + 2 * random.below(4), 3 + 2 * random.below(2), 3 + 2 * random.below(2), random);
-        while (mesh.genus == 0 || !mesh_defect(mesh).empty());
+        do {
+            const size_t nz = 3 + 2 * random.below(2), ny = 3 + 2 * random.below(2);
+            mesh = random_blocks(3 + 2 * random.below(4), ny, nz, random);
+        } while (mesh.genus == 0 || !mesh_defect(mesh).empty());
         while (mesh.vertex_count() < 1500) mesh = subdivide(mesh);
         mesh = smooth(mesh, random.below(6));
     }
     Matrix stretch{log_uniform(random, random.below(2) ? 1.3 : 0.3), 0, 0, 0, log_uniform(random, 0.5), 0, 0, 0, 1};
     if (random.below(16) == 0) stretch[0] *= log_uniform(random, 2);
-    mesh = transformed(mesh, rotation(random.unit(), random.unit(), 1, 6.3 * random.unit()));
+    mesh = transformed(mesh, random_rotation(random));
     mesh = transformed(mesh, stretch);
-    if (random.below(8) == 0) mesh = with_bad_triangles(mesh, 1 + random.below(20), 1, random.bits());
+    if (random.below(8) == 0) {
+        const uint64_t seed = random.bits();
+        mesh = with_bad_triangles(mesh, 1 + random.below(20), 1, seed);
+    }
     if (random.below(8) == 0) mesh = with_random_flips(mesh, mesh.triangle_count() / 8, 0.95, random.bits());
     return mesh;
 }

@@ -32,9 +32,18 @@ TriMesh with_holes(TriMesh mesh, size_t holes) {
 TriMesh any_mesh(Random& random) {
     const uint64_t seed = random.bits();
     switch (random.below(8)) {
-    case 0: return torus(6 + random.below(60), 4 + random.below(40), 3, 1, {true, 1, 0.3, seed});
-    case 1: return pretzel(1 + random.below(4), 1 + random.below(2));
-    case 2: return thin_plate(1 + random.below(5), std::pow(10, 3 * random.unit()));
+    case 0: {
+        const size_t m = 4 + random.below(40);
+        return torus(6 + random.below(60), m, 3, 1, {true, 1, 0.3, seed});
+    }
+    case 1: {
+        const size_t refinements = 1 + random.below(2);
+        return pretzel(1 + random.below(4), refinements);
+    }
+    case 2: {
+        const double aspect = std::pow(10, 3 * random.unit());
+        return thin_plate(1 + random.below(5), aspect);
+    }
     case 3: return subdivide(plate(1 + random.below(30)));
     case 4: return with_bad_triangles(torus(30, 16, 3, 1), 1 + random.below(40), 0.01, seed);
     case 5: return stretched(torus(40, 20, 3, 1), std::pow(10, 4 * random.unit()));

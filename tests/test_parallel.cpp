@@ -181,8 +181,9 @@ TEST(Parallel, SameBitsOfSolveOnRandomProblems) {
         shape.jitter = 0.4 * random.unit();
         shape.stretch = 1 + 3 * random.unit();
         shape.seed = random.bits();
-        const TriMesh mesh = with_random_flips(torus(80 + random.below(120), 60 + random.below(90), 3, 1, shape),
-                                               random.below(5000), 0.1, random.bits());
+        const uint64_t seed = random.bits();
+        const size_t flips = random.below(5000), m = 60 + random.below(90);
+        const TriMesh mesh = with_random_flips(torus(80 + random.below(120), m, 3, 1, shape), flips, 0.1, seed);
         const Hierarchy hierarchy(mesh, 0.2 + 0.6 * random.unit());
         ASSERT_TRUE(hierarchy);
         const auto run = [&](const hmf_control* control) {

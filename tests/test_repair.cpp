@@ -255,7 +255,8 @@ TEST(Repair, UndoesRandomDamage) {
         const size_t shells = 1 + random.below(4);
         std::vector<uint32_t> first{0};
         for (size_t k = 0; k < shells; ++k) {
-            mesh = beside(mesh, torus(6 + random.below(6), 5 + random.below(5)), 7 * static_cast<double>(k));
+            const size_t m = 5 + random.below(5);
+            mesh = beside(mesh, torus(6 + random.below(6), m), 7 * static_cast<double>(k));
             first.push_back(static_cast<uint32_t>(mesh.vertex_count()));
         }
         const auto good = mesh;

@@ -80,12 +80,12 @@ struct Outcome {
 TEST(SweepTask, LooksNoFurtherThanItsBlock) {
     test::MadeMesh made(test::torus(around, along));
     test::Random random(5);
+    Memory memory(nullptr, nullptr, nullptr, 0); // ends after what it gave
     Foliation whole;
     whole.mesh = made.mesh();
     const Mesh& mesh = whole.mesh;
     std::vector<double> weight(mesh.edge_count);
     for (double& w : weight) w = std::exp(4 * random.unit());
-    Memory memory(nullptr, nullptr, nullptr, 0);
     Rings rings;
     Star star;
     ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)

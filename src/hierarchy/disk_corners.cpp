@@ -53,7 +53,7 @@ public:
             return false;
         for (size_t k = 0; k < n; ++k) place[boundary_[k]] = static_cast<uint32_t>(k);
         for (size_t t = 0; t < h_.surface_triangles; ++t)
-            for (size_t s = 0; s < 3; ++s) add_inward(place, &h_.triangle_vertices[3 * t], s);
+            for (size_t s = 0; s < 3; ++s) add_inward(place, t, s);
         for (size_t k = 0; k < n; ++k) of[k] = measure(k);
         return true;
     }
@@ -62,7 +62,8 @@ public:
 
 private:
     const double* at(uint32_t v) const { return h_.levels[0].position + size_t{3} * h_.vertex_internal[v]; }
-    void add_inward(const Array<uint32_t>& place, const uint32_t* triangle, size_t s) {
+    void add_inward(const Array<uint32_t>& place, size_t t, size_t s) {
+        const uint32_t* triangle = h_.triangle_vertices + 3 * t;
         const uint32_t k = place[triangle[s]];
         if (k == NONE) return;
         for (int c = 0; c < 3; ++c)

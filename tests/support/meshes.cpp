@@ -407,6 +407,11 @@ Matrix rotation(double axis_x, double axis_y, double axis_z, double angle) {
             d * a.z * a.x - s * a.y, d * a.z * a.y + s * a.x, c + d * a.z * a.z};
 }
 
+Matrix random_rotation(Random& random) {
+    const double angle = 6.3 * random.unit(), axis_y = random.unit();
+    return rotation(random.unit(), axis_y, 1, angle);
+}
+
 TriMesh transformed(const TriMesh& mesh, const Matrix& r) {
     TriMesh result = mesh;
     for (size_t v = 0; v < mesh.vertex_count(); ++v)

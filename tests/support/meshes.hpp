@@ -33,6 +33,9 @@ private:
     uint64_t state_;
 };
 
+// Numbers are drawn one in a statement, here and wherever a mesh is random: in which order a compiler evaluates the
+// arguments of a call is its own choice, and another order is another mesh.
+
 // Empty if the mesh is a closed, connected, oriented manifold of its genus,
 // else a sentence.
 std::string mesh_defect(const TriMesh& mesh);
@@ -84,6 +87,7 @@ TriMesh smooth(const TriMesh& mesh, size_t rounds);
 TriMesh scaled(const TriMesh& mesh, double factor);
 using Matrix = std::array<double, 9>; // rows
 Matrix rotation(double axis_x, double axis_y, double axis_z, double angle);
+Matrix random_rotation(Random& random);
 TriMesh transformed(const TriMesh& mesh, const Matrix& matrix);
 
 // Vertices in `count` random triangles, alternately near the middle of a side

@@ -199,7 +199,7 @@ private:
             return hmf_foliation_create(h, 0, values.data(), values.size(), c, out, e);
         });
         for (const int32_t method : {HMF_METHOD_NEWTON, HMF_METHOD_WHITEHEAD, HMF_METHOD_SINGLE_LEVEL}) {
-            const hmf_solve_options options = solve_options(method, method == HMF_METHOD_NEWTON ? 0 : 1e-3);
+            const hmf_solve_options options = solve_options(method, method == HMF_METHOD_NEWTON ? 0 : 1e-2);
             add<hmf_foliation>("hmf_solve", [this, options](auto c, auto out, auto e) {
                 return hmf_solve(h, &set, &options, c, out, e);
             });
