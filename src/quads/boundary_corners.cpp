@@ -72,8 +72,8 @@ private:
         for (size_t i = 0; i < quads_.quads.size(); ++i) {
             if (i % (4 * STRIDE) == 0 && !call_.tick(0)) return call_.was_cancelled();
             const uint32_t a = quads_.quads[i], b = quads_.quads[i / 4 * 4 + (i + 1) % 4];
-            if (!is_on_rim(mesh_, quads_.sides[a]) || !is_on_rim(mesh_, quads_.sides[b]) || !is_at_boundary(quads_.held[a])
-                || !is_at_boundary(quads_.held[b]) || !is_outer(a, b))
+            if (!is_on_rim(mesh_, quads_.sides[a]) || !is_on_rim(mesh_, quads_.sides[b])
+                || !is_at_boundary(quads_.held[a]) || !is_at_boundary(quads_.held[b]) || !is_outer(a, b))
                 continue;
             const CutCorner c = worst_between(a, b);
             if (c.vertex != NONE && !cut_.push(c)) return call_.out_of_memory();
