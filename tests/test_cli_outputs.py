@@ -261,6 +261,22 @@ class Outputs(Case):
         self.refused(3, "quads", huge, self.path("h.glb"), says=["3.4e38", ".obj"])
         self.run_tool("solve", huge, "--quads", self.path("h.obj"))
 
+    def test_units_of_pictures_and_numbers(self):
+        """Squares of areas overflow; in a unit that is a power of two nothing changes."""
+        points, quads = torus()
+        there = [(x + 8, y, z) for x, y, z in points]
+        triangles = triangles_of(quads)
+        both = triangles + [[v + len(points) for v in t] for t in triangles]
+        made = []
+        for exponent in (0, 500, -500):
+            unit = 2.0 ** exponent
+            mesh = self.write("unit.obj", obj_text([tuple(unit * x for x in p) for p in points + there], both))
+            self.run_tool("quads", mesh, self.path("out.obj"), "--count", "400", "--refine", "0", "--image", self.path("out.png"), "--report", self.path("out.json"))
+            made.append((json.loads(self.read("out.json"))["quads"], self.read("out.png")))
+        self.assertGreater(len(made[0][1]), 50000)
+        self.assertEqual(made[1], made[0])
+        self.assertEqual(made[2], made[0])
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")

@@ -13,13 +13,22 @@ namespace cli {
 
 namespace {
 
-double area_of(const Foliation& f, size_t triangle) {
-    const double* p[3];
-    for (size_t c = 0; c < 3; ++c) p[c] = &f.positions[size_t{3} * f.triangles[3 * triangle + c]];
-    double square = 0;
+// Of the largest coordinate: with it taken away squares of areas neither overflow nor vanish.
+int exponent_of(const std::vector<double>& positions) {
+    double largest = 0;
+    for (const double x : positions) largest = std::max(largest, std::fabs(x));
+    return largest > 0 ? std::ilogb(largest) : 0;
+}
+
+// In units of 4^exponent.
+double area_of(const Foliation& f, size_t triangle, int exponent) {
+    double side[2][3], square = 0;
+    const auto at = [&](size_t c, size_t k) { return f.positions[size_t{3} * f.triangles[3 * triangle + c] + k]; };
+    for (size_t s = 0; s < 2; ++s)
+        for (size_t k = 0; k < 3; ++k) side[s][k] = std::scalbn(at(s + 1, k) - at(0, k), -exponent);
     for (size_t k = 0; k < 3; ++k) {
         const size_t i = (k + 1) % 3, j = (k + 2) % 3;
-        const double x = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
+        const double x = side[0][i] * side[1][j] - side[0][j] * side[1][i];
         square += x * x;
     }
     return std::sqrt(square) / 2;
@@ -142,6 +151,9 @@ void Run::write_atlas(const std::vector<std::pair<const Component*, Owned<hmf_ch
 void Run::draw(const double* uv, double period) {
     const bool has_data = style_.pattern == Pattern::quads ? !quad_meshes_.empty() : !shows_uv() || uv;
     attempt("--image", !r_.image.empty() && has_data, [&] {
+        // In a unit in which nothing overflows; it is the last use of the positions.
+        const int exponent = exponent_of(f_.positions);
+        for (double& x : f_.positions) x = std::scalbn(x, -exponent);
         std::vector<Line> lines;
         if (!has_start_) lines = loop_lines(f_, fine_loops());
         PictureData picture;
@@ -150,7 +162,15 @@ void Run::draw(const double* uv, double period) {
         picture.corner_uv = squares.data();
         if (shows_uv()) picture.dilatation = dilatation();
         if (style_.pattern == Pattern::scale) picture.log_scale = log_scale();
-        for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) picture.quads.push_back(mesh.get());
+        std::vector<std::vector<double>> places;
+        std::vector<hmf_quad_mesh> quads;
+        for (const Owned<hmf_quad_mesh>& mesh : quad_meshes_) {
+            places.emplace_back(mesh->positions, mesh->positions + 3 * mesh->vertex_count);
+            for (double& x : places.back()) x = std::scalbn(x, -exponent);
+            quads.push_back(*mesh);
+            quads.back().positions = places.back().data();
+        }
+        for (const hmf_quad_mesh& mesh : quads) picture.quads.push_back(&mesh);
         const Potential potential =
             style_.pattern == Pattern::stripes ? local_potential(f_, period) : Potential{{}, {}, period};
         write_png(r_.image, render(f_, potential, picture, lines, style_, control_), control_);
@@ -214,10 +234,11 @@ hmf_quad_options Run::quad_wish(const Component& c) const {
     wish.count = r_.count;
     if (r_.count > 0 && !is_alone()) {
         double all = 0, own = 0;
+        const int exponent = exponent_of(f_.positions);
         for (size_t t = 0; t < f_.triangle_count(); ++t) {
             const Component& of = components_[f_.component[t]];
             if (of.is_refused()) continue;
-            const double area = area_of(f_, t);
+            const double area = area_of(f_, t, exponent);
             all += area;
             if (&of == &c) own += area;
         }
