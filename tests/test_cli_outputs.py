@@ -277,6 +277,15 @@ class Outputs(Case):
         self.assertEqual(made[1], made[0])
         self.assertEqual(made[2], made[0])
 
+    def test_fewest_quads(self):
+        """A torus needs three rows of three quads: a smaller wish is told so."""
+        points, quads = torus()
+        mesh = self.write("t.obj", obj_text(points, triangles_of(quads)))
+        for count, fewest in (("4", 9), ("400", None)):
+            done = self.run_tool("quads", mesh, self.path("q.obj"), "--count", count, "--report", self.path("r.json"))
+            self.assertEqual(json.loads(self.read("r.json")).get("quads_fewest"), fewest)
+            self.assertEqual("4 were wished, and these loops and marked vertices need about 9" in done.stdout, count == "4")
+
     def test_textured(self):
         """One file with (u, v): read again it is the same mesh; every triangle has the (u, v) of --obj."""
         obj, glb, ply = self.path("t.obj"), self.path("t.glb"), self.path("t.ply")

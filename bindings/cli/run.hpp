@@ -60,6 +60,7 @@ private:
     // Values, history, marks, loops.
     void write_numbers();
     void make_quad_meshes();
+    void count_fewest();
     void write_leaf_lines();
     // (u, v) of each corner of the whole mesh, for whatever asks for it; NULL: of none, or nothing does.
     const double* unfold(bool wants_uv);
@@ -160,6 +161,7 @@ private:
     std::vector<Owned<hmf_quad_mesh>> quad_meshes_;
     size_t leaves_ = 0, quads_ = 0;       // written
     size_t irregular_ = 0, inverted_ = 0; // vertices, quads
+    size_t fewest_ = 0;                   // quads where as few as possible are wished; 0: not asked
 };
 
 } // namespace cli

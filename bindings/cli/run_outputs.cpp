@@ -13,6 +13,8 @@ namespace cli {
 
 namespace {
 
+constexpr double FAR_ABOVE = 1.15; // the wished number
+
 // Of the largest coordinate: with it taken away squares of areas neither overflow nor vanish.
 int exponent_of(const std::vector<double>& positions) {
     double largest = 0;
@@ -92,6 +94,19 @@ void Run::make_quad_meshes() {
             inverted_ += mesh->inverted_count;
         }
     });
+    if (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count)) count_fewest();
+}
+
+// Each critical leaf and each cylinder needs its columns and rows.
+void Run::count_fewest() {
+    size_t fewest = 0;
+    attempt_each("--count", true, [&](Component& c) {
+        hmf_quad_options wish = quad_wish(c);
+        wish.count = 1;
+        wish.relax = 0;
+        fewest += make_quads(c.foliation(), wish, control_, c.subject())->quad_count;
+    });
+    fewest_ = std::min(fewest, quads_);
 }
 
 void Run::write_leaf_lines() {

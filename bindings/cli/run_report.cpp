@@ -77,6 +77,9 @@ void Run::report() {
     if (r_.count > 0 && quads_ > 0)
         outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, " + std::to_string(irregular_)
                           + " irregular vertices, " + std::to_string(inverted_) + " inverted quads";
+    if (fewest_ > 0)
+        outcome_.summary += "; " + std::to_string(r_.count)
+                          + " were wished, and these loops and marked vertices need about " + std::to_string(fewest_);
     if (atlas_.charts > 0) {
         std::snprintf(line, sizeof line, ": %zu charts, %.0f %% of the square used", atlas_.charts, 100 * atlas_.used);
         outcome_.summary += "\n" + r_.atlas + line;
@@ -132,6 +135,7 @@ Json Run::report_json(double seconds) const {
         report.set("quads", quads_);
         report.set("quads_irregular", irregular_);
         report.set("quads_inverted", inverted_);
+        if (fewest_ > 0) report.set("quads_fewest", fewest_);
     }
     return report;
 }
