@@ -161,7 +161,7 @@ private:
     std::vector<Owned<hmf_quad_mesh>> quad_meshes_;
     size_t leaves_ = 0, quads_ = 0;       // written
     size_t irregular_ = 0, inverted_ = 0; // vertices, quads
-    size_t fewest_ = 0;                   // quads where as few as possible are wished; 0: not asked
+    size_t fewest_ = 0;                   // quads where as few as possible are wished; 0: no more than are wished
 };
 
 } // namespace cli

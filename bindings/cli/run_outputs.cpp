@@ -106,7 +106,7 @@ void Run::count_fewest() {
         wish.relax = 0;
         fewest += make_quads(c.foliation(), wish, control_, c.subject())->quad_count;
     });
-    fewest_ = std::min(fewest, quads_);
+    if (fewest > r_.count) fewest_ = std::min(fewest, quads_);
 }
 
 void Run::write_leaf_lines() {
