@@ -6,6 +6,7 @@ As in derived_mutations.py, in the same FOLDER, the file is compiled, the core l
 tests are those of the release build; of a header, the file beside it and those of its folder come first.
 """
 
+import argparse
 import re
 import shutil
 import subprocess
@@ -87,7 +88,11 @@ class Place:
 
 
 def main():
-    folder, pattern = Path(sys.argv[1]).resolve(), sys.argv[2] if len(sys.argv) > 2 else "."
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER")
+    parser.add_argument("pattern", nargs="?", default=".", metavar="PATTERN")
+    asked = parser.parse_args()
+    folder, pattern = asked.folder.resolve(), asked.pattern
     core = MutableCore(ROOT, folder / "core", "g++", ["-O1"])
     build_release()
     core.compile_all()

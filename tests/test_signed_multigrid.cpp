@@ -627,6 +627,33 @@ TEST(SignedMultigrid, EveryAllocationMayFail) {
 }
 
 namespace {
+// Of one host memory was short for a moment: only the allocation after `left` others fails.
+void* allocate_but_one(void* user, size_t size) {
+    size_t& left = *static_cast<size_t*>(user);
+    return left-- == 0 ? nullptr : std::malloc(size);
+}
+void release_any(void*, void* block, size_t) { std::free(block); }
+} // namespace
+
+TEST(SweepMatrix, OneFailedAllocationIsAFailure) {
+    Random random(21);
+    for (const uint32_t w : {20u, 150u}) { // of one part, and of two
+        const System s(w * w, twisted_torus(w, w, w / 10, random));
+        const std::vector<float> scale(s.n(), 0.25f);
+        size_t failed = 0;
+        for (bool done = false; !done; ++failed) {
+            ASSERT_LT(failed, 50u);
+            size_t left = failed;
+            hmf::Memory memory(allocate_but_one, release_any, &left, 0);
+            hmf::SweepMatrix matrix;
+            done = static_cast<bool>(matrix.build(s.matrix(), scale.data(), {}, memory));
+            EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
+        }
+        EXPECT_GT(failed, 4u);
+    }
+}
+
+namespace {
 struct Stop {
     int left;
     int32_t answer;
