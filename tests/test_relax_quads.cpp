@@ -222,6 +222,29 @@ TEST(RelaxQuads, StepsGoOn) {
     EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
 }
 
+// A rectangle has good corners by their sines however low it is, until two of its corners are one place.
+TEST(QuadShape, AQuadWithoutASideIsBad) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    for (const double unit : {1.0, 0x1p100, 0x1p-100}) {
+        const auto worst = [&](double side) {
+            hmf::QuadMesh quads;
+            quads.start(memory);
+            const double x[4] = {0, 1, 1, 0}, y[4] = {0, 0, side, side};
+            bool room = true;
+            for (uint32_t k = 0; k < 4; ++k) {
+                const double p[3] = {x[k] * unit, y[k] * unit, 0};
+                room = room && quads.add_vertex(p, 0, 0) && quads.quads.push(k);
+            }
+            EXPECT_TRUE(room);
+            return hmf::worst_corner(quads, 0);
+        };
+        EXPECT_NEAR(worst(1), 1, 1e-12);
+        EXPECT_NEAR(worst(1e-3), 1, 1e-12);
+        EXPECT_EQ(worst(1e-8), -1);
+        EXPECT_EQ(worst(0), -1);
+    }
+}
+
 // A grid in a plane of which a patch lies face down: each of its quads seen by itself is a square, so that
 // relaxing them as they lie keeps it; unfolded, all look up.
 TEST(UnfoldQuads, PatchFaceDownIsTurned) {

@@ -36,15 +36,20 @@ Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, cons
     return dot(normal, there) < 0 ? there : normal;
 }
 
+// Where a side is this part of the longest one, its ends are at the same place for all who see the quad.
+constexpr double NO_SIDE = 1e-6;
+
 double least_sine(const Point* p, const Point& n) {
-    double worst = 1;
+    double worst = 1, shortest = HUGE_VAL, longest = 0;
     for (int k = 0; k < 4; ++k) {
         const Point e = p[(k + 1) % 4] - p[k], b = p[(k + 3) % 4] - p[k];
-        const double size = std::sqrt(dot(e, e) * dot(b, b));
+        const double side = dot(e, e), size = std::sqrt(side * dot(b, b));
         const double sine = size > 0 ? dot(cross(e, b), n) / size : -1;
         if (sine < worst) worst = sine;
+        if (side < shortest) shortest = side;
+        if (side > longest) longest = side;
     }
-    return worst;
+    return shortest > NO_SIDE * NO_SIDE * longest ? worst : -1;
 }
 
 // Of the diagonals, of length 1; 0 where they are parallel.
