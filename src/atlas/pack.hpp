@@ -21,7 +21,6 @@ class Packer {
 public:
     // column: width of one, at least 1.  Shapes are in units of which a fraction does not matter.
     void start(Memory& memory, double column, double margin);
-    double column() const { return column_; }
     uint32_t count() const { return static_cast<uint32_t>(items_.size()); }
 
     // A shape: its box, then what it consists of, convex parts of at most four corners inside the box.

@@ -82,22 +82,6 @@ Done arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Ar
     return true;
 }
 
-Done closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places) {
-    const Boundary& b = graph.boundaries[boundary];
-    const size_t first = places.size();
-    for (uint64_t i = b.begin; i + 1 < b.end; ++i)
-        if (!add_place(f, graph.crossings[i], first, places)) return false;
-    // The vertex at the end may be the one at the start.
-    while (places.size() > first + 1) {
-        const Crossing &a = places[first], &z = places.back();
-        if (!(a.at == width(f, a.half_edge) && z.at == width(f, z.half_edge)
-              && f.mesh.target(a.half_edge) == f.mesh.target(z.half_edge)))
-            break;
-        places.pop();
-    }
-    return true;
-}
-
 Lines::Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call) :
     f_(f), position_(position), unit_(unit), length_limit_(length_limit), call_(call) {}
 

@@ -21,9 +21,6 @@ double surface_area(const Mesh& mesh, const double* position, const Parallel& pa
 // each comes once.  False: out of memory.
 Done arc_places(const Foliation& f, const CriticalGraph& graph, uint32_t arc, Array<Crossing>& places);
 
-// As above for a closed boundary leaf without zeros (genus 1), not repeating the first place.
-Done closed_places(const Foliation& f, const CriticalGraph& graph, uint32_t boundary, Array<Crossing>& places);
-
 class Lines {
 public:
     Lines(Foliation& f, const double* position, double unit, double length_limit, Call& call);
@@ -45,7 +42,6 @@ public:
     // The place of a point, on the nearest leaf; NONE where the foliation is 0.
     Crossing place_of_point(uint32_t h, const double* barycentric) const;
     bool limited(double length) const { return length_limit_ > 0 && length > length_limit_; }
-    double length_limit() const { return length_limit_; }
     Done add(const double* point, uint32_t edge);
     Done end_line(const hmf_line& line);
     void reverse(size_t first); // the points from first on

@@ -24,7 +24,6 @@ public:
     [[nodiscard]] hmf_status read(uint32_t cylinder, uint32_t begin, uint32_t end);
 
     LeafRow& operator[](uint32_t i) { return row_[i]; }
-    const LeafRow& operator[](uint32_t i) const { return row_[i]; }
 
 private:
     void follow_leaf(uint32_t cylinder, LeafRow& row) const;

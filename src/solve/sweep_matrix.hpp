@@ -34,7 +34,6 @@ public:
     // x A x.
     double energy(const float* x, const Parallel& parallel) const;
 
-    bool empty() const { return group_.empty(); }
     double stored_entries() const { return static_cast<double>(group_.size()) * Group::size; }
 
 private:
