@@ -230,7 +230,7 @@ variant_fuzz() {
         name=$(basename "$program" _replay)
         names="$names $name"
         local inputs=() runs=2000
-        case $name in boundary | differential | faults) runs=200 ;; design) runs=60 ;; esac # whole solves, several for each input
+        case $name in boundary | differential | faults) runs=200 ;; design) runs=20 ;; esac # whole solves, several for each input
         [ -d "fuzz/corpus/$name" ] && inputs=("fuzz/corpus/$name")
         wait_for_a_core
         { timeout 600 "$program" "${inputs[@]}" --random $runs 1 > "$results/fuzz-$name.log" 2>&1; echo $? > "$results/fuzz-$name.code"; } &
