@@ -74,7 +74,7 @@ public:
             EXPECT_TRUE(words_.quads().canonical(walk, memory_));
             out.walks.emplace_back(walk.begin(), walk.end());
             double length = 0;
-            EXPECT_TRUE(geodesic.straighten(strip, 300, length));
+            EXPECT_TRUE(geodesic.straighten_widely(strip, 5000, length));
             out.lengths.push_back(length);
         }
         std::sort(out.walks.begin(), out.walks.end());
@@ -163,6 +163,41 @@ TriMesh refined(const TriMesh& mesh) {
     return fine;
 }
 
+// Loops of a refined mesh, as triangles of the mesh that was cut into `parts` for each triangle.
+Loops seen_on_coarse(const Loops& fine, uint32_t parts) {
+    Loops seen;
+    for (size_t c = 0; c < fine.count(); ++c) {
+        std::vector<uint32_t> loop;
+        for (size_t i = fine.offsets[c]; i < fine.offsets[c + 1]; ++i) {
+            const uint32_t t = fine.elements[i] / parts;
+            if (loop.empty() || loop.back() != t) loop.push_back(t);
+        }
+        while (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
+        seen.add(loop);
+    }
+    return seen;
+}
+
+bool has_corpus() { return std::getenv("HMF_MESHES") && std::getenv("HMF_LOOP_CLASSES"); }
+
+// The meshes of the folder with at most HMF_LOOP_CLASSES_VERTICES vertices; HMF_LOOP_CLASSES_ONLY: with these words in
+// their names.
+std::vector<std::string> corpus() {
+    const char* const limit = std::getenv("HMF_LOOP_CLASSES_VERTICES");
+    const size_t most = limit ? std::strtoul(limit, nullptr, 10) : 60000;
+    const char* const only = std::getenv("HMF_LOOP_CLASSES_ONLY");
+    std::vector<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(std::getenv("HMF_MESHES"))) {
+        const std::string path = entry.path().string(), name = entry.path().stem().string();
+        if (entry.path().extension() != ".obj") continue;
+        if (only && (" " + std::string(only) + " ").find(" " + name + " ") == std::string::npos) continue;
+        TriMesh mesh;
+        if (read_obj(path, mesh) && mesh.vertex_count() <= most) paths.push_back(path);
+    }
+    std::sort(paths.begin(), paths.end());
+    return paths;
+}
+
 } // namespace
 
 TEST(LoopClasses, BelongToTheSurface) {
@@ -185,17 +220,7 @@ TEST(LoopClasses, SettleUnderRefinement) {
     std::iota(same.begin(), same.end(), 0u);
     for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
         const Loops few = library_loops(Hierarchy(coarse), 0, kind), many = library_loops(Hierarchy(fine), 0, kind);
-        Loops seen;
-        for (size_t c = 0; c < many.count(); ++c) {
-            std::vector<uint32_t> loop;
-            for (size_t i = many.offsets[c]; i < many.offsets[c + 1]; ++i) {
-                const uint32_t t = many.elements[i] / 4;
-                if (loop.empty() || loop.back() != t) loop.push_back(t);
-            }
-            while (loop.size() > 1 && loop.front() == loop.back()) loop.pop_back();
-            seen.add(loop);
-        }
-        EXPECT_EQ(reference.of(seen, same).walks, reference.of(few, same).walks) << NAMES[kind];
+        EXPECT_EQ(reference.of(seen_on_coarse(many, 4), same).walks, reference.of(few, same).walks) << NAMES[kind];
     }
 }
 
@@ -224,19 +249,49 @@ TEST(LoopClasses, OrderDoesNotMatter) {
     }
 }
 
-TEST(LoopClasses, Corpus) {
-    const char* const folder = std::getenv("HMF_MESHES");
-    if (!folder || !std::getenv("HMF_LOOP_CLASSES")) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
-    const char* const limit = std::getenv("HMF_LOOP_CLASSES_VERTICES");
-    const size_t most = limit ? std::strtoul(limit, nullptr, 10) : 60000;
-    std::vector<std::string> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".obj") paths.push_back(entry.path().string());
-    std::sort(paths.begin(), paths.end());
-    for (const std::string& path : paths) {
+// Each triangle of the corpus in 1, 4, 16: the classes of each, seen on the first, and their lengths there.
+TEST(LoopClasses, CorpusUnderRefinement) {
+    if (!has_corpus()) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
+    const char* const only = std::getenv("HMF_LOOP_CLASSES_KIND");
+    for (const std::string& path : corpus()) {
         TriMesh mesh;
         ASSERT_TRUE(read_obj(path, mesh)) << path;
-        if (mesh.vertex_count() > most) continue;
+        Reference reference(mesh);
+        std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets[5];
+        std::string settings[5];
+        TriMesh fine = mesh;
+        for (size_t parts = 1; parts <= 16; parts *= 4) {
+            if (parts > 1) fine = refined(fine);
+            if (fine.triangles.size() / 3 > 1700000) break;
+            const Hierarchy hierarchy(fine);
+            for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+                if (only && kind != std::atoi(only)) continue;
+                const Loops loops = seen_on_coarse(library_loops(hierarchy, 0, kind), static_cast<uint32_t>(parts));
+                std::vector<uint32_t> same(mesh.triangles.size() / 3);
+                std::iota(same.begin(), same.end(), 0u);
+                const Reference::Classes classes = reference.of(loops, same);
+                sets[kind].emplace(classes.walks, classes.lengths);
+                const double total = std::accumulate(classes.lengths.begin(), classes.lengths.end(), 0.0);
+                settings[kind] += " " + std::to_string(total);
+            }
+        }
+        for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+            if (sets[kind].empty()) continue;
+            std::printf("%s %s: %zu sets, total lengths%s\n", path.c_str(), NAMES[kind], sets[kind].size(),
+                        settings[kind].c_str());
+            std::fflush(stdout);
+            if (std::getenv("HMF_LOOP_CLASSES_LENGTHS"))
+                for (const auto& set : sets[kind]) std::printf("   %s\n", testing::PrintToString(set.second).c_str());
+            EXPECT_EQ(sets[kind].size(), 1u) << path << " " << NAMES[kind];
+        }
+    }
+}
+
+TEST(LoopClasses, Corpus) {
+    if (!has_corpus()) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
+    for (const std::string& path : corpus()) {
+        TriMesh mesh;
+        ASSERT_TRUE(read_obj(path, mesh)) << path;
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
             const Found found = find(mesh, kind, {1000, 2500}, 3);
             if (found.lengths.size() == 1) continue;

@@ -17,7 +17,7 @@ constexpr size_t MOST_STARTS = 8; // of a class
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
-constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 100;
+constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 1000;
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
 } // namespace
@@ -111,18 +111,20 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!geodesic.straighten(loop_, rounds, c.length)) return false;
-    // Mean place of the loop, from middle to middle of the edges that it crosses.
-    const auto middle = [&](uint32_t h, double* to) {
+    if (!geodesic.straighten_widely(loop_, rounds, c.length)) return false;
+    // Mean place of the curve.
+    const Array<double>& shares = geodesic.shares();
+    const auto crossing = [&](size_t i, double* to) {
+        const uint32_t h = loop_[i];
+        const double* const from = position + 3 * size_t{mesh.origin[h]};
+        const double* const end = position + 3 * size_t{mesh.target(h)};
         for (size_t a = 0; a < 3; ++a)
-            to[a] = (position[3 * size_t{mesh.origin[h]} + a] / geodesic.scale()
-                     + position[3 * size_t{mesh.target(h)} + a] / geodesic.scale())
-                  / 2;
+            to[a] = (1 - shares[i]) * (from[a] / geodesic.scale()) + shares[i] * (end[a] / geodesic.scale());
     };
     double before[3], here[3], sum = 0, total = 0;
-    middle(loop_.back(), before);
-    for (const uint32_t h : loop_) {
-        middle(h, here);
+    crossing(loop_.size() - 1, before);
+    for (size_t i = 0; i < loop_.size(); ++i) {
+        crossing(i, here);
         double square = 0, place = 0;
         for (size_t a = 0; a < 3; ++a) {
             square += (here[a] - before[a]) * (here[a] - before[a]);
@@ -173,12 +175,13 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         if (2 * met >= n) return true;
     }
     id = static_cast<uint32_t>(classes_.size());
-    made.first = crossings_.size();
-    for (size_t k = 0; k < n; ++k)
-        if (!crossings_.push(crossings[k])) return false;
-    made.end = crossings_.size();
     made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
-    if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made) || !classes_.push(made)) return false;
+    if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made)) return false;
+    made.first = crossings_.size();
+    for (const uint32_t h : loop_)
+        if (!crossings_.push(h)) return false;
+    made.end = crossings_.size();
+    if (!classes_.push(made)) return false;
     table_[i] = id;
     return 2 * classes_.size() < table_.size() || grow_table();
 }

@@ -36,6 +36,9 @@ public:
     // shorter once they are measured are noted.  n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
+    // Its strip, pulled straight where it was found; it may meet other loops, or itself.
+    const uint32_t* pulled(uint32_t id) const { return crossings_.data() + classes_[id].first; }
+    size_t pulled_size(uint32_t id) const { return static_cast<size_t>(classes_[id].end - classes_[id].first); }
     LoopCare care() const { return care_; }
 
     // Measures what is noted; changed: there was any.
@@ -50,7 +53,7 @@ private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
     struct Class {
         uint64_t key;
-        uint64_t first, end; // its loop in crossings_
+        uint64_t first, end; // its loop in crossings_, pulled straight
         double length;       // tilted
         double doubt;        // relative: it may be longer by so much
         Stage stage;

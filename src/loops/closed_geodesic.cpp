@@ -8,8 +8,9 @@ namespace hmf {
 namespace {
 
 // A detour that gains less is none.
-constexpr double STRAIGHT = 1e-4;
-constexpr double LITTLE = 1e-5;  // relative, what is not worth another round
+constexpr double STRAIGHT = 1e-9;
+constexpr double LITTLE = 1e-9;  // relative, what is not worth another round
+constexpr size_t MOST_ASIDE = 8, MOST_MOVES = 4; // strips, and how often it starts again from a shorter curve
 constexpr size_t MOST_MORE = 64; // crossings of a detour, beyond those of the loop
 
 } // namespace
@@ -28,6 +29,11 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     outside_.start(call.memory);
     around_.start(call.memory);
     detour_.start(call.memory);
+    share_.start(call.memory);
+    best_.start(call.memory);
+    pushed_.start(call.memory);
+    tried_.start(call.memory);
+    best_share_.start(call.memory);
 }
 
 double ClosedGeodesic::edge_length(uint32_t edge) const {
@@ -118,6 +124,25 @@ double ClosedGeodesic::pulled_length(Point from, Point to) const {
     return sum + distance(to.x - from.x, to.y - from.y);
 }
 
+// Where the curve that was pulled from a portal to the same one a period on
+// crosses the edges in between.
+void ClosedGeodesic::read_shares(Point from, size_t portal, Point to, size_t n) {
+    const auto cross = [](Point a, Point b, Point c, Point d) { // (b - a) x (d - c)
+        return (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
+    };
+    size_t next = 0; // the bend, or the end, that the curve goes to
+    const auto corner = [&](size_t b) { return b < bend_.size() ? Point{bend_[b].x, bend_[b].y} : to; };
+    Point at = from;
+    for (size_t i = portal; i < portal + n; ++i) {
+        while (next < bend_.size() && bend_[next].portal < i) at = corner(next++);
+        const Portal& p = portal_[i];
+        const Point ahead = corner(next);
+        const double down = cross(at, ahead, p.right, p.left), along = cross(at, ahead, p.right, at);
+        const double share = down != 0 ? along / down : 0.5;
+        share_[i % n] = std::min(std::max(share, 0.0), 1.0);
+    }
+}
+
 // Through three periods of the strip; a bend of the one in the middle is a
 // point of the closed curve, or close to it.
 Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
@@ -126,6 +151,9 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
         return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
     };
     if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
+    share_.clear();
+    for (size_t i = 0; i < n; ++i)
+        if (!share_.push(0.5)) return false;
     length = HUGE_VAL;
     for (int round = 0; round < 3; ++round) {
         // The bend next to the middle of the way.
@@ -160,6 +188,7 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
         // Bends are counted from the portal on, so that the next round takes one of the other half.
         if (!pull(from, portal, to, portal + n)) return false;
         const double found = pulled_length(from, to);
+        if (found < length) read_shares(from, portal, to, n);
         length = std::min(length, found);
         for (Bend& b : bend_) b.portal = static_cast<uint32_t>(b.portal - portal);
         if (bend_.empty()) break;
@@ -300,6 +329,68 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
             if (!loop.push(next_[i])) return false;
     }
     return length_in_strip(loop.data(), loop.size(), length);
+}
+
+// next_: the strip round the vertices on one side, if there are two and none is marked.
+Done ClosedGeodesic::push_aside(const Array<uint32_t>& loop, bool left, bool& moved) {
+    moved = false;
+    const size_t n = loop.size();
+    const auto vertex = [&](size_t i) { return left ? mesh_.target(loop[i % n]) : mesh_.origin[loop[i % n]]; };
+    size_t start = 0;
+    while (start < n && vertex(start + n - 1) == vertex(start)) ++start;
+    if (start == n) return true;
+    next_.clear();
+    for (size_t i = start; i < start + n;) {
+        size_t j = i;
+        while (j + 1 < start + n && vertex(j + 1) == vertex(i)) ++j;
+        if (mesh_.is_marked(vertex(i))) return true;
+        const uint32_t first = loop[i % n], end = twin(loop[j % n]);
+        for (uint32_t g = left ? mesh_.next[first] : mesh_.prev(first); g != end;) {
+            if (!next_.push(g)) return false;
+            const uint32_t t = twin(g);
+            g = left ? mesh_.next[t] : mesh_.prev(t);
+        }
+        i = j + 1;
+    }
+    moved = true;
+    return true;
+}
+
+Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, double& length) {
+    const auto copy = [](auto& to, const auto& from) -> Done {
+        to.clear();
+        if (!to.reserve(from.size())) return false;
+        for (const auto x : from) to.add(x);
+        return true;
+    };
+    if (!straighten(loop, rounds, length) || !copy(best_, loop) || !copy(best_share_, share_)) return false;
+    for (size_t moves = 0; moves < MOST_MOVES;) {
+        bool shorter = false;
+        for (int side = 0; side < 2 && !shorter; ++side) {
+            if (!copy(pushed_, best_)) return false;
+            for (size_t k = 1; k <= MOST_ASIDE && !shorter; ++k) {
+                bool moved = false;
+                if (!push_aside(pushed_, side == 0, moved)) return false;
+                if (!moved) break;
+                size_t begin = 0, end = 0;
+                remove_backtracking(next_, begin, end);
+                if (begin == end || end - begin > 4 * best_.size() + MOST_MORE) break;
+                pushed_.clear();
+                for (size_t i = begin; i < end; ++i)
+                    if (!pushed_.push(next_[i])) return false;
+                if (k & (k - 1)) continue;
+                double found = 0;
+                if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found)) return false;
+                if (!(found < length * (1 - LITTLE))) continue;
+                length = found;
+                shorter = true;
+                if (!copy(best_, tried_) || !copy(best_share_, share_)) return false;
+            }
+        }
+        if (!shorter) break;
+        ++moves;
+    }
+    return copy(loop, best_) && copy(share_, best_share_);
 }
 
 } // namespace hmf

@@ -11,6 +11,14 @@
 //                                  edges, 2020).
 //
 // Until nothing changes.  A marked vertex stays on its side.
+//
+// A surface with bumps has several closed geodesics in a class.  So the strip is
+// also pushed aside, over the vertices on one side of it, once or several times,
+// and pulled straight from there:
+//
+//         /\  /\  /\  /          new strip: round the vertices v on its other side
+//      --v---v---v---v--
+//         \/  \/  \/  \          old strip
 #pragma once
 
 #include "loops.hpp"
@@ -32,10 +40,13 @@ public:
     // Replaces the loop; its length.  At most `rounds` times step 2.
     Done straighten(Array<uint32_t>& loop, size_t rounds, double& length);
 
+    // The shortest of those on both sides, up to a distance of some strips.
+    Done straighten_widely(Array<uint32_t>& loop, size_t rounds, double& length);
+
     double scale() const { return scale_; }
 
-    // Of the shortest curve within the strip, as it is.
-    Done length_in_strip(const uint32_t* loop, size_t n, double& length);
+    // Of the last loop: where the curve crosses its edges, 0 at the origin of the half-edge, 1 at its target.
+    const Array<double>& shares() const { return share_; }
 
 private:
     struct Point {
@@ -45,10 +56,15 @@ private:
         Point left, right;
     };
 
+    // Of the shortest curve within the strip, as it is.
+    Done length_in_strip(const uint32_t* loop, size_t n, double& length);
+    void read_shares(Point from, size_t portal, Point to, size_t n);
+
     double edge_length(uint32_t edge) const;
     Done unfold(const uint32_t* loop, size_t n, size_t portals);
     Done pull(Point from, size_t first, Point to, size_t last);
     Done look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count, bool& shorter);
+    Done push_aside(const Array<uint32_t>& loop, bool left, bool& moved);
     Done go_round(const uint32_t* loop, size_t n, bool& changed);
     double pulled_length(Point from, Point to) const;
 
@@ -64,6 +80,9 @@ private:
     Array<Detour> detour_;
     Array<uint32_t> detours_at_; // per crossing
     Array<uint32_t> next_, outside_, around_;
+    Array<uint32_t> best_, pushed_, tried_;
+    Array<double> best_share_;
+    Array<double> share_;
     uint64_t work_ = 0;
 };
 

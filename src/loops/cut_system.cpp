@@ -72,7 +72,7 @@ public:
         choice_.start(memory_);
         if (!out.start(memory_) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
-            || (condition_ && !test_.allocate(mesh_, memory_)))
+            || (!is_quick() && !test_.allocate(mesh_, memory_)))
             return call_.out_of_memory();
         const DualLength length(mesh_, position);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -210,7 +210,7 @@ private:
     // Of the candidates the one with the shortest class.  any: there is one, and none that waits is shorter.
     Done choose(bool& any) {
         const size_t first = ids_.size();
-        const size_t most = lengths_.care() == LoopCare::quick ? 1 : MOST_CANDIDATES;
+        const size_t most = is_quick() ? 1 : MOST_CANDIDATES;
         double shortest = UNREACHED, waiting = UNREACHED;
         for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
             Candidate& c = candidates_[i];
@@ -241,7 +241,7 @@ private:
 
     // Of its class, or of its strip where classes are not measured.
     double length(const Candidate& c) const {
-        return lengths_.care() == LoopCare::quick ? c.length : lengths_.length(c.id);
+        return is_quick() ? c.length : lengths_.length(c.id);
     }
 
     void forget_ids(size_t end) {
@@ -264,14 +264,16 @@ private:
 
     // The next loop of the batch.  A curve crosses it as often as the edges on its left, up to an even number.
     Done take(const Candidate& taken) {
-        const uint32_t* const loop = kept_.data() + taken.first;
+        if (!add_taken(taken)) return false;
+        const size_t n = out_->length(out_->count() - 1);
+        const uint32_t* const loop = out_->loop(out_->count() - 1);
         const uint64_t bit = uint64_t{1} << words_.size();
-        for (size_t k = 0; k < taken.size; ++k) {
+        for (size_t k = 0; k < n; ++k) {
             taken_[mesh_.face[loop[k]]] = 1;
-            const uint32_t in = twin(loop[k]), go = loop[k + 1 < taken.size ? k + 1 : 0];
+            const uint32_t in = twin(loop[k]), go = loop[k + 1 < n ? k + 1 : 0];
             if (go == mesh_.next[in]) left_[edge_of(mesh_.prev(in))] ^= bit;
         }
-        return words_.push(reduced(taken.signature)) && add(loop, taken.size);
+        return words_.push(reduced(taken.signature));
     }
 
     // Keeps the first k loops, and takes the next one as it is chosen now.
@@ -286,11 +288,24 @@ private:
                         face_bound_.size() * sizeof(double));
         curves_.clear();
         const Candidate taken = strip_[choice_.back().first + choice_.back().taken];
-        return curves_.add(out_->crossings.data(), out_->crossings.size())
-            && add(kept_.data() + taken.first, taken.size);
+        return curves_.add(out_->crossings.data(), out_->crossings.size()) && add_taken(taken);
     }
 
     Done add(const uint32_t* loop, size_t n) { return out_->add(loop, n) && curves_.add(loop, n); }
+
+    // The strip of the class, pulled straight, if it meets no loop; else the strip that was found.
+    Done add_taken(const Candidate& taken) {
+        if (!is_quick()) {
+            bool are_disjoint = false;
+            if (!out_->add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id))
+                || !disjoint(mesh_, *out_, 0, out_->count(), test_, nullptr, memory_, are_disjoint))
+                return false;
+            if (are_disjoint) return curves_.add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id));
+            out_->keep_first(out_->count() - 1);
+        }
+        return add(kept_.data() + taken.first, taken.size);
+    }
+    bool is_quick() const { return lengths_.care() == LoopCare::quick; }
 
     // Does the loop that was found without the condition meet it?  If so do all
     // before it, it is the shortest with the condition as well.
@@ -419,7 +434,7 @@ private:
         return true;
     }
 
-    double slack() const { return lengths_.care() == LoopCare::quick ? 1 : SLACK; }
+    double slack() const { return is_quick() ? 1 : SLACK; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {

@@ -386,8 +386,17 @@ private:
 
     // The loop of the last choice, shortened.
     hmf_status take_last() {
-        const Strip taken = strip_[choice_.back().first + choice_.back().taken];
-        if (!loops_.add(strips_.data() + taken.first, taken.size)) return call_.out_of_memory();
+        const size_t at = choice_.back().first + choice_.back().taken;
+        bool are_disjoint = false;
+        if (lengths_.care() == LoopCare::shortest) {
+            const uint32_t id = ids_[at];
+            if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
+                || !disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_, are_disjoint))
+                return call_.out_of_memory();
+            if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
+        }
+        if (!are_disjoint && !loops_.add(strips_.data() + strip_[at].first, strip_[at].size))
+            return call_.out_of_memory();
         return shorten_loops(mesh_, position_, loops_.count() - 1, 2, 1, call_, loops_);
     }
 
