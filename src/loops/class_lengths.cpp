@@ -13,7 +13,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
-constexpr size_t MOST_STARTS = 8; // of a class
+constexpr size_t MOST_STARTS = 2; // of a class
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
@@ -41,6 +41,7 @@ Done ClassLengths::start() {
     measure_extent();
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
+    if (!geodesic_.keep_lengths()) return false;
     const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
     if (!sphere && !words_.start(mesh_, mesh_.edge_count, call_)) return false;
     if (mesh_.marked_count == 0) return true;

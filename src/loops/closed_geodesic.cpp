@@ -36,7 +36,9 @@ ClosedGeodesic::ClosedGeodesic(const Mesh& mesh, const double* position, double 
     best_share_.start(call.memory);
 }
 
-double ClosedGeodesic::edge_length(uint32_t edge) const {
+Done ClosedGeodesic::keep_lengths() { return edge_length_.allocate_filled(call_.memory, mesh_.edge_count, -1.0); }
+
+double ClosedGeodesic::measure_edge(uint32_t edge) const {
     const double* const p = position_ + 3 * size_t{mesh_.origin[2 * edge]};
     const double* const q = position_ + 3 * size_t{mesh_.origin[2 * edge + 1]};
     double square = 0;

@@ -43,6 +43,9 @@ public:
     // The shortest of those on both sides, up to a distance of some strips.
     Done straighten_widely(Array<uint32_t>& loop, size_t rounds, double& length);
 
+    // Lengths of edges are kept from now on: for many loops.
+    Done keep_lengths();
+
     double scale() const { return scale_; }
 
     // Of the last loop: where the curve crosses its edges, 0 at the origin of the half-edge, 1 at its target.
@@ -60,7 +63,13 @@ private:
     Done length_in_strip(const uint32_t* loop, size_t n, double& length);
     void read_shares(Point from, size_t portal, Point to, size_t n);
 
-    double edge_length(uint32_t edge) const;
+    double edge_length(uint32_t edge) {
+        if (edge_length_.empty()) return measure_edge(edge);
+        double& length = edge_length_[edge];
+        if (length < 0) length = measure_edge(edge);
+        return length;
+    }
+    double measure_edge(uint32_t edge) const;
     Done unfold(const uint32_t* loop, size_t n, size_t portals);
     Done pull(Point from, size_t first, Point to, size_t last);
     Done look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count, bool& shorter);
@@ -72,6 +81,7 @@ private:
     const double* position_;
     double scale_;
     Call& call_;
+    Array<double> edge_length_; // if they are kept; below 0: not known yet
     Array<Portal> portal_;
     Array<Bend> bend_;
     struct Detour {
