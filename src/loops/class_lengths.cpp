@@ -14,10 +14,11 @@ namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
 constexpr size_t MOST_STARTS = 2; // of a class
+constexpr double SAME = 1e-4;     // two lengths of one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
-constexpr size_t COARSE_ROUNDS = 30, FINE_ROUNDS = 1000;
+constexpr size_t ROUNDS = 100;
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
 } // namespace
@@ -107,12 +108,13 @@ Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
 }
 
 Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings,
-                        size_t n, Stage stage, Class& c) {
-    const size_t rounds = stage == Stage::found ? COARSE_ROUNDS : FINE_ROUNDS;
+                        size_t n, bool widely, Class& c) {
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!geodesic.straighten_widely(loop_, rounds, c.length)) return false;
+    if (!(widely ? geodesic.straighten_widely(loop_, ROUNDS, c.length)
+                 : geodesic.straighten(loop_, ROUNDS, c.length)))
+        return false;
     // Mean place of the curve.
     const Array<double>& shares = geodesic.shares();
     const auto crossing = [&](size_t i, double* to) {
@@ -136,7 +138,7 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
         total += std::sqrt(square);
     }
     const double n_left = static_cast<double>(loop_.size());
-    c.doubt = DOUBT_ROUND / (n_left * n_left) + DOUBT[stage];
+    c.doubt = DOUBT_ROUND / (n_left * n_left);
     if (total > 0) c.length *= 1 + sum / total;
     return true;
 }
@@ -160,6 +162,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     }
     if (!started_ && !start()) return false;
     Class made{};
+    made.starts = 1;
     if (!key_of(crossings, n, made.key)) return false;
     size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
     // Another strip of a class may lead to another of its geodesics, unless it is half the same.
@@ -170,14 +173,23 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         const Class& c = classes_[table_[i]];
         if (c.key != made.key) continue;
         id = table_[i];
-        if (++starts == MOST_STARTS) return true;
+        starts += c.starts;
+        if (starts >= MOST_STARTS) return true;
         size_t met = 0;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
         if (2 * met >= n) return true;
     }
-    id = static_cast<uint32_t>(classes_.size());
+    if (starts == 0) id = static_cast<uint32_t>(classes_.size());
     made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
-    if (!pull(geodesic_, mesh_, position_, crossings, n, made.stage, made)) return false;
+    if (!pull(geodesic_, mesh_, position_, crossings, n, true, made)) return false;
+    if (starts > 0) { // as a rule it comes to the same curve
+        const double before = classes_[id].length;
+        if (made.length < before * (1 + SAME) && before < made.length * (1 + SAME)) {
+            ++classes_[id].starts;
+            return true;
+        }
+        id = static_cast<uint32_t>(classes_.size());
+    }
     made.first = crossings_.size();
     for (const uint32_t h : loop_)
         if (!crossings_.push(h)) return false;
@@ -195,7 +207,8 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     // Another class that may be shorter is measured, and this one as well.
     double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
-        const double upper = classes_[ids[i]].length * (1 + classes_[ids[i]].doubt);
+        const Class& c = classes_[ids[i]];
+        const double upper = c.length * (1 + c.doubt + DOUBT[c.stage]);
         most = std::min(most, upper);
     }
     const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
@@ -245,7 +258,8 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         if (!pulled.start(call_.memory) || (!last && !curve.allocate(mesh, call_.memory))) return false;
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
-            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), last ? reached : Stage::found, c))
+            // Elsewhere it starts from a curve that is the shortest but for small bumps.
+            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), carrier.level() == level_, c))
                 return false;
             if (last) continue;
             bool simple = false;

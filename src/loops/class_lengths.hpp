@@ -55,8 +55,9 @@ private:
         uint64_t key;
         uint64_t first, end; // its loop in crossings_, pulled straight
         double length;       // tilted
-        double doubt;        // relative: it may be longer by so much
+        double doubt;        // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
+        uint8_t starts; // strips that were pulled to it
         bool wanted;
     };
     Done start();
@@ -64,7 +65,7 @@ private:
     Done measure_stage(Stage stage, bool& changed);
     Done key_of(const uint32_t* crossings, size_t n, uint64_t& key);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
-              Stage stage, Class& c);
+              bool widely, Class& c);
     Done grow_table();
 
     const hmf_hierarchy* hierarchy_;

@@ -9,8 +9,9 @@ namespace {
 
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-9;
-constexpr double LITTLE = 1e-9;  // relative, what is not worth another round
-constexpr size_t MOST_ASIDE = 8, MOST_MOVES = 4; // strips, and how often it starts again from a shorter curve
+constexpr double LITTLE = 1e-7;  // relative, what is not worth another round
+constexpr size_t MIDWAY = 2, MOST_ASIDE = 8; // strips that it is pushed aside
+constexpr size_t MOST_MOVES = 4;             // how often it starts again from a shorter curve
 constexpr size_t MOST_MORE = 64; // crossings of a detour, beyond those of the loop
 
 } // namespace
@@ -380,7 +381,7 @@ Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, dou
                 pushed_.clear();
                 for (size_t i = begin; i < end; ++i)
                     if (!pushed_.push(next_[i])) return false;
-                if (k & (k - 1)) continue;
+                if (k != MIDWAY && k != MOST_ASIDE) continue;
                 double found = 0;
                 if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found)) return false;
                 if (!(found < length * (1 - LITTLE))) continue;

@@ -39,7 +39,7 @@ namespace hmf {
 namespace {
 
 constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
-constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.15; // as in cut_system.cpp
+constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.03; // as in cut_system.cpp
 constexpr size_t MOST_CANDIDATES = 64;
 constexpr uint64_t MOST_STEPS = 100; // as in cut_system.cpp
 constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
