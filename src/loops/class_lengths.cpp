@@ -13,7 +13,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000;
-constexpr size_t MOST_STARTS = 2; // of a class
+constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8; // of a class
 constexpr double SAME = 1e-4;     // two lengths of one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
@@ -42,7 +42,7 @@ Done ClassLengths::start() {
     measure_extent();
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
-    if (!geodesic_.keep_lengths()) return false;
+    if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
     const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
     if (!sphere && !words_.start(mesh_, mesh_.edge_count, call_)) return false;
     if (mesh_.marked_count == 0) return true;
@@ -174,25 +174,27 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         if (c.key != made.key) continue;
         id = table_[i];
         starts += c.starts;
-        if (starts >= MOST_STARTS) return true;
+        if (starts >= (has_pulled() ? MOST_STARTS : MOST_MARKED_STARTS)) return true;
         size_t met = 0;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
         if (2 * met >= n) return true;
     }
-    if (starts == 0) id = static_cast<uint32_t>(classes_.size());
     made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
     if (!pull(geodesic_, mesh_, position_, crossings, n, true, made)) return false;
-    if (starts > 0) { // as a rule it comes to the same curve
+    if (starts > 0 && has_pulled()) { // as a rule it comes to the same curve
         const double before = classes_[id].length;
         if (made.length < before * (1 + SAME) && before < made.length * (1 + SAME)) {
             ++classes_[id].starts;
             return true;
         }
-        id = static_cast<uint32_t>(classes_.size());
     }
+    id = static_cast<uint32_t>(classes_.size());
+    bool simple = false;
+    one_.keep_first(0);
+    if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_.memory, simple)) return false;
     made.first = crossings_.size();
-    for (const uint32_t h : loop_)
-        if (!crossings_.push(h)) return false;
+    for (size_t k = 0; k < (simple ? loop_.size() : n); ++k)
+        if (!crossings_.push(simple ? loop_[k] : crossings[k])) return false;
     made.end = crossings_.size();
     if (!classes_.push(made)) return false;
     table_[i] = id;

@@ -20,6 +20,7 @@
 #include "../homotopy/edge_words.hpp"
 #include "closed_geodesic.hpp"
 #include "loops.hpp"
+#include "multicurve.hpp"
 
 namespace hmf {
 
@@ -36,7 +37,9 @@ public:
     // shorter once they are measured are noted.  n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
-    // Its strip, pulled straight where it was found; it may meet other loops, or itself.
+    // A simple strip of it, pulled straight where it was found if that is simple; it may meet other loops.
+    // Not with marked vertices: what is known of a class does not tell on which side of them all it runs.
+    bool has_pulled() const { return care_ == LoopCare::shortest && mesh_.marked_count == 0; }
     const uint32_t* pulled(uint32_t id) const { return crossings_.data() + classes_[id].first; }
     size_t pulled_size(uint32_t id) const { return static_cast<size_t>(classes_[id].end - classes_[id].first); }
     LoopCare care() const { return care_; }
@@ -53,7 +56,7 @@ private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
     struct Class {
         uint64_t key;
-        uint64_t first, end; // its loop in crossings_, pulled straight
+        uint64_t first, end; // its loop in crossings_, see pulled()
         double length;       // tilted
         double doubt;        // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
@@ -82,6 +85,8 @@ private:
     Array<Class> classes_;
     Array<uint32_t> crossings_, loop_, table_;
     Array<uint32_t> visited_; // per face
+    Loops one_;               // to see whether it is simple
+    Multicurve curve_;
     uint32_t visit_ = 0;
     Walk walk_;
 };

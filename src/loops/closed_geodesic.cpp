@@ -338,17 +338,21 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
 Done ClosedGeodesic::push_aside(const Array<uint32_t>& loop, bool left, bool& moved) {
     moved = false;
     const size_t n = loop.size();
-    const auto vertex = [&](size_t i) { return left ? mesh_.target(loop[i % n]) : mesh_.origin[loop[i % n]]; };
+    const auto h = [&](size_t i) { return loop[i % n]; };
+    const auto keeps = [&](size_t i) { // the vertex, from crossing i to the next
+        const uint32_t t = twin(h(i));
+        return h(i + 1) == (left ? mesh_.prev(t) : mesh_.next[t]);
+    };
     size_t start = 0;
-    while (start < n && vertex(start + n - 1) == vertex(start)) ++start;
+    while (start < n && keeps(start + n - 1)) ++start;
     if (start == n) return true;
     next_.clear();
     for (size_t i = start; i < start + n;) {
         size_t j = i;
-        while (j + 1 < start + n && vertex(j + 1) == vertex(i)) ++j;
-        if (mesh_.is_marked(vertex(i))) return true;
-        const uint32_t first = loop[i % n], end = twin(loop[j % n]);
-        for (uint32_t g = left ? mesh_.next[first] : mesh_.prev(first); g != end;) {
+        while (keeps(j)) ++j;
+        if (mesh_.is_marked(left ? mesh_.target(h(i)) : mesh_.origin[h(i)])) return true;
+        const uint32_t end = twin(h(j));
+        for (uint32_t g = left ? mesh_.next[h(i)] : mesh_.prev(h(i)); g != end;) {
             if (!next_.push(g)) return false;
             const uint32_t t = twin(g);
             g = left ? mesh_.next[t] : mesh_.prev(t);

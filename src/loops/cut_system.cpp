@@ -58,8 +58,10 @@ public:
         mesh_(mesh), condition_(condition), lengths_(lengths), call_(call), memory_(call.memory),
         search_(cut_, length_, condition ? condition->label : nullptr, call) {}
 
-    hmf_status run(const double* position, Loops& out) {
-        const uint32_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
+    // kept_loops: loops that the others must not meet, or NULL; the first of out.
+    hmf_status run(const double* position, const Loops* kept_loops, Loops& out) {
+        const uint32_t given = kept_loops ? static_cast<uint32_t>(kept_loops->count()) : 0;
+        const uint32_t wanted = given + (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         out_ = &out;
         loop_.start(memory_);
         try_.start(memory_);
@@ -78,30 +80,32 @@ public:
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double faces = mesh_.face_count, most = 5e6 + 12 * faces;
-        const double wanted = faces * (400 + 6.0 * genus), budget = std::min(wanted, most);
+        const double usual = faces * (400 + 6.0 * wanted), budget = std::min(usual, most);
         uint32_t k = 0;
-        for (; k < genus && is_permitted(k); ++k)
+        for (; k < given; ++k)
+            if (!add(kept_loops->loop(k), kept_loops->length(k))) return call_.out_of_memory();
+        for (; k < wanted && is_permitted(k); ++k)
             if (!add(condition_->free->loop(k), condition_->free->length(k))) return call_.out_of_memory();
         const uint32_t fixed = k;
-        const size_t kept = size_t{genus - fixed} * mesh_.face_count;
+        const size_t kept = size_t{wanted - fixed} * mesh_.face_count;
         if (kept < MOST_BOUNDS && !kept_bound_.allocate(memory_, kept)) return call_.out_of_memory();
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
-            while (k < genus) {
-                if (!call_.tick(static_cast<double>(k) / genus, true)) return call_.was_cancelled();
+            while (k < wanted) {
+                if (!call_.tick(static_cast<double>(k) / wanted, true)) return call_.was_cancelled();
                 const uint32_t before = k;
-                const hmf_status status = add_batch(k, genus, budget);
+                const hmf_status status = add_batch(k, wanted, budget);
                 if (status) return status;
                 steps += k - before;
             }
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed) break;
-            for (k = fixed; k < genus; ++k) {
+            for (k = fixed; k < wanted; ++k) {
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
-                if (steps + genus - k > MOST_STEPS + genus + genus / 2) return HMF_OK;
+                if (steps + wanted - k > MOST_STEPS + wanted + wanted / 2) return HMF_OK;
                 choice.taken = taken;
                 if (!go_back(k, fixed)) return call_.out_of_memory();
                 ++k;
@@ -295,7 +299,7 @@ private:
 
     // The strip of the class, pulled straight, if it meets no loop; else the strip that was found.
     Done add_taken(const Candidate& taken) {
-        if (!is_quick()) {
+        if (lengths_.has_pulled()) {
             bool are_disjoint = false;
             if (!out_->add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id))
                 || !disjoint(mesh_, *out_, 0, out_->count(), test_, nullptr, memory_, are_disjoint))
@@ -530,7 +534,13 @@ private:
 hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition, ClassLengths& lengths,
                       Call& call, Loops& out) {
     CutSystem system(mesh, condition, lengths, call);
-    return system.run(position, out);
+    return system.run(position, nullptr, out);
+}
+
+hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept, ClassLengths& lengths,
+                             Call& call, Loops& out) {
+    CutSystem system(mesh, nullptr, lengths, call);
+    return system.run(position, &kept, out);
 }
 
 hmf_status cut_system(const Mesh& mesh, const double* position, Call& call, Loops& out) {

@@ -16,7 +16,7 @@ namespace hmf {
 namespace {
 
 // A coarser level is not the surface any more: handles are shorter there, or longer, by half.
-constexpr uint64_t VERTICES_OF_HANDLE = 250, MOST_VERTICES = 10000;
+constexpr uint64_t VERTICES_OF_HANDLE = 420, MOST_VERTICES = 10000;
 
 hmf_status find_loops(const hmf_hierarchy& h, size_t found, int32_t kind, LoopCare care, Call& call, Loops& out) {
     const Mesh& mesh = loop_mesh(h, found);

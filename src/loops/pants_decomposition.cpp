@@ -30,6 +30,7 @@
 #include "disjoint.hpp"
 #include "dual_length.hpp"
 #include "loop_search.hpp"
+#include "necks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +42,7 @@ namespace {
 constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
 constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.03; // as in cut_system.cpp
 constexpr size_t MOST_CANDIDATES = 64;
+constexpr size_t MOST_WITH_NECKS = 16; // genus
 constexpr uint64_t MOST_STEPS = 100; // as in cut_system.cpp
 constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
 
@@ -56,7 +58,8 @@ public:
             return call_.out_of_memory();
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
-        const size_t holes = 3 * loops_.count() + mesh_.marked_count; // wanted are 3 less
+        const size_t genus = (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
+        const size_t holes = 3 * genus + mesh_.marked_count; // wanted are 3 less
         const size_t wanted = !marks_only_ ? (holes > 3 ? holes - 3 : 0) : holes == 4 ? 1 : holes / 2;
         const size_t given = loops_.count();
         choice_.start(memory_);
@@ -388,7 +391,7 @@ private:
     hmf_status take_last() {
         const size_t at = choice_.back().first + choice_.back().taken;
         bool are_disjoint = false;
-        if (lengths_.care() == LoopCare::shortest) {
+        if (lengths_.has_pulled()) {
             const uint32_t id = ids_[at];
             if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
                 || !disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_, are_disjoint))
@@ -481,10 +484,30 @@ private:
 
 } // namespace
 
+// The first loops after the others.
+static hmf_status put_last(const Loops& loops, size_t first, Call& call, Loops& out) {
+    if (!out.start(call.memory)) return call.out_of_memory();
+    for (size_t c = 0; c < loops.count(); ++c)
+        if (!out.add(loops, (c + first) % loops.count())) return call.out_of_memory();
+    return HMF_OK;
+}
+
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                Loops& out) {
-    const hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
+    hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
     if (status) return status;
+    // Again where its loops cross the necks of handles that are shorter.
+    Loops necks;
+    const size_t genus = out.count();
+    if (lengths.has_pulled() && genus > 1 && genus < MOST_WITH_NECKS) {
+        status = crossed_necks(mesh, position, out, lengths, call, necks);
+        if (!status && necks.count() > 0) {
+            Loops both;
+            status = cut_system_beside(mesh, position, necks, lengths, call, both);
+            if (!status) status = put_last(both, necks.count(), call, out);
+        }
+        if (status) return status;
+    }
     Pants pants(mesh, position, false, lengths, out, call);
     return pants.run();
 }

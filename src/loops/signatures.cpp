@@ -23,21 +23,24 @@ struct PointTree {
 Done search_regions(const CutSurface& cut, Signatures& found, Array<uint32_t>& queue, Array<uint8_t>& in_tree,
                     Call& call) {
     size_t begin = 0, end = 0;
-    found.reached[0] = NONE;
-    found.rank[0] = 0;
-    queue[end++] = 0;
-    while (begin < end) {
-        if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
-        const uint32_t r = queue[begin++];
-        for (uint32_t i = 0; i < 3; ++i) {
-            const uint32_t link = cut.link[3 * size_t{r} + i];
-            if (link == NONE) break;
-            const uint32_t to = cut.region[link ^ 1u];
-            if (found.rank[to] != NONE) continue;
-            found.reached[to] = link;
-            found.rank[to] = static_cast<uint32_t>(end);
-            in_tree[link >> 1] = 1;
-            queue[end++] = to;
+    for (uint32_t root = 0; root < cut.region_count; ++root) { // of each piece
+        if (found.rank[root] != NONE) continue;
+        found.reached[root] = NONE;
+        found.rank[root] = static_cast<uint32_t>(end);
+        queue[end++] = root;
+        while (begin < end) {
+            if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
+            const uint32_t r = queue[begin++];
+            for (uint32_t i = 0; i < 3; ++i) {
+                const uint32_t link = cut.link[3 * size_t{r} + i];
+                if (link == NONE) break;
+                const uint32_t to = cut.region[link ^ 1u];
+                if (found.rank[to] != NONE) continue;
+                found.reached[to] = link;
+                found.rank[to] = static_cast<uint32_t>(end);
+                in_tree[link >> 1] = 1;
+                queue[end++] = to;
+            }
         }
     }
     return true;

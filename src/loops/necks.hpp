@@ -1,0 +1,24 @@
+// Necks of handles: for a loop round a handle, the loop round the handle as a
+// whole, which separates it from the rest of the surface.
+//
+//            ______                   It runs along A, over a shortest way from one side
+//           /  A   \                  of A to the other, back along A on that side, and
+//          |  _||_  |                 back over the way:  A w A^-1 w^-1.
+//           \_\  /_/
+//          __/ way \__    <- neck
+//
+// A pair of pants decomposition wants the short ones, but a cut system may cross
+// them: whether its next loop passes between the feet of a handle or beside them
+// makes hardly a difference for its length.
+#pragma once
+
+#include "class_lengths.hpp"
+
+namespace hmf {
+
+// Necks of the loops of a cut system that are shorter than another of its loops and meet that: disjoint from
+// each other and from the loops that are shorter.  Shortest first.
+[[nodiscard]] hmf_status crossed_necks(const Mesh& mesh, const double* position, const Loops& cut,
+                                       ClassLengths& lengths, Call& call, Loops& out);
+
+} // namespace hmf
