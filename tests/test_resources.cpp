@@ -309,6 +309,19 @@ TEST(Resources, MemoryIsFlat) {
     EXPECT_EQ(meter.used, 0u);
 }
 
+// What a large mesh takes, the hierarchy and beside it.
+TEST(Resources, BytesOfASolve) {
+    const TriMesh mesh = pretzel(2, 4);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const double edges = static_cast<double>(read_level(hierarchy, 0).edge_count);
+    const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    ASSERT_EQ(solution.status, HMF_OK);
+    const double held = static_cast<double>(hmf_hierarchy_memory(hierarchy.get())) / edges;
+    const double beside = static_cast<double>(solution.report.peak_memory_bytes) / edges;
+    EXPECT_LT(held + beside, 300) << edges << " edges, held " << held << ", beside " << beside;
+}
+
 // --- Lifetimes ---------------------------------------------------------------
 
 // Foliations keep what they need of their hierarchy, results need nothing.
