@@ -25,10 +25,11 @@ namespace hmf {
 namespace {
 
 constexpr double ASPECT = 0.55, EVEN = 0.15, GROWTH = 1.1;
-constexpr double SQUARE_ENOUGH = 0.309; // sine of 18 degrees
-constexpr double OFF = 0.25;            // cosine of a corner from which on the vertices round about move
-constexpr int RINGS = 4;                // of them
-constexpr size_t SHARE = 20;            // one corner in so many may be farther off than is enough
+constexpr double AGREE = 0.7, FLAT = 0.3; // growth as in relax_quads.cpp
+constexpr double SQUARE_ENOUGH = 0.309;   // sine of 18 degrees
+constexpr double OFF = 0.25;              // cosine of a corner from which on the vertices round about move
+constexpr int RINGS = 4;                  // of them
+constexpr size_t SHARE = 20;              // one corner in so many may be farther off than is enough
 // Sines of corners of quads that give up what holds them, one after the other; those still worse by MUCH also their tips.
 constexpr double GIVES_UP[] = {0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8};
 constexpr double MUCH = 0.1;
@@ -135,12 +136,13 @@ private:
     }
 
     struct Slope {
-        double energy = 0; // HUGE_VAL where a corner has no angle
-        Point gradient;
+        double energy = 0, area = 0; // HUGE_VAL where a corner has no angle; twice
+        Point gradient, growth;      // of both
+        Point normals;               // sum
     };
 
     // Of the quads round v, with it at `here`.
-    Slope slope_at(uint32_t v, const Point& here, double area) const {
+    Slope slope_at(uint32_t v, const Point& here) const {
         Slope sum;
         for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
             Point p[4]; // v first
@@ -149,9 +151,11 @@ private:
             for (size_t k = 0; k < 4; ++k) p[k] = k == 0 ? here : at(quads_, corner(*q, turn + k));
             const Point n = cross(p[2] - p[0], p[3] - p[1]);
             const double length = std::sqrt(dot(n, n));
-            if (!(length > 0)) return {HUGE_VAL, {}};
-            sum.energy -= GROWTH / area * length;
-            sum.gradient = sum.gradient + (GROWTH / (area * length)) * cross(p[3] - p[1], n);
+            if (!(length > 0)) return {HUGE_VAL, 0, {}, {}, {}};
+            const Point normal = (1 / length) * n;
+            sum.area += length;
+            sum.growth = sum.growth + cross(normal, p[3] - p[1]);
+            sum.normals = sum.normals + normal;
             for (const size_t k : {size_t{0}, size_t{1}, size_t{3}}) {
                 Point by_e, by_b;
                 sum.energy += of_corner(p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k], by_e, by_b);
@@ -180,24 +184,17 @@ private:
         return least;
     }
 
-    // The mean of the quads round v.
-    double area_round(uint32_t v) const {
-        double sum = 0;
-        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
-            const Point n = cross(at(quads_, corner(*q, 2)) - at(quads_, corner(*q, 0)),
-                                  at(quads_, corner(*q, 3)) - at(quads_, corner(*q, 1)));
-            sum += std::sqrt(dot(n, n));
-        }
-        return 0.5 * sum / static_cast<double>(stars_.end(v) - stars_.begin(v));
-    }
-
     // Down the slope, as far as it went the last time.
     void descend(uint32_t v) {
         const Point from = at(quads_, v);
-        const double area = area_round(v), side = std::sqrt(area), sine = least_sine(v);
-        const Slope before = slope_at(v, from, area);
+        const Slope before = slope_at(v, from);
+        const double sine = least_sine(v), count = static_cast<double>(stars_.end(v) - stars_.begin(v));
         if (!(sine > 0) || !(before.energy < HUGE_VAL)) return; // inverted
-        const Point& slope = before.gradient;
+        // What is folded over would be folded more.
+        const bool grows = sine >= FLAT && dot(before.normals, before.normals) >= AGREE * AGREE * count * count
+                        && dot(before.normals, normal_at(mesh_, position_, quads_.sides[v])) > 0;
+        const double area = before.area / (2 * count), side = std::sqrt(area), by_area = grows ? GROWTH / area : 0;
+        const Point slope = before.gradient - by_area * before.growth;
         const double steep = std::sqrt(dot(slope, slope));
         if (!(steep * side > LEAST_SLOPE)) return;
         const uint32_t start = quads_.sides[v];
@@ -215,8 +212,9 @@ private:
             const double p[3] = {to.x, to.y, to.z}, back[3] = {from.x, from.y, from.z};
             double nearest[3];
             const uint32_t there = walk(mesh_, position_, start, p, nearest);
-            const Point way = point(nearest, 0) - from;
-            if (slope_at(v, point(nearest, 0), area).energy < before.energy + ENOUGH * dot(slope, way)) {
+            const Slope after = slope_at(v, point(nearest, 0));
+            const double change = after.energy - before.energy - by_area * (after.area - before.area);
+            if (change < ENOUGH * dot(slope, point(nearest, 0) - from)) {
                 quads_.put(v, nearest, there);
                 if (least_sine(v) > std::min(sine, LEAST_CORNER)) {
                     step_[v] = std::min(step_[v] * LONGER, LONGEST_STEP);
