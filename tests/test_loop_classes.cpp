@@ -4,7 +4,7 @@
 // canonical walks.
 //
 // With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to
-// HMF_LOOP_CLASSES_VERTICES, 60 000): many minutes.  A mesh with several sets of classes gets a line, and fails
+// HMF_LOOP_CLASSES_VERTICES, 60 000), and under refinement: many minutes.  A mesh with several sets of classes gets a line, and fails
 // unless they are equally long within 1 %.
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
@@ -74,7 +74,7 @@ public:
             EXPECT_TRUE(words_.quads().canonical(walk, memory_));
             out.walks.emplace_back(walk.begin(), walk.end());
             double length = 0;
-            EXPECT_TRUE(geodesic.straighten_widely(strip, 5000, length));
+            EXPECT_TRUE(geodesic.straighten_widely(strip, 1000, length));
             out.lengths.push_back(length);
         }
         std::sort(out.walks.begin(), out.walks.end());
@@ -224,6 +224,24 @@ TEST(LoopClasses, SettleUnderRefinement) {
     }
 }
 
+// The same on real ones whose cut loops could as well pass between the feet of a handle, or which have several closed
+// geodesics in a class.
+TEST(LoopClasses, RealMeshesSettleUnderRefinement) {
+    const char* const folder = std::getenv("HMF_MESHES");
+    if (!folder) GTEST_SKIP() << "skipped: no HMF_MESHES";
+    for (const char* const name : {"cup_21k", "eight_1.5k", "duck-handle_60k"}) {
+        TriMesh coarse;
+        ASSERT_TRUE(read_obj(std::string(folder) + "/" + name + ".obj", coarse)) << name;
+        const TriMesh fine = refined(coarse);
+        Reference reference(coarse);
+        std::vector<uint32_t> same(coarse.triangles.size() / 3);
+        std::iota(same.begin(), same.end(), 0u);
+        const Loops few = library_loops(Hierarchy(coarse), 0, HMF_LOOPS_PANTS);
+        const Loops many = library_loops(Hierarchy(fine), 0, HMF_LOOPS_PANTS);
+        EXPECT_EQ(reference.of(seen_on_coarse(many, 4), same).walks, reference.of(few, same).walks) << name;
+    }
+}
+
 // In other orders of vertices and triangles the hierarchy is another one.  Meshes where classes on the coarsest level
 // were not those of the surface: many handles in few vertices, limbs, long thin triangles.
 TEST(LoopClasses, OrderDoesNotMatter) {
@@ -249,7 +267,8 @@ TEST(LoopClasses, OrderDoesNotMatter) {
     }
 }
 
-// Each triangle of the corpus in 1, 4, 16: the classes of each, seen on the first, and their lengths there.
+// Each triangle of the corpus in 1, 4, 16: the classes of each, seen on the first, and their lengths there.  The same
+// ones, or a tie within 1 %.
 TEST(LoopClasses, CorpusUnderRefinement) {
     if (!has_corpus()) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
     const char* const only = std::getenv("HMF_LOOP_CLASSES_KIND");
@@ -258,7 +277,7 @@ TEST(LoopClasses, CorpusUnderRefinement) {
         ASSERT_TRUE(read_obj(path, mesh)) << path;
         Reference reference(mesh);
         std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets[5];
-        std::string settings[5];
+        std::vector<double> totals[5];
         TriMesh fine = mesh;
         for (size_t parts = 1; parts <= 16; parts *= 4) {
             if (parts > 1) fine = refined(fine);
@@ -271,18 +290,17 @@ TEST(LoopClasses, CorpusUnderRefinement) {
                 std::iota(same.begin(), same.end(), 0u);
                 const Reference::Classes classes = reference.of(loops, same);
                 sets[kind].emplace(classes.walks, classes.lengths);
-                const double total = std::accumulate(classes.lengths.begin(), classes.lengths.end(), 0.0);
-                settings[kind] += " " + std::to_string(total);
+                totals[kind].push_back(std::accumulate(classes.lengths.begin(), classes.lengths.end(), 0.0));
             }
         }
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
             if (sets[kind].empty()) continue;
-            std::printf("%s %s: %zu sets, total lengths%s\n", path.c_str(), NAMES[kind], sets[kind].size(),
-                        settings[kind].c_str());
+            std::printf("%s %s: %zu sets, total lengths", path.c_str(), NAMES[kind], sets[kind].size());
+            for (const double total : totals[kind]) std::printf(" %.6g", total);
+            std::printf("\n");
             std::fflush(stdout);
-            if (std::getenv("HMF_LOOP_CLASSES_LENGTHS"))
-                for (const auto& set : sets[kind]) std::printf("   %s\n", testing::PrintToString(set.second).c_str());
-            EXPECT_EQ(sets[kind].size(), 1u) << path << " " << NAMES[kind];
+            const auto ends = std::minmax_element(totals[kind].begin(), totals[kind].end());
+            EXPECT_TRUE(sets[kind].size() == 1 || *ends.second <= 1.01 * *ends.first) << path << " " << NAMES[kind];
         }
     }
 }

@@ -9,10 +9,10 @@ namespace {
 
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-9;
-constexpr double LITTLE = 1e-7;  // relative, what is not worth another round
+constexpr double LITTLE = 1e-7;              // relative, what is not worth another round
 constexpr size_t MIDWAY = 2, MOST_ASIDE = 8; // strips that it is pushed aside
 constexpr size_t MOST_MOVES = 4;             // how often it starts again from a shorter curve
-constexpr size_t MOST_MORE = 64; // crossings of a detour, beyond those of the loop
+constexpr size_t MOST_MORE = 64;             // crossings of a detour, beyond those of the loop
 
 } // namespace
 

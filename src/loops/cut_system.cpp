@@ -36,7 +36,7 @@ namespace {
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
-constexpr double APART = 0.03;                 // nor so close to another search, in lengths of the best one
+constexpr double APART = 0.03;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MANY = 16;          // with a genus from here on a batch is half of the loops that are left, else one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
@@ -244,9 +244,7 @@ private:
     }
 
     // Of its class, or of its strip where classes are not measured.
-    double length(const Candidate& c) const {
-        return is_quick() ? c.length : lengths_.length(c.id);
-    }
+    double length(const Candidate& c) const { return is_quick() ? c.length : lengths_.length(c.id); }
 
     void forget_ids(size_t end) {
         while (ids_.size() > end) {

@@ -11,7 +11,7 @@ inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
     return level == 0 ? h.input : h.levels[level].mesh;
 }
 
-// Where loops are searched for: the coarsest level with 1000 vertices for each
+// Where loops are searched for: the coarsest level with 420 vertices for each
 // handle, 10 000 at most; not level 0, whose triangles may be of any shape.
 size_t search_level(const hmf_hierarchy& hierarchy);
 

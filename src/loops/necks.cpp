@@ -170,7 +170,7 @@ private:
     Multicurve one_, all_;
     CutSurface surface_;
     NearestFirst heap_;
-    Array<double> distance_;                                  // per region, from the left of the loop
+    Array<double> distance_;                           // per region, from the left of the loop
     Array<uint32_t> from_, left_, right_, way_, walk_; // link to a region; crossing of the loop beside it
 };
 

@@ -43,8 +43,8 @@ constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be 
 constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.03; // as in cut_system.cpp
 constexpr size_t MOST_CANDIDATES = 64;
 constexpr size_t MOST_WITH_NECKS = 16; // genus
-constexpr uint64_t MOST_STEPS = 100; // as in cut_system.cpp
-constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
+constexpr uint64_t MOST_STEPS = 100;   // as in cut_system.cpp
+constexpr int MOST_ROUNDS = 8;         // of measuring and choosing again
 
 class Pants {
 public:
