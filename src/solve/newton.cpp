@@ -173,8 +173,7 @@ private:
         if (!go_on()) return false;
         part_step_ = effort.part;
         if (part_step_) {
-            multigrid_ready_ = false;
-            if (!part_.take(model_, distance_, multigrid_, w_.call)) return false;
+            if (!part_.take(model_, distance_, w_.call)) return false;
         } else {
             ++w_.statistics.linear_solves;
         }
@@ -346,7 +345,7 @@ private:
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     Done solve_linear(double accuracy, double residual) {
-        if (part_step_) return part_.solve(model_, multigrid_, accuracy, w_.call);
+        if (part_step_) return part_.solve(model_, accuracy, w_.call);
         const SignedMatrix matrix = model_.matrix();
         LinearOptions options = stop_at(residual);
         if (multigrid_ready_ && !has_changed_much()) {
