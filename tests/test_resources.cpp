@@ -309,6 +309,61 @@ TEST(Resources, MemoryIsFlat) {
     EXPECT_EQ(meter.used, 0u);
 }
 
+// Blocks of arrays that are kept for other arrays: no more memory than was in use at the peak, and
+// none that is lost; an array of the size of one that was given back costs the host nothing.
+TEST(Resources, ArraysTakeWhatOthersGaveBack) {
+    Meter meter;
+    {
+        const hmf_build_options options = meter.options();
+        hmf::Memory memory(options.allocate, options.release, options.allocator_user, 0);
+        memory.keep_arrays();
+        hmf::Memory part(memory);
+        constexpr size_t large = 1 << 20;
+        hmf::Array<char> array[24];
+        ASSERT_TRUE(array[0].allocate(memory, large));
+        array[0].release();
+        const uint64_t calls = meter.calls;
+        ASSERT_TRUE(array[0].allocate(part, large - 1000));
+        EXPECT_EQ(meter.calls, calls);
+        EXPECT_EQ(array[0].size(), large - 1000);
+        EXPECT_EQ(part.used(), memory.used());
+        array[0].release();
+        ASSERT_TRUE(array[0].allocate(memory, large / 2)); // too small for it
+        EXPECT_EQ(meter.calls, calls + 1);
+        Random random(7);
+        for (int step = 0; step < 4000; ++step) {
+            hmf::Array<char>& one = array[random.below(24)];
+            const size_t size = 1 + random.below(3) * 65536 + random.below(200000);
+            switch (random.below(4)) {
+            case 0: one.release(); break;
+            case 1:
+                if (one.capacity() > 0) ASSERT_TRUE(one.reserve(size));
+                break;
+            default: ASSERT_TRUE(one.allocate(random.below(2) ? memory : part, size)); break;
+            }
+            ASSERT_LE(memory.used(), meter.used) << step;
+            ASSERT_LE(meter.used, memory.peak()) << step;
+            if (one.capacity() > 0) std::memset(one.data(), step, one.capacity());
+        }
+        memory.release_kept();
+        EXPECT_EQ(meter.used, memory.used());
+    }
+    EXPECT_EQ(meter.used, 0u);
+}
+
+// What a large mesh takes, the hierarchy and beside it.
+TEST(Resources, BytesOfASolve) {
+    const TriMesh mesh = pretzel(2, 4);
+    const Hierarchy hierarchy(mesh);
+    ASSERT_TRUE(hierarchy);
+    const double edges = static_cast<double>(read_level(hierarchy, 0).edge_count);
+    const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+    ASSERT_EQ(solution.status, HMF_OK);
+    const double held = static_cast<double>(hmf_hierarchy_memory(hierarchy.get())) / edges;
+    const double beside = static_cast<double>(solution.report.peak_memory_bytes) / edges;
+    EXPECT_LT(held + beside, 300) << edges << " edges, held " << held << ", beside " << beside;
+}
+
 // --- Lifetimes ---------------------------------------------------------------
 
 // Foliations keep what they need of their hierarchy, results need nothing.

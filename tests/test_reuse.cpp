@@ -1,5 +1,7 @@
 // Values from outside as the start of a solve: the same minimum, with no more
 // linear solves than from loops.
+#include "../src/solve/state.hpp"
+#include "support/boundary.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +41,77 @@ TriMesh jittered(const TriMesh& mesh, double size, uint64_t seed) {
     return result;
 }
 
+// Half-edges of all levels, and of the caller's triangulation.
+std::vector<uint32_t> half_edges(const hmf_hierarchy& h) {
+    std::vector<uint32_t> all;
+    const auto add = [&](const hmf::Mesh& mesh) {
+        for (const uint32_t* array : {mesh.origin, mesh.next, mesh.face})
+            all.insert(all.end(), array, array + size_t{2} * mesh.edge_count);
+        all.insert(all.end(), mesh.out, mesh.out + mesh.vertex_count);
+    };
+    add(h.input);
+    for (size_t k = 0; k < h.level_count; ++k) add(h.levels[k].mesh);
+    return all;
+}
+
 } // namespace
+
+// A solve works on the half-edges of the hierarchy where it does not change them.
+TEST(Reuse, HierarchyIsNotWritten) {
+    const TriMesh meshes[] = {pretzel(2, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4),
+                              with_random_flips(pretzel(2, 3), 80000, -1, 3), with_holes(pretzel(2, 2), 3, 2, 5)};
+    for (const TriMesh& mesh : meshes) {
+        const Hierarchy hierarchy(mesh, 0.5, 150);
+        ASSERT_TRUE(hierarchy);
+        const hmf_hierarchy& h = *hierarchy.get();
+        const std::vector<uint32_t> before = half_edges(h);
+        const Solution solved = from_loops(hierarchy, library_loops(hierarchy, 0));
+        ASSERT_EQ(solved.status, HMF_OK) << solved.error.message;
+        EXPECT_TRUE(half_edges(h) == before) << "solve";
+        EXPECT_EQ(relax(solved.foliation, solve_options(HMF_METHOD_WHITEHEAD, 1e-12, 3)).report.poles, 0u);
+        for (size_t level = hierarchy.levels(); level-- > 0;) EXPECT_TRUE(interpolate(solved.foliation, level));
+        EXPECT_TRUE(half_edges(h) == before) << "relax, interpolate";
+        hmf_error error{};
+        hmf_parameterization* flat = nullptr;
+        ASSERT_EQ(hmf_parameterize(solved.foliation.get(), nullptr, nullptr, &flat, &error), HMF_OK) << error.message;
+        hmf_free(flat);
+        EXPECT_TRUE(half_edges(h) == before) << "parameterize";
+    }
+}
+
+// Down to the coarsest level and back, the half-edges are those of the hierarchy again, array by array: the ground on
+// which it is shared.
+TEST(Reuse, ReplayGivesTheHalfEdgesOfTheHierarchy) {
+    const TriMesh meshes[] = {pretzel(2, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4),
+                              with_random_flips(pretzel(2, 3), 80000, -1, 3), with_holes(pretzel(2, 2), 3, 2, 5)};
+    for (const TriMesh& mesh : meshes) {
+        const Hierarchy hierarchy(mesh, 0.5, 150);
+        ASSERT_TRUE(hierarchy);
+        const hmf_hierarchy& h = *hierarchy.get();
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::State state;
+        ASSERT_TRUE(state.allocate(h, 0, memory));
+        state.load(0, hmf::Triangulation::input);
+        EXPECT_FALSE(state.is_own());
+        for (uint32_t e = 0; e < h.input.edge_count; ++e) state.foliation.value[e] = 0;
+        ASSERT_TRUE(state.go_to(h.level_count - 1, call));
+        ASSERT_TRUE(state.go_to(0, call));
+        ASSERT_TRUE(state.is_own());
+        const auto expect_equal = [&](const hmf::Mesh& wanted) {
+            const hmf::Mesh& found = state.foliation.mesh;
+            ASSERT_EQ(found.edge_count, wanted.edge_count);
+            const size_t bytes = size_t{2} * wanted.edge_count * sizeof(uint32_t);
+            EXPECT_EQ(std::memcmp(found.origin, wanted.origin, bytes), 0);
+            EXPECT_EQ(std::memcmp(found.next, wanted.next, bytes), 0);
+            EXPECT_EQ(std::memcmp(found.face, wanted.face, bytes), 0);
+        };
+        expect_equal(h.input);
+        for (size_t i = 0; i < h.intrinsic_flip_count; ++i)
+            hmf::flip_foliation(state.foliation, h.intrinsic_flips[i], false, state.statistics);
+        expect_equal(h.levels[0].mesh);
+    }
+}
 
 TEST(Reuse, OwnResult) {
     const Hierarchy hierarchy(pretzel(3, 3));

@@ -66,9 +66,11 @@ hmf_status hmf_build(const double* positions, size_t vertex_count, const uint32_
         *out = new (block) hmf_hierarchy(all.allocate, all.release, all.allocator_user, all.memory_limit);
     }
     hmf_hierarchy* h = *out;
+    h->memory.keep_arrays();
     Call call(h->memory, error, given.given);
     const hmf_status status = build_hierarchy(*h, positions, vertex_count, static_cast<size_t>(build.position_stride),
                                               triangles, triangle_count, build, call);
+    h->memory.release_kept();
     if (status != HMF_OK) {
         hmf_destroy(h);
         *out = nullptr;

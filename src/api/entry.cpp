@@ -14,6 +14,7 @@ Entry::Entry(const hmf_hierarchy* h, const hmf_control* control, hmf_error* erro
     memory(h ? h->allocate : nullptr, h ? h->release : nullptr, h ? h->allocator_user : nullptr,
            h ? h->memory_limit : 0, h ? h->memory.used() : 0),
     call(memory, error, control_.given) {
+    memory.keep_arrays();
     if (!can_finish) call.never_finish();
 }
 

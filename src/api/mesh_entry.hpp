@@ -25,6 +25,7 @@ public:
         control_(control), readable_(read_build_options(from, all_, options)),
         hierarchy(all_.allocate, all_.release, all_.allocator_user, all_.memory_limit),
         call(hierarchy.memory, error, control_.given) {
+        hierarchy.memory.keep_arrays();
         call.never_finish();
     }
 

@@ -31,7 +31,10 @@ hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatS
         if (!block) return entry.call.out_of_memory();
         SharedFlat* made = new (block) SharedFlat(h, entry.memory.used());
         Call call = entry.part(made->memory, 0.8);
-        if (build(foliation, made->flat, call)) {
+        made->memory.keep_arrays();
+        const hmf_status status = build(foliation, made->flat, call);
+        made->memory.release_kept();
+        if (status) {
             free_part(h, made);
             return call.status();
         }

@@ -29,13 +29,13 @@ void* Memory::take(size_t bytes) {
         if (!failure_) failure_ = HMF_ERROR_MEMORY_LIMIT;
         return nullptr;
     }
+    while (kept_count_ > 0 && used_ + kept_bytes_ + bytes > peak_) drop_oldest();
     void* block = whole_ ? whole_->take(bytes) : bytes > SIZE_MAX / 2 ? nullptr : allocate_(user_, bytes);
     if (!block) {
         if (!failure_) failure_ = whole_ ? whole_->failure() : HMF_ERROR_MEMORY;
         return nullptr;
     }
-    used_ += bytes;
-    peak_ = std::max(peak_, used_);
+    count(bytes);
     return block;
 }
 
@@ -44,6 +44,65 @@ void Memory::give(void* block, size_t bytes) {
     used_ -= bytes;
     if (whole_) whole_->give(block, bytes);
     else release_(user_, block, bytes);
+}
+
+// Takes a kept block out of the list.
+Memory::Kept Memory::pick(size_t i) {
+    const Kept kept = kept_[i];
+    for (size_t k = i + 1; k < kept_count_; ++k) kept_[k - 1] = kept_[k];
+    --kept_count_;
+    kept_bytes_ -= kept.bytes;
+    return kept;
+}
+
+void Memory::drop_oldest() {
+    const Kept kept = pick(0);
+    release_(user_, kept.block, kept.bytes);
+}
+
+void Memory::release_kept() {
+    while (kept_count_ > 0) drop_oldest();
+    keeps_ = false;
+}
+
+// The smallest block that is large enough, and not larger by more than a part.
+size_t Memory::find_kept(size_t bytes) const {
+    const size_t most = bytes + bytes / 16;
+    size_t best = kept_count_;
+    for (size_t i = 0; i < kept_count_; ++i)
+        if (kept_[i].bytes >= bytes && kept_[i].bytes <= (best < kept_count_ ? kept_[best].bytes - 1 : most)) best = i;
+    return best;
+}
+
+void* Memory::take_array(size_t& bytes) {
+    if (whole_) {
+        void* const block = whole_->take_array(bytes);
+        if (block) count(bytes);
+        else if (!failure_) failure_ = whole_->failure();
+        return block;
+    }
+    if (!keeps_ || bytes < smallest_kept || bytes > SIZE_MAX / 2) return take(bytes);
+    bytes = (bytes + page - 1) / page * page;
+    const size_t found = find_kept(bytes);
+    if (found == kept_count_) return take(bytes);
+    const Kept kept = pick(found);
+    bytes = kept.bytes;
+    count(bytes);
+    return kept.block;
+}
+
+void Memory::give_array(void* block, size_t bytes) {
+    if (whole_) {
+        used_ -= bytes;
+        whole_->give_array(block, bytes);
+    } else if (!keeps_ || bytes < smallest_kept) {
+        give(block, bytes);
+    } else {
+        if (kept_count_ == most_kept) drop_oldest();
+        used_ -= bytes;
+        kept_[kept_count_++] = {block, bytes};
+        kept_bytes_ += bytes;
+    }
 }
 
 namespace {

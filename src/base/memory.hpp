@@ -40,9 +40,18 @@ public:
         whole_(&whole) {}
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
+    ~Memory() { release_kept(); }
 
-    void* take(size_t bytes);                       // nullptr on failure; see failure()
-    void give(void* block, size_t bytes);           // nullptr is allowed
+    void* take(size_t bytes);             // nullptr on failure; see failure()
+    void give(void* block, size_t bytes); // nullptr is allowed
+    // For arrays: bytes becomes the size of the block, which may be a little larger than was asked for.
+    void* take_array(size_t& bytes);
+    void give_array(void* block, size_t bytes);
+    // From now on large blocks of arrays are kept for other arrays of about their size: the system clears fresh memory
+    // page by page, which takes longer than most passes over it.  What is kept and what is in use are
+    // together never more than was in use at the peak; limit and peak count what is in use.
+    void keep_arrays() { keeps_ = true; }
+    void release_kept();                            // and keeps no more
     hmf_status failure() const { return failure_; } // HMF_OK, HMF_ERROR_MEMORY or HMF_ERROR_MEMORY_LIMIT
     uint64_t used() const { return used_; }
     uint64_t peak() const { return peak_; }
@@ -54,6 +63,23 @@ private:
     uint64_t limit_, used_, peak_;
     Memory* whole_ = nullptr;
     hmf_status failure_ = HMF_OK;
+
+    struct Kept {
+        void* block;
+        size_t bytes;
+    };
+    static constexpr size_t most_kept = 64, smallest_kept = 65536, page = 4096;
+    Kept pick(size_t i);
+    void drop_oldest();
+    size_t find_kept(size_t bytes) const; // kept_count_: none
+    void count(size_t bytes) {
+        used_ += bytes;
+        if (used_ > peak_) peak_ = used_;
+    }
+    bool keeps_ = false;
+    size_t kept_count_ = 0;
+    uint64_t kept_bytes_ = 0;
+    Kept kept_[most_kept] = {}; // the oldest first
 };
 
 // Owning array of a trivially copyable type.
@@ -79,8 +105,10 @@ public:
             memory.take(SIZE_MAX);
             return false;
         }
-        data_ = static_cast<T*>(memory.take(n * sizeof(T)));
+        size_t bytes = n * sizeof(T);
+        data_ = static_cast<T*>(memory.take_array(bytes));
         if (!data_) return false;
+        bytes_ = bytes;
         size_ = capacity_ = n;
         return true;
     }
@@ -117,11 +145,13 @@ public:
     }
     Done reserve(size_t n) {
         if (n <= capacity_) return true;
-        T* block = static_cast<T*>(memory_->take(n * sizeof(T)));
+        size_t bytes = n * sizeof(T);
+        T* block = static_cast<T*>(memory_->take_array(bytes));
         if (!block) return false;
         if (size_) std::memcpy(static_cast<void*>(block), data_, size_ * sizeof(T));
-        if (data_) memory_->give(data_, capacity_ * sizeof(T));
+        if (data_) memory_->give_array(data_, bytes_);
         data_ = block;
+        bytes_ = bytes;
         capacity_ = n;
         return true;
     }
@@ -138,14 +168,15 @@ public:
     }
     void clear() { size_ = 0; }
     void release() {
-        if (data_) memory_->give(data_, capacity_ * sizeof(T));
+        if (data_) memory_->give_array(data_, bytes_);
         data_ = nullptr;
-        size_ = capacity_ = 0;
+        size_ = capacity_ = bytes_ = 0;
     }
     void swap(Array& other) {
         std::swap(data_, other.data_);
         std::swap(size_, other.size_);
         std::swap(capacity_, other.capacity_);
+        std::swap(bytes_, other.bytes_);
         std::swap(memory_, other.memory_);
     }
     T& operator[](size_t i) {
@@ -177,6 +208,7 @@ public:
 private:
     T* data_ = nullptr;
     size_t size_ = 0, capacity_ = 0;
+    size_t bytes_ = 0; // of the block
     Memory* memory_ = nullptr;
 };
 

@@ -36,6 +36,7 @@ Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
     if (state.level == 0 && state.triangulation == Triangulation::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
+        if (h.intrinsic_flip_count > 0 && !state.own()) return false;
         for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
             if (i % 4096 == 0 && !call.tick(0)) return false;
             unflip_forms(f.mesh, h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);

@@ -6,20 +6,49 @@ namespace hmf {
 
 Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
     hierarchy = &h;
+    memory_ = &memory;
+    finest_ = finest;
+    copy_.release();
     const Mesh& mesh = h.levels[finest].mesh;
-    return copy_.allocate(mesh, memory) && value_.allocate(memory, mesh.edge_count)
+    return out_.allocate(memory, mesh.vertex_count) && value_.allocate(memory, mesh.edge_count)
         && foliation.allocate_scratch(mesh.vertex_count, memory);
 }
 
 void State::load(size_t at, Triangulation which) {
     const Mesh& from = at == 0 && which == Triangulation::input ? hierarchy->input : hierarchy->levels[at].mesh;
-    foliation.mesh = copy_.of(from);
+    copy_.release();
+    foliation.mesh = from;
+    foliation.mesh.out = out_.data();
+    std::memcpy(out_.data(), from.out, from.vertex_count * sizeof(uint32_t));
     foliation.value = value_.data();
     level = at;
     triangulation = which;
 }
 
+Done State::own() {
+    if (is_own()) return true;
+    if (!copy_.allocate_sides(hierarchy->levels[finest_].mesh, *memory_)) return false;
+    foliation.mesh = copy_.sides_of(foliation.mesh);
+    return true;
+}
+
+// The half-edges are equal, array by array: flips and splits are exact reversals.
+void State::share(const Mesh& same) {
+    Mesh& mesh = foliation.mesh;
+    assert(mesh.edge_count == same.edge_count);
+    const auto are_equal = [&](const uint32_t* a, const uint32_t* b) {
+        return std::memcmp(a, b, size_t{2} * same.edge_count * sizeof(uint32_t)) == 0;
+    };
+    (void)are_equal;
+    assert(are_equal(mesh.origin, same.origin) && are_equal(mesh.next, same.next) && are_equal(mesh.face, same.face));
+    mesh.origin = same.origin;
+    mesh.next = same.next;
+    mesh.face = same.face;
+    copy_.release();
+}
+
 Done State::refine(Call& call) {
+    if (!own()) return false;
     const Level& finer = hierarchy->levels[level - 1];
     Mesh& mesh = foliation.mesh;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
@@ -45,6 +74,7 @@ Done State::refine(Call& call) {
 }
 
 Done State::coarsen(Call& call, RestrictionScratch& scratch) {
+    if (!own()) return false;
     const Level& level_now = hierarchy->levels[level];
     const Level& coarser = hierarchy->levels[level + 1];
     Mesh& mesh = foliation.mesh;
@@ -79,17 +109,20 @@ Done State::go_to(size_t target, Call& call) {
 
 Done State::to_intrinsic(Call& call) {
     largest_input_value = largest_value(foliation, call.parallel);
+    if (hierarchy->intrinsic_flip_count > 0 && !own()) return false;
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
         if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i])) return false;
     }
     triangulation = Triangulation::intrinsic;
+    if (is_own()) share(hierarchy->levels[0].mesh);
     return true;
 }
 
 Done State::to_input(Call& call) {
     words = nullptr;
+    if (hierarchy->intrinsic_flip_count > 0 && !own()) return false;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);

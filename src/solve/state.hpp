@@ -12,6 +12,12 @@ namespace hmf {
 // Which triangulation of a level: level 0 has two.
 enum class Triangulation : uint8_t { input, intrinsic };
 
+// Its half-edges are those of the hierarchy, which nobody may write, until a flip, a collapse or a split
+// is to come, and again once level 0 is reached, where it is solved: so no copy of them lies beside the solve.
+//
+//     load:  hierarchy   own():  a copy   to_intrinsic:  hierarchy   own():  a copy
+//
+// `out` is always its own: it decides the tree of walks, and after restriction it is another one.
 struct State {
     const hmf_hierarchy* hierarchy = nullptr;
     Foliation foliation;
@@ -26,6 +32,9 @@ struct State {
     Done allocate(const hmf_hierarchy& h, size_t finest, Memory& memory);
     // Takes over the connectivity of a level; the values are the caller's to fill.
     void load(size_t at, Triangulation which);
+    // Before the half-edges change: they are copied.
+    Done own();
+    bool is_own() const { return copy_.has_sides(); }
     // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
     // reached on the input side.  Not done: cancelled half-way, state unusable.
     Done refine(Call& call);
@@ -38,7 +47,11 @@ struct State {
     Done to_input(Call& call); // words stay behind
 
 private:
-    MeshCopy copy_;
+    void share(const Mesh& same);
+    MeshCopy copy_; // empty: those of the hierarchy
+    Memory* memory_ = nullptr;
+    size_t finest_ = 0;
+    Array<uint32_t> out_;
     Array<int64_t> value_;
 };
 
