@@ -101,7 +101,9 @@ public:
         pick_near_zeros(far ? steering::far_rings : steering::near_rings);
         const size_t n = f_.mesh.vertex_count, most = size_t{steering::moves_per_vertex} * n / (picked_.size() + 1);
         const size_t wanted = far ? steering::far_passes : steering::near_passes;
-        zeros_everywhere_ = static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
+        // Not on a double, where what fades along a strip is found by these moves (tests/test_weight_search.cpp).
+        zeros_everywhere_ = !w_.state.hierarchy->is_double()
+                         && static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
         const size_t passes = zeros_everywhere_ ? steering::least_passes
                                                 : std::min(wanted, std::max(size_t{steering::least_passes}, most));
         SweepResult result;
@@ -197,7 +199,7 @@ private:
             }
             if (!go_on()) return false;
             uint64_t extrema = find_suspects();
-            if (had == UINT64_MAX) limbs_were_wrong_ = extrema > 0;
+            if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
             if (extrema > few_extrema && !tight) {
                 // What came to rest at its bound bounds its neighbours: now from the beginning.
                 restore();
@@ -276,7 +278,9 @@ private:
                        && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
                 ++w_.statistics.linear_solves;
-                if (!solve_between_bounds(effort.tight, effort.residual)) return interrupted(w_.call);
+                // Far from the minimum this model does not last, and the setup is for one without these bounds.
+                const double accuracy = effort.close ? effort.tight : steering::first_accuracy;
+                if (!solve_between_bounds(accuracy, effort.residual)) return interrupted(w_.call);
             } else if (too_far_ != NONE && attempt < steering::mending_attempts) {
                 if ((attempt + 1) % steering::widen_every == 0) ++radius;
                 // Where the certificate judges, zeros may move: there one place at a time is held.
@@ -704,18 +708,6 @@ Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
     // of this one would be wasted.
     effort.go_on = finest && round > 0;
     return effort;
-}
-
-// No step helps any more.  Is it because a unit is too much?
-hmf_status end_beyond_rounding(LevelWork& work, double goal) {
-    ResidualResult found;
-    Recorder& recorder = work.recorder;
-    if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
-    if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
-    const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
-    if (!work.record(2, D, found.max)) return work.call.out_of_memory();
-    recorder.certificate = {true, D, found.max, found.mean, true};
-    return HMF_OK;
 }
 
 // What a level asks of the method: minima on the last, starts for the next on the others.
