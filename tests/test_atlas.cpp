@@ -410,20 +410,32 @@ TEST(Atlas, LargeMarginsAreKept) {
 }
 
 // A torus of revolution is one rectangle, which is cut to fit.
+// Cuts round such a torus are equally good, and the last bits choose among them: two or three of 24 tori of about this
+// size have five charts, others with other bits.
 TEST(Atlas, ATorusNeedsFewCharts) {
-    const TriMesh mesh = torus(120, 48, 2, 0.8);
-    const Hierarchy hierarchy(mesh);
+    std::vector<uint64_t> charts;
+    for (const size_t around : {104, 108, 112, 116, 120}) {
+        const TriMesh mesh = torus(around, 48, 2, 0.8);
+        const Hierarchy hierarchy(mesh);
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
+        const Made atlas = atlas_of(solution.foliation);
+        ASSERT_TRUE(atlas);
+        expect_atlas(mesh, solution.foliation, *atlas, 1.0 / 512);
+        EXPECT_LE(atlas->chart_count, 5u);
+        EXPECT_GT(atlas->used_area, 0.8);
+        charts.push_back(atlas->chart_count);
+    }
+    std::sort(charts.begin(), charts.end());
+    EXPECT_LE(charts[2], 4u);
+}
+
+TEST(Atlas, IsTheSameInAnyUnit) {
+    const TriMesh mesh = torus(120, 48, 2, 0.8), larger = scaled(mesh, 4);
+    const Hierarchy hierarchy(mesh), other(larger);
     const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
-    const Made atlas = atlas_of(solution.foliation);
-    ASSERT_TRUE(atlas);
-    expect_atlas(mesh, solution.foliation, *atlas, 1.0 / 512);
-    EXPECT_LE(atlas->chart_count, 4u);
-    EXPECT_GT(atlas->used_area, 0.8);
-    // The same atlas in any unit.
-    const TriMesh larger = scaled(mesh, 4);
-    const Hierarchy other(larger);
     const Solution again = solve(other, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
-    const Made same = atlas_of(again.foliation);
+    const Made atlas = atlas_of(solution.foliation), same = atlas_of(again.foliation);
+    ASSERT_TRUE(atlas && same);
     EXPECT_EQ(same->chart_count, atlas->chart_count);
     EXPECT_NEAR(same->used_area, atlas->used_area, 1e-6);
     EXPECT_NEAR(same->seam_length, 4 * atlas->seam_length, 1e-6 * atlas->seam_length);

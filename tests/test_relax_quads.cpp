@@ -11,6 +11,7 @@
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
 #include "../src/quads/snap_quads.hpp"
+#include "../src/quads/square_corners.hpp"
 #include "../src/quads/surface_walk.hpp"
 #include "../src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
@@ -86,9 +87,9 @@ TEST_F(OnAnEdge, VerticesSlide) {
     }
 }
 
-// Where the quads are slanted against the edge by 45 degrees, their vertices stay on it; at 63 degrees they leave it.
+// Where the quads are slanted against the edge by 45 degrees, their vertices stay on it; at 76 degrees they leave it.
 TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
-    for (const double shift : {0.5, 1.0}) {
+    for (const double shift : {0.5, 2.0}) {
         for (uint32_t i = 0; i < COLUMNS; ++i) {
             quads.positions[3 * i] = even(i) + shift;
             quads.positions[3 * (COLUMNS + i)] = even(i);
@@ -96,6 +97,21 @@ TEST_F(OnAnEdge, SlantedQuadsLeaveIt) {
         uint64_t inverted = 0;
         ASSERT_EQ(hmf::fit_quads(mesh, made.positions.data(), nullptr, 0, 0, quads, inverted, call), HMF_OK);
         EXPECT_EQ(std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE), shift < 1 ? COLUMNS - 2 : 0);
+    }
+}
+
+// With most corners off by 45 degrees, vertices leave the edge that keeps them so; in a row of squares they stay.
+TEST_F(OnAnEdge, SquareCornersComeFirst) {
+    for (const double shift : {0.0, 0.5}) {
+        for (uint32_t i = 0; i < COLUMNS; ++i) {
+            quads.positions[3 * i] = even(i) + shift;
+            quads.positions[3 * (COLUMNS + i)] = even(i);
+        }
+        ASSERT_EQ(hmf::square_corners(mesh, made.positions.data(), 8, 0, quads, call), HMF_OK);
+        const auto sliding = std::count(quads.held.begin(), quads.held.end(), hmf::ON_CREASE);
+        if (shift > 0) EXPECT_LT(sliding, COLUMNS - 2);
+        else EXPECT_EQ(sliding, COLUMNS - 2);
+        for (uint32_t i = 0; i < COLUMNS && !(shift > 0); ++i) EXPECT_TRUE(is_on_the_edge(COLUMNS + i));
     }
 }
 
@@ -164,8 +180,8 @@ TEST_F(OnAnEdge, TheNearestTakesACorner) {
     size_t snapped = 0;
     ASSERT_EQ(hmf::snap_to_sharp_edges(mesh, made.positions.data(), nullptr, patch, snapped, call), HMF_OK);
     for (int k = 0; k < 3; ++k) EXPECT_EQ(patch.positions[3 * 5 + k], k == 2 ? 1 : 0);
-    EXPECT_EQ(patch.held[5], 1);
-    EXPECT_NE(patch.held[6], 1);
+    EXPECT_EQ(patch.held[5], hmf::AT_SHARP_CORNER);
+    EXPECT_NE(patch.held[6], hmf::AT_SHARP_CORNER);
 }
 
 // The middle of a side on the edge slides along it as well.
@@ -220,6 +236,62 @@ TEST(RelaxQuads, StepsGoOn) {
     };
     EXPECT_GT(off_after(0, 0), 0.79);
     EXPECT_LT(off_after(1, STEPS), off_after(STEPS, 1) / 3);
+}
+
+// A grid in a plane, held at its rim, in disorder inside: squares are the least, and what is held at a tip in the
+// middle comes near its place, for more corners are off than are allowed.
+TEST(SquareCorners, DisorderBecomesSquares) {
+    test::MadeMesh made(
+        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
+    const Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
+    for (const double tip : {0.0, 0.9}) {
+        const uint32_t N = tip > 0 ? 2 : 10, MIDDLE = N / 2 * (N + 1) + N / 2;
+        std::mt19937 random(5);
+        std::uniform_real_distribution<double> off(-0.3, 0.3);
+        hmf::QuadMesh quads;
+        quads.start(memory);
+        bool room = true;
+        for (uint32_t i = 0; i <= N; ++i)
+            for (uint32_t j = 0; j <= N; ++j) {
+                const bool rim = i == 0 || j == 0 || i == N || j == N, at_tip = tip > 0 && i * (N + 1) + j == MIDDLE;
+                const double p[3] = {i
+                                         + (rim      ? 0
+                                            : at_tip ? tip
+                                                     : off(random)),
+                                     j + (rim || at_tip ? 0 : off(random)), 0};
+                room = room && quads.add_vertex(p, side, rim ? hmf::AT_CORNER : at_tip ? hmf::AT_TIP : uint8_t{0});
+            }
+        for (uint32_t i = 0; i < N; ++i)
+            for (uint32_t j = 0; j < N; ++j) {
+                const uint32_t a = i * (N + 1) + j, b = a + N + 1;
+                room = room && quads.add_quad(a, b, b + 1, a + 1);
+            }
+        ASSERT_TRUE(room);
+        hmf::QuadFigures figures;
+        const auto most_off = [&] {
+            double most = 0;
+            for (uint32_t v = 0; v < quads.vertex_count(); ++v)
+                for (uint32_t k = 0; k < 2; ++k) {
+                    const uint32_t even = k == 0 ? v / (N + 1) : v % (N + 1);
+                    most = std::max(most, std::fabs(quads.positions[3 * v + k] - even));
+                }
+            return most;
+        };
+        EXPECT_GT(most_off(), 0.29);
+        ASSERT_EQ(hmf::square_corners(mesh, position, 400, 0, quads, call), HMF_OK);
+        ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+        EXPECT_EQ(figures.inverted, 0u);
+        if (tip > 0) EXPECT_LT(quads.positions[3 * MIDDLE] - N / 2, 0.6);
+        else EXPECT_LT(most_off(), 0.02);
+        // And good ones are left alone, if that is asked for.
+        const double before = quads.positions[3 * MIDDLE];
+        ASSERT_EQ(hmf::square_corners(mesh, position, 10, 0.9, quads, call), HMF_OK);
+        EXPECT_EQ(quads.positions[3 * MIDDLE], before);
+    }
 }
 
 // A rectangle has good corners by their sines however low it is, until two of its corners are one place.

@@ -711,6 +711,19 @@ TEST(StepLimit, EndsNewton) {
     EXPECT_EQ(solve(hierarchy, &loops, options).values, sweeps.values);
 }
 
+// Without zeros one linear solve is exact wherever it starts: those of the levels between would be wasted.
+TEST(LinearSolves, OfATorusAreOnTheLastLevel) {
+    for (const bool is_torus : {true, false}) {
+        const Hierarchy hierarchy(is_torus ? torus(60, 40, 2, 0.8) : pretzel(2, 3), 0.5, 100);
+        ASSERT_GT(hierarchy.levels(), 3u);
+        const Solution s = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 0));
+        ASSERT_EQ(s.status, HMF_OK);
+        if (is_torus) EXPECT_EQ(s.report.levels[0].linear_solves, 1u);
+        for (size_t k = 1; k + 1 < hierarchy.levels(); ++k)
+            EXPECT_EQ(s.report.levels[k].linear_solves == 0, is_torus) << k;
+    }
+}
+
 // --- Determinism -------------------------------------------------------------
 
 TEST(Determinism, SameBitsTwiceAndFromManyThreads) {

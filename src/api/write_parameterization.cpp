@@ -13,12 +13,28 @@
 
 namespace hmf {
 
+namespace {
+
+// The caller's order is none in memory.
+constexpr uint32_t ahead = 8;
+
+// Of the caller's triangles: edges of a later one, half-edges of a sooner one.
+HMF_INLINE void prefetch_sides(const hmf_hierarchy& h, size_t later, size_t sooner) {
+    for (size_t s = 0; s < 3; ++s) prefetch(&h.edge_internal[h.triangle_edges[3 * later + s]]);
+    const uint32_t side = 2 * h.edge_internal[h.triangle_edges[3 * sooner]];
+    prefetch(&h.input.next[side]);
+    prefetch(&h.input.face[side]);
+}
+
+} // namespace
+
 Done CallerTriangles::build(const hmf_hierarchy& h, size_t level, Call& call) {
     const Mesh& mesh = level == 0 ? h.input : h.levels[level].mesh;
     if (!of_face.allocate(call.memory, mesh.face_count)) return false;
     if (level == 0)
         return call.pass(mesh.face_count, 0, [&](size_t begin, size_t end) {
             for (size_t t = begin; t < end; ++t) {
+                if (end - t > 2 * ahead) prefetch_sides(h, t + 2 * ahead, t + ahead);
                 const uint32_t side = internal_side(h, t);
                 of_face[mesh.face[side]] = {side, static_cast<uint32_t>(t)};
             }
@@ -109,6 +125,7 @@ public:
         const Sums sums = call_.parallel.sum_blocks<Sums>(mesh_.face_count, [&](size_t begin, size_t end) {
             Sums part;
             for (size_t f = begin; f < end; ++f) {
+                if (end - f > ahead) prefetch_triangle(triangles_.of_face[f + ahead]);
                 const CallerTriangles::Of of = triangles_.of_face[f];
                 if (of.triangle >= shown_) {
                     quantiles.set(f, 1, 0);
@@ -133,9 +150,28 @@ public:
 
     // Transitions and seams.
     hmf_status edges() {
-        const SeamSum sum = call_.parallel.sum_blocks<SeamSum>(mesh_.edge_count, [&](size_t begin, size_t end) {
+        const Parallel& parallel = call_.parallel;
+        parallel.for_blocks(static_cast<size_t>(to_.edge_count), [&](size_t begin, size_t end) {
+            std::memset(fill(to_.seam) + begin, 0, end - begin);
+            double* const transition = fill(to_.transition);
+            for (size_t e = begin; e < end; ++e) {
+                transition[3 * e] = 1;
+                transition[3 * e + 1] = transition[3 * e + 2] = 0;
+            }
+        });
+        if (!call_.tick(0.985)) return call_.was_cancelled();
+        const Layout& layout = from_.layout;
+        const SeamSum sum = parallel.sum_blocks<SeamSum>(mesh_.edge_count, [&](size_t begin, size_t end) {
             SeamSum part;
-            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) edge(e, part);
+            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
+                if (end - e > ahead) {
+                    const uint32_t there = mesh_.next[2 * (e + ahead) + 1];
+                    prefetch(&layout.u[there]);
+                    prefetch(&layout.v[there]);
+                }
+                // The same either way: nothing.
+                if (from_.is_seam(e, from_.transition(mesh_, flat_.bundle, 2 * e))) edge(e, part);
+            }
             return part;
         });
         to_.seam_edge_count = sum.count;
@@ -152,6 +188,20 @@ public:
     }
 
 private:
+    // What is read and written for a triangle that comes soon.
+    HMF_INLINE void prefetch_triangle(CallerTriangles::Of of) const {
+        const uint32_t h = of.side, n = mesh_.next[h];
+        prefetch(&from_.layout.u[h]);
+        prefetch(&from_.layout.v[h]);
+        prefetch(&from_.layout.u[n]);
+        prefetch(&from_.layout.v[n]);
+        prefetch(&mesh_.next[n]);
+        if (of.triangle >= shown_) return;
+        prefetch(&to_.corner_uv[6 * size_t{of.triangle}]);
+        prefetch(&to_.differential[2 * size_t{of.triangle}]);
+        prefetch(&to_.dilatation[of.triangle]);
+    }
+
     void triangle(CallerTriangles::Of of, const AffineMap& map) {
         const size_t t = of.triangle;
         const bool flipped = map.dilatation != HUGE_VAL && map.determinant < 0;

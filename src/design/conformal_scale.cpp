@@ -70,29 +70,24 @@ struct Triangle {
     double doubled, energy = 0;
 
     Triangle(const double (&p)[3][3], const double (&F)[3]) {
-        double cross[3];
+        double d[3][3], squared[3], cross[3]; // d: from corner i to i + 1
+        for (size_t i = 0; i < 3; ++i) {
+            for (size_t c = 0; c < 3; ++c) d[i][c] = p[(i + 1) % 3][c] - p[i][c];
+            squared[i] = d[i][0] * d[i][0] + d[i][1] * d[i][1] + d[i][2] * d[i][2];
+        }
         for (size_t c = 0; c < 3; ++c) {
             const size_t x = (c + 1) % 3, y = (c + 2) % 3;
-            cross[c] = (p[1][x] - p[0][x]) * (p[2][y] - p[0][y]) - (p[1][y] - p[0][y]) * (p[2][x] - p[0][x]);
+            cross[c] = d[0][y] * d[2][x] - d[0][x] * d[2][y];
         }
         doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-        double longest = 0; // squared
-        for (size_t i = 0; i < 3; ++i) {
-            double side_squared = 0;
-            for (size_t c = 0; c < 3; ++c)
-                side_squared += (p[i][c] - p[(i + 1) % 3][c]) * (p[i][c] - p[(i + 1) % 3][c]);
-            longest = std::max(longest, side_squared);
-        }
         // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
-        if (!(doubled > FLAT * longest)) {
+        if (!(doubled > FLAT * std::max(squared[0], std::max(squared[1], squared[2])))) {
             doubled = 0;
             return;
         }
         for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
-            const double *a = p[(i + 2) % 3], *b = p[i], *c = p[(i + 1) % 3];
-            double dot = 0;
-            for (size_t x = 0; x < 3; ++x) dot += (b[x] - a[x]) * (c[x] - a[x]);
-            energy += dot * (F[i] * F[i]);
+            const double *a = d[(i + 1) % 3], *b = d[(i + 2) % 3];
+            energy -= (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * (F[i] * F[i]);
         }
         energy *= 0.5 / doubled;
     }

@@ -25,21 +25,21 @@ public:
     // The copy, in arrays of this object.
     Mesh of(const Mesh& from) {
         Mesh mesh = sides_of(from);
-        mesh.out = copy(from.out, from.vertex_count, out_);
+        mesh.out = copy(from.out, from.vertex_count, out_, Parallel());
         return mesh;
     }
     // All but `out`, which is that of the other mesh.
-    Mesh sides_of(const Mesh& from) {
+    Mesh sides_of(const Mesh& from, const Parallel& parallel = Parallel()) {
         Mesh mesh = from;
-        mesh.origin = copy(from.origin, size_t{2} * from.edge_count, origin_);
-        mesh.next = copy(from.next, size_t{2} * from.edge_count, next_);
-        mesh.face = copy(from.face, size_t{2} * from.edge_count, face_);
+        mesh.origin = copy(from.origin, size_t{2} * from.edge_count, origin_, parallel);
+        mesh.next = copy(from.next, size_t{2} * from.edge_count, next_, parallel);
+        mesh.face = copy(from.face, size_t{2} * from.edge_count, face_, parallel);
         return mesh;
     }
 
 private:
-    static uint32_t* copy(const uint32_t* from, size_t n, Array<uint32_t>& to) {
-        std::memcpy(to.data(), from, n * sizeof(uint32_t));
+    static uint32_t* copy(const uint32_t* from, size_t n, Array<uint32_t>& to, const Parallel& parallel) {
+        parallel.copy(to.data(), from, n);
         return to.data();
     }
     Array<uint32_t> origin_, next_, face_, out_;

@@ -17,6 +17,9 @@ struct Stars {
 
     Done build(const Mesh& mesh, Call& call);
 
+    // A pass over the vertices asks for what it needs of one that is so far ahead.
+    static constexpr uint32_t ahead = 8;
+
     struct Star {
         const uint32_t *first, *last;
         const uint32_t* begin() const { return first; }

@@ -63,6 +63,11 @@ public:
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
             if (i % STRIDE == 0 && !call.tick(0)) return false;
+            if (size - i > 3 * Stars::ahead) {
+                prefetch(&charts_.stars.offset[order_[i + 3 * Stars::ahead]]);
+                prefetch(charts_.stars.of(order_[i + 2 * Stars::ahead]).begin());
+                for (const uint32_t h : charts_.stars.of(order_[i + Stars::ahead])) prefetch(&mesh_.origin[twin(h)]);
+            }
             for (const uint32_t h : charts_.stars.of(order_[i])) {
                 const uint32_t w = mesh_.target(h);
                 if (parent_[w] == unseen) {
@@ -73,6 +78,11 @@ public:
         }
         for (uint32_t i = size; i-- > roots;) {
             if (i % STRIDE == 0 && !call.tick(0)) return false;
+            if (i >= 3 * Stars::ahead) {
+                prefetch(&charts_.stars.offset[order_[i - 3 * Stars::ahead]]);
+                prefetch(charts_.stars.of(order_[i - 2 * Stars::ahead]).begin());
+                for (const uint32_t h : charts_.stars.of(order_[i - Stars::ahead])) prefetch(&flux_.value[edge_of(h)]);
+            }
             carry(order_[i]);
         }
         return has_odd || missing(0) == 0 || turn_round(size, memory);
@@ -152,7 +162,14 @@ hmf_status conjugate_form(const Mesh& mesh, const SignBundle& bundle, const Vert
         for (const uint32_t h : star) q[h] = charts.chart[h] * (mean - q[h]);
     };
     const auto walk = [&](size_t begin, size_t end) {
-        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) walk_round(v);
+        for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+            if (end - v > Stars::ahead)
+                for (const uint32_t h : charts.stars.of(v + Stars::ahead)) {
+                    prefetch(&flux.value[edge_of(h)]);
+                    prefetch(&q[h]);
+                }
+            walk_round(v);
+        }
     };
     const auto differ = [&](size_t begin, size_t end) {
         for (size_t e = begin; e < end; ++e) dv.value[e] = q[mesh.next[2 * e]] - q[2 * e];

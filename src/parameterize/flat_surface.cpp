@@ -36,16 +36,14 @@ Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
     Foliation& f = state.foliation;
     if (state.level == 0 && state.triangulation == Triangulation::intrinsic) {
         const hmf_hierarchy& h = *state.hierarchy;
-        if (h.intrinsic_flip_count > 0 && !state.own()) return false;
+        if (h.intrinsic_flip_count > 0 && !state.own(call)) return false;
         for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
             if (i % 4096 == 0 && !call.tick(0)) return false;
             unflip_forms(f.mesh, h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);
         }
         state.triangulation = Triangulation::input;
     }
-    return call.pass(f.mesh.edge_count, 0, [&](size_t begin, size_t end) {
-        for (size_t e = begin; e < end; ++e) f.value[e] = flat.du.value[e] < 0 ? -flat.du.value[e] : flat.du.value[e];
-    });
+    return true;
 }
 
 namespace {
@@ -108,6 +106,11 @@ Done cone_angles(const Mesh& mesh, const FlatSurface& flat, const VertexCharts& 
     };
     const auto count = [&](size_t begin, size_t end) {
         for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+            if (end - v > Stars::ahead)
+                for (const uint32_t h : charts.stars.of(v + Stars::ahead)) {
+                    prefetch(&flat.du.value[edge_of(h)]);
+                    prefetch(&flat.dv.value[edge_of(h)]);
+                }
             int32_t middle = 0; // corners that are the middle ones of their faces
             const Stars::Star star = charts.stars.of(v);
             for (uint32_t t = 0; t < star.size(); ++t) middle += rises(star[t]) == rises(twin(star.after(t)));

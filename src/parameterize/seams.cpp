@@ -22,6 +22,7 @@ namespace hmf {
 
 namespace {
 
+constexpr uint32_t ahead = 8;      // what is met in no order is asked for ahead
 constexpr uint32_t STRIDE = 16384; // steps between two calls of the progress function
 
 // Dijkstra from all cones at once; parent[v]: half-edge out of v to its parent.
@@ -53,6 +54,7 @@ public:
         while (!heap_.empty()) {
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
             const NearestFirst::Entry entry = heap_.pop();
+            if (!heap_.empty()) prefetch(stars.of(heap_.top().item).begin());
             if (entry.distance > distance[entry.item]) continue;
             for (const uint32_t h : stars.of(entry.item)) {
                 const uint32_t w = mesh.target(h);
@@ -235,6 +237,16 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     queue[size++] = first_half_edge;
     for (uint32_t i = 0; i < size; ++i) {
         if (i % STRIDE == 0 && !call.tick(0)) return false;
+        if (size - i > 2 * ahead) {
+            prefetch(&mesh.next[twin(queue[i + 2 * ahead])]);
+            const uint32_t n = mesh.next[queue[i + ahead]], p = mesh.next[n];
+            for (const uint32_t t : {twin(n), twin(p)}) {
+                prefetch(&mesh.face[t]);
+                prefetch(&mesh.next[t]);
+                prefetch(&u[t]);
+                prefetch(&v[t]);
+            }
+        }
         uint32_t h = queue[i];
         for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
             const uint32_t t = twin(h), e = edge_of(h), face = mesh.face[t];

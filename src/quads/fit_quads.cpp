@@ -10,6 +10,7 @@
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
 #include "snap_quads.hpp"
+#include "square_corners.hpp"
 #include "unfold_quads.hpp"
 
 #include <algorithm>
@@ -20,8 +21,10 @@ namespace hmf {
 namespace {
 
 constexpr int ROUNDS = 3; // of reaching and snapping; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
-constexpr double TOO_FLAT = 0.5;                          // sine of a corner of a quad on a sharp edge
+constexpr double TOO_FLAT = 0.3;                          // sine of a corner of a quad on a sharp edge
 constexpr int STEPS_ON_FINER = 4, STEPS_AFTER_TURNS = 20; // of relaxation
+constexpr int SWEEPS = 8, SWEEPS_ON_FINER = 4;            // to make corners square
+constexpr double SQUARE_ON_FINER = 0.25;                  // cosine: quads so good stay as they are when they are cut
 
 template <class T>
 Done copy(const Array<T>& from, Array<T>& to, Memory& memory) {
@@ -84,10 +87,12 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     const int again = leave_sharp_edges(quads) ? steps : 0;
     if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, figures, call))
         return call.status();
+    if (square_corners(mesh, position, std::min(steps, SWEEPS), 0, quads, call)) return call.status();
     for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)
             || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), std::min(steps, STEPS_ON_FINER), as.outwards,
-                        quads, figures, call))
+                        quads, figures, call)
+            || square_corners(mesh, position, std::min(steps, SWEEPS_ON_FINER), SQUARE_ON_FINER, quads, call))
             return call.status();
         if (as.to_sharp_edges && figures.inverted > 0) return HMF_OK;
     }

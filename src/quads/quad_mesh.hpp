@@ -7,9 +7,9 @@
 
 namespace hmf {
 
-// A vertex of the boundary of the surface, which slides along it; one that slides along a sharp edge; and one at a
-// corner of the boundary, where it stays.
-constexpr uint8_t AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4;
+// A vertex at the tip of a limb, where it stays; one of the boundary of the surface, which slides along it; one that
+// slides along a sharp edge; and those at a corner of the boundary, or where sharp edges meet, which stay.
+constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, AT_SHARP_CORNER = 5;
 inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held == AT_CORNER; }
 inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
 
@@ -17,7 +17,7 @@ struct QuadMesh {
     Array<double> positions; // 3 per vertex; the zeros first, in their order
     Array<uint32_t> quads;   // 4 per quad, in the orientation of the triangles
     Array<uint32_t> sides;   // per vertex: a half-edge of the mesh, left of which it lies
-    Array<uint8_t> held;     // per vertex: 1 at the tip of a limb, where it stays; or one of the above
+    Array<uint8_t> held;     // per vertex: 0, or one of the above
 
     void start(Memory& memory) {
         positions.start(memory);

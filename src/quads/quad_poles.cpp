@@ -84,7 +84,7 @@ private:
         if (!moves_tip) return;
         const uint32_t on_arc = std::min(a, b); // made before those of the rows
         copy_vertex(v, on_arc);
-        mesh_.held[on_arc] = 1;
+        mesh_.held[on_arc] = AT_TIP;
     }
 
     void copy_vertex(uint32_t from, uint32_t to) {

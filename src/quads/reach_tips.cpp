@@ -12,6 +12,7 @@
 #include "../base/heap_sort.hpp"
 #include "../base/nearest_first.hpp"
 #include "quad_shape.hpp"
+#include "sharp_edges.hpp"
 #include "surface_walk.hpp"
 
 #include <algorithm>
@@ -144,7 +145,7 @@ private:
             }
             if (best == NONE) continue;
             quads_.put(best, position_ + size_t{3} * tip.vertex, side_at(tip.vertex));
-            quads_.held[best] = 1;
+            quads_.held[best] = is_sharp_corner(mesh_, position_, tip.vertex) ? AT_SHARP_CORNER : AT_TIP;
             ++moved;
             for (const uint32_t* q = stars_.begin(best); q != stars_.end(best); ++q)
                 for (size_t k = 0; k < 4; ++k) near[quads_.quads[4 * size_t{*q} + k]] = 1;

@@ -46,6 +46,12 @@ uint32_t next_sharp_edge(const Mesh& mesh, const double* position, uint32_t h) {
 
 bool is_sharp(const Mesh& mesh, const double* position, uint32_t h) { return fold(mesh, position, h) <= SHARP; }
 
+bool is_sharp_corner(const Mesh& mesh, const double* position, uint32_t v) {
+    int edges = 0;
+    for (const uint32_t h : mesh.around(v)) edges += is_sharp(mesh, position, h);
+    return edges > 2;
+}
+
 uint32_t walk_along_sharp_edges(const Mesh& mesh, const double* position, uint32_t h, const double* p,
                                 double* nearest) {
     return walk_along_line(mesh, position, h, p, nearest,

@@ -8,6 +8,9 @@ namespace hmf {
 // Whether the faces of an edge differ by more than 40 degrees.
 bool is_sharp(const Mesh& mesh, const double* position, uint32_t h);
 
+// Whether three or more sharp edges meet at a vertex.
+bool is_sharp_corner(const Mesh& mesh, const double* position, uint32_t v);
+
 // The point nearest to p on the sharp line of the edge of h, searched from that edge on as long as
 // the next one is nearer.  A corner, where a line ends or several meet, is not passed:
 //

@@ -246,7 +246,7 @@ private:
         for (size_t c = 0; c < corners.size(); ++c) {
             if (taker[c] == NONE) continue;
             if (!put(taker[c], corners[c])) continue;
-            quads_.held[taker[c]] = 1;
+            quads_.held[taker[c]] = AT_SHARP_CORNER;
             ++taken;
         }
         return true;

@@ -716,6 +716,9 @@ struct LevelPlan {
     double goal;
     uint32_t rounds;
     bool smooth_only; // long waves are left to other levels
+    // A torus without marks has no zeros, so one step is exact, wherever it starts: the levels in between
+    // only take apart what splits have left together.
+    bool sweep_only;
 
     LevelPlan(const LevelWork& work, double tolerance) {
         const size_t above = work.state.level - work.options.stop(); // levels that are still to come
@@ -728,6 +731,7 @@ struct LevelPlan {
         goal = finest ? tolerance : cheap ? steering::coarsest_residual : steering::middle_residual;
         rounds = finest ? steering::finest_rounds : coarsest ? steering::coarsest_rounds : steering::middle_rounds;
         smooth_only = middle && !next_to_double && above % steering::long_waves_every != 0;
+        sweep_only = middle && work.state.hierarchy->genus == 1 && work.level.mesh.marked_count == 0;
     }
     // Its work counts.
     bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
@@ -754,6 +758,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     Newton newton(work, plan.smooth_only);
     if (!newton.allocate()) return work.call.out_of_memory();
     newton.sweeps(plan.coarsest ? steering::coarsest_sweeps : steering::finer_sweeps);
+    if (plan.sweep_only) return work.call.cancelled() || work.call.finishing() ? HMF_CANCELLED : HMF_OK;
     Progress progress;
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitOfLevel unit{!finest};

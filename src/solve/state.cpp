@@ -6,7 +6,6 @@ namespace hmf {
 
 Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
     hierarchy = &h;
-    memory_ = &memory;
     finest_ = finest;
     copy_.release();
     const Mesh& mesh = h.levels[finest].mesh;
@@ -25,10 +24,10 @@ void State::load(size_t at, Triangulation which) {
     triangulation = which;
 }
 
-Done State::own() {
+Done State::own(Call& call) {
     if (is_own()) return true;
-    if (!copy_.allocate_sides(hierarchy->levels[finest_].mesh, *memory_)) return false;
-    foliation.mesh = copy_.sides_of(foliation.mesh);
+    if (!copy_.allocate_sides(hierarchy->levels[finest_].mesh, call.memory)) return false;
+    foliation.mesh = copy_.sides_of(foliation.mesh, call.parallel);
     return true;
 }
 
@@ -48,7 +47,7 @@ void State::share(const Mesh& same) {
 }
 
 Done State::refine(Call& call) {
-    if (!own()) return false;
+    if (!own(call)) return false;
     const Level& finer = hierarchy->levels[level - 1];
     Mesh& mesh = foliation.mesh;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
@@ -74,7 +73,7 @@ Done State::refine(Call& call) {
 }
 
 Done State::coarsen(Call& call, RestrictionScratch& scratch) {
-    if (!own()) return false;
+    if (!own(call)) return false;
     const Level& level_now = hierarchy->levels[level];
     const Level& coarser = hierarchy->levels[level + 1];
     Mesh& mesh = foliation.mesh;
@@ -109,7 +108,7 @@ Done State::go_to(size_t target, Call& call) {
 
 Done State::to_intrinsic(Call& call) {
     largest_input_value = largest_value(foliation, call.parallel);
-    if (hierarchy->intrinsic_flip_count > 0 && !own()) return false;
+    if (hierarchy->intrinsic_flip_count > 0 && !own(call)) return false;
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
@@ -122,7 +121,7 @@ Done State::to_intrinsic(Call& call) {
 
 Done State::to_input(Call& call) {
     words = nullptr;
-    if (hierarchy->intrinsic_flip_count > 0 && !own()) return false;
+    if (hierarchy->intrinsic_flip_count > 0 && !own(call)) return false;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], true, statistics);

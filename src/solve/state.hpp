@@ -33,7 +33,7 @@ struct State {
     // Takes over the connectivity of a level; the values are the caller's to fill.
     void load(size_t at, Triangulation which);
     // Before the half-edges change: they are copied.
-    Done own();
+    Done own(Call& call);
     bool is_own() const { return copy_.has_sides(); }
     // One level finer: reverses flips, then collapses ([W] 4.2).  Level 0 is
     // reached on the input side.  Not done: cancelled half-way, state unusable.
@@ -49,7 +49,6 @@ struct State {
 private:
     void share(const Mesh& same);
     MeshCopy copy_; // empty: those of the hierarchy
-    Memory* memory_ = nullptr;
     size_t finest_ = 0;
     Array<uint32_t> out_;
     Array<int64_t> value_;
