@@ -77,7 +77,7 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
             if (residual <= wanted) return HMF_OK;
             at_rest = result.moves == 0 ? at_rest + 1 : 0;
             if (at_rest == steering::sweeps_at_rest) {
-                // What is left is less than a unit: a finer one, as far as doubles tell pulls apart, then fractions of it.
+                // What is left is less than a unit: a finer one, as far as doubles tell pulls apart, then fractions.
                 const double told_apart = std::max(wanted, steering::end_of_doubles);
                 if (!work.refine_unit(told_apart).changed) return end_beyond_rounding(work, wanted);
                 D = energy(f, work.level.weight);
