@@ -329,7 +329,14 @@ run_corpus() { # name, largest mesh in vertices, seconds
         add 0 0 1
         return
     fi
-    HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
+    # Each process a part of the meshes.
+    local part parts=$((jobs < 4 ? jobs : 4))
+    for ((part = 0; part < parts; ++part)); do
+        HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 GTEST_TOTAL_SHARDS=$parts GTEST_SHARD_INDEX=$part \
+            start_gtest "$1-$part" "$3" build/release/tests/test_corpus &
+    done
+    wait
+    for ((part = 0; part < parts; ++part)); do count_gtest "$1-$part"; done
 }
 # HMF_CAMPAIGN_SEED: of the first problem; HMF_CAMPAIGN_PROBLEMS: how many.  The table is in results/campaign.log.
 variant_campaign() {
