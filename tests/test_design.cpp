@@ -301,6 +301,20 @@ TEST(EvenDesign, HalfOfTheTips) {
     EXPECT_LT(made->unevenness, 0.38);
 }
 
+// It is uneven still when the work is done: the search begins again with shallower tips, if no limit is given.
+TEST(EvenDesign, OnceMoreWithShallowerTips) {
+    const char* const folder = std::getenv("HMF_SURFACES");
+    if (!folder) GTEST_SKIP() << "skipped: set HMF_SURFACES to a folder with spot_5.9k.obj";
+    TriMesh mesh;
+    ASSERT_TRUE(read_obj(folder + std::string("/spot_5.9k.obj"), mesh));
+    const hmf_design_options options = design_options(120, 0, nullptr); // by default as well, for so few edges
+    const auto once = design(mesh, &options), twice = design(mesh);
+    ASSERT_TRUE(once && twice);
+    EXPECT_GT(once->unevenness, 0.28);
+    EXPECT_GT(twice->solves, once->solves + 20);
+    EXPECT_LT(twice->unevenness, once->unevenness - 0.01);
+}
+
 // Weights alone, where the scale of equal weights is uneven.
 TEST(EvenDesign, HandlesNeedNoPoles) {
     const TriMesh mesh = pretzel(3, 3);

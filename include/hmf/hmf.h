@@ -579,7 +579,8 @@ typedef struct hmf_design_options {
                                     marked vertices, which are then part of every design */
     uint64_t solve_limit;        /* of the search, in solves of a mesh of about 1000 vertices, 3 ms each; a solve with n
                                     loops counts 1 + n / 8.  Default 120, or edges / 400 where that is more: about ten
-                                    solves of the whole mesh.  It is passed by a few */
+                                    solves of the whole mesh, and again up to 150 where the
+                                    unevenness is above .28 then.  It is passed by a few */
 } hmf_design_options;
 
 /* Marked vertices, loops and weights that suit each other, in one block. */

@@ -143,6 +143,7 @@ hmf_status design_on_level(const hmf_hierarchy& h, size_t level, const DesignOpt
     search.budget = options.solves > 0   ? static_cast<double>(options.solves)
                   : by_size > LEAST_WORK ? by_size
                                          : LEAST_WORK;
+    search.may_repeat = options.solves == 0;
     search.poles = options.poles;
     if (search.run(given, tips, ends, best)) return call.status();
     if (!(best.unevenness < HUGE_VAL))

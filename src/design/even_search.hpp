@@ -38,9 +38,10 @@ public:
     hmf_status run(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>& ends,
                    EvenChoice& best);
 
-    double budget = 0;   // work
-    bool poles = true;   // else the weights alone, where that can be
-    double fraction = 0; // of the work done
+    double budget = 0;      // work
+    bool may_repeat = true; // with as large a budget, where that may be better
+    bool poles = true;      // else the weights alone, where that can be
+    double fraction = 0;    // of the work done
 
     // Weights for the marks of a choice, from those of the loops that its surface suggests.  Gives up where
     // it falls behind a rival.
@@ -59,14 +60,14 @@ private:
     Done find_taken(const Array<Tip>& tips, Array<uint8_t>& taken);
     template <class Visit>
     Done for_persistent_minima(const Array<double>& height, Visit visit);
-    Done find_tips(const EvenChoice& choice, Array<Tip>& found);
+    Done find_tips(const EvenChoice& choice, double least, Array<Tip>& found);
     Done list_marks(EvenChoice& choice);
     Done copy(const EvenChoice& from, EvenChoice& to);
     double gain(const EvenChoice& before, const EvenChoice& after) const;
     void count(const MarkedTrial& trial);
     Done mark_four(EvenChoice& choice);
     Done add_tips(const Array<Tip>& found, size_t with_poles, size_t room, EvenChoice& choice);
-    hmf_status improve(EvenChoice& best);
+    hmf_status improve(double persistence, EvenChoice& best);
     hmf_status measure_before(EvenChoice& plain);
     hmf_status first_choice(const Array<uint32_t>& given, const Array<uint32_t>& tips, const Array<uint32_t>* ends,
                             EvenChoice& choice);

@@ -1,12 +1,12 @@
-// Relaxation (relax_quads.hpp) goes to the mean of squares, and what is left is uneven: rows askew to a sharp edge, quads
-// round a tip.  Here vertex by vertex goes down in the sum over the corners round it of
+// Relaxation (relax_quads.hpp) goes to the mean of squares, and what is left is uneven: rows askew to a sharp edge,
+// quads round a tip.  Here vertex by vertex goes down in the sum over the corners round it of
 //
 //          b |          c^2 (c^2 + EVEN) + ASPECT r^2 (r^2 + EVEN)
 //            |____          c = e.b / |e x b|, the cotangent
 //              e            r = (|e|^2 - |b|^2) / (|e|^2 + |b|^2)
 //
-// so that the worst corners count most and pass on to those round about, less GROWTH times the area of the quads, so that
-// these still go where they cover more (relax_quads.cpp).
+// so that the worst corners count most and pass on to those round about, less GROWTH times the area of the quads: these
+// still go where they cover more (relax_quads.cpp).
 //
 // What cannot be had both is given up from the worst quad on, as far as it is needed: vertices leave sharp edges, and
 // those at tips move, first on a leash.
@@ -30,7 +30,7 @@ constexpr double SQUARE_ENOUGH = 0.309;   // sine of 18 degrees
 constexpr double OFF = 0.25;              // cosine of a corner from which on the vertices round about move
 constexpr int RINGS = 4;                  // of them
 constexpr size_t SHARE = 20;              // one corner in so many may be farther off than is enough
-// Sines of corners of quads that give up what holds them, one after the other; those still worse by MUCH also their tips.
+// Sines of corners of quads that give up what holds them, one after the other; those still worse by MUCH their tips.
 constexpr double GIVES_UP[] = {0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8};
 constexpr double MUCH = 0.1;
 constexpr int SWEEPS_AFTER = 4;
