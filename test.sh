@@ -262,24 +262,29 @@ variant_tsan() {
 # the preset valgrind has numbers of lines, to find out more.
 variant_valgrind() {
     build release || return
-    local program name names=
+    local program name filter names= chosen=
+    # The times of the variant release, if it ran these programs; else they run once more.
     for program in build/release/tests/test_*; do
         name=$(basename "$program")
         if ! { [ -f "$program" ] && [ -x "$program" ]; } || [ "$name" = test_corpus ]; then continue; fi
         names="$names $name"
+        rm -f "$results/native-$name.code"
+        if [ -s "$results/release.xml" ] && [ "$results/release.xml" -nt "$program" ]; then continue; fi
         wait_for_a_core
         start_gtest "native-$name" 600 "$program" '--gtest_filter=-UniqueLong*' &
     done
     wait
-    local filter chosen=
     for name in $names; do
-        if [ "$(cat "$results/native-$name.code")" -ne 0 ]; then
+        if [ ! -e "$results/native-$name.code" ]; then
+            filter=$(quick_cases_of_release "build/release/tests/$name")
+        elif [ "$(cat "$results/native-$name.code")" -ne 0 ]; then
             echo "not ok valgrind-$name: fails even without valgrind"
             grep -E '^\[  FAILED|Failure$' "$results/native-$name.log" | head
             add 0 1 0
             continue
+        else
+            filter=$(quick_cases "$results/native-$name.xml")
         fi
-        filter=$(quick_cases "$results/native-$name.xml")
         [ -n "$filter" ] || continue
         chosen="$chosen $name"
         wait_for_a_core
@@ -288,6 +293,19 @@ variant_valgrind() {
     done
     wait
     for name in $chosen; do count_gtest "valgrind-$name"; done
+    if [ -z "$chosen" ]; then
+        echo "not ok valgrind: no case was chosen"
+        add 0 1 0
+    fi
+}
+# Those of the program that the variant release ran, by the same measure as below.
+quick_cases_of_release() { # program
+    "$1" --gtest_list_tests | awk '
+        FNR == NR { if (/^[^ ].*\./) suite = $1; else if (/^  /) listed[suite $1] = 1; next }
+        /<testcase / && /status="run"/ {
+            match($0, / name="[^" ]*/); n = substr($0, RSTART + 7, RLENGTH - 7)
+            match($0, / time="[^"]*"/); t = substr($0, RSTART + 7, RLENGTH - 8) + 0
+            if (n in listed && t <= 0.1 && (sum += t) <= 1) printf "%s%s", (k++ ? ":" : ""), n }' - "$results/release.xml"
 }
 # Those of at most a tenth of a second, and of a second together.
 quick_cases() { # JUnit file
@@ -311,7 +329,14 @@ run_corpus() { # name, largest mesh in vertices, seconds
         add 0 0 1
         return
     fi
-    HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 run_gtest "$1" "$3" build/release/tests/test_corpus
+    # Each process a part of the meshes.
+    local part parts=$((jobs < 4 ? jobs : 4))
+    for ((part = 0; part < parts; ++part)); do
+        HMF_MESHES=$meshes HMF_CORPUS_MAX_VERTICES=$2 GTEST_TOTAL_SHARDS=$parts GTEST_SHARD_INDEX=$part \
+            start_gtest "$1-$part" "$3" build/release/tests/test_corpus &
+    done
+    wait
+    for ((part = 0; part < parts; ++part)); do count_gtest "$1-$part"; done
 }
 # HMF_CAMPAIGN_SEED: of the first problem; HMF_CAMPAIGN_PROBLEMS: how many.  The table is in results/campaign.log.
 variant_campaign() {
@@ -412,12 +437,53 @@ if [ -z "${HMF_SURFACES:-}" ] && [ -d ../shared/surfaces ]; then
     HMF_SURFACES=$(cd ../shared/surfaces && pwd)
     export HMF_SURFACES
 fi
-for name in ${*:-$default_variants}; do
-    echo "=== $name"
-    before="$passed $failed $skipped" started=$SECONDS
-    "variant_$name"
-    read -r p f s <<< "$before"
-    echo "--- $name: $((passed - p)) passed, $((failed - f)) failed, $((skipped - s)) skipped, $((SECONDS - started)) s"
+# A variant between its two lines.
+run_variant() { # name
+    local p f s started=$SECONDS
+    echo "=== $1"
+    p=$passed f=$failed s=$skipped
+    "variant_$1"
+    echo "--- $1: $((passed - p)) passed, $((failed - f)) failed, $((skipped - s)) skipped, $((SECONDS - started)) s"
+}
+# Some, one after the other, in a process of its own; what they print and count is left in results.
+run_lane() { # names
+    local name
+    for name in "$@"; do
+        passed=0 failed=0 skipped=0
+        run_variant "$name" > "$results/$name.out" 2>&1
+        echo "$passed $failed $skipped" > "$results/$name.counts"
+    done
+}
+chosen=${*:-$default_variants}
+# Mostly one process at a time: two lanes, one beside the other.  Only the first one installs packages.
+first_lane="abi bindings" second_lane="format header symbols plain install packages"
+of_lane() { # names of a lane: those that are chosen
+    local name
+    for name in $1; do case " $chosen " in *" $name "*) printf '%s ' "$name" ;; esac done
+}
+first=$(of_lane "$first_lane") second=$(of_lane "$second_lane")
+beside=
+if [ "$jobs" -gt 1 ] && [ -n "$first" ] && [ -n "$second" ]; then
+    beside="$first$second"
+    for name in $beside; do rm -f "$results/$name.counts" "$results/$name.out"; done
+    echo "at the same time: $first| $second"
+    # shellcheck disable=SC2086
+    run_lane $first &
+    # shellcheck disable=SC2086
+    (run_lane $second)
+    wait
+fi
+for name in $chosen; do
+    case " $beside " in
+    *" $name "*)
+        cat "$results/$name.out"
+        if read -r p f s < "$results/$name.counts"; then add "$p" "$f" "$s"; else
+            echo "not ok $name: it did not come to its end"
+            add 0 1 0
+        fi
+        ;;
+    *) run_variant "$name" ;;
+    esac
 done
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

@@ -146,11 +146,10 @@ TEST(PartSystem, RowsOfSomeUnknowns) {
     ASSERT_TRUE(number.allocate_filled(memory, model.count, NONE));
     for (uint32_t v = 10; v < 50; ++v) number[v] = v % 3;
     PartSystem part;
-    SignedMultigrid multigrid;
-    ASSERT_TRUE(part.take(model, number, multigrid, call));
+    ASSERT_TRUE(part.take(model, number, call));
     // Twice: it goes on where it was.
     for (const double accuracy : {1e-2, 1e-12}) {
-        ASSERT_TRUE(part.solve(model, multigrid, accuracy, call));
+        ASSERT_TRUE(part.solve(model, accuracy, call));
         double error = 0, size = 0;
         for (uint32_t v = 0; v < model.count; ++v) {
             if (v < 10 || v >= 50 || v == 20) {

@@ -1,8 +1,9 @@
 // The cascadic multigrid method ([W] section 4): solve on the coarsest level,
 // interpolate, optimise, up to the input.
-#include "solve.hpp"
+#include "fraction.hpp"
 #include "steering.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -39,6 +40,18 @@ Done LevelWork::prepare() {
     return true;
 }
 
+// No step helps any more.  Is it because a unit is too much?
+hmf_status end_beyond_rounding(LevelWork& work, double goal) {
+    ResidualResult found;
+    Recorder& recorder = work.recorder;
+    if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
+    if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
+    const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
+    if (!work.record(work.options.method == HMF_METHOD_NEWTON ? 2 : 1, D, found.max)) return work.call.out_of_memory();
+    recorder.certificate = {true, D, found.max, found.mean, true};
+    return HMF_OK;
+}
+
 hmf_status whitehead_level(LevelWork& work, double tolerance) {
     Foliation& f = work.state.foliation;
     double D = energy(f, work.level.weight);
@@ -63,7 +76,13 @@ hmf_status whitehead_level(LevelWork& work, double tolerance) {
         if (wanted > 0) {
             if (residual <= wanted) return HMF_OK;
             at_rest = result.moves == 0 ? at_rest + 1 : 0;
-            if (at_rest == steering::sweeps_at_rest) return HMF_LIMIT_STALLED;
+            if (at_rest == steering::sweeps_at_rest) {
+                // What is left is less than a unit: a finer one, as far as doubles tell pulls apart, then fractions.
+                const double told_apart = std::max(wanted, steering::end_of_doubles);
+                if (!work.refine_unit(told_apart).changed) return end_beyond_rounding(work, wanted);
+                D = energy(f, work.level.weight);
+                at_rest = 0;
+            }
         } else if (-result.energy_change <= tolerance * D) {
             return HMF_OK;
         }

@@ -99,14 +99,23 @@ public:
     // Moves at the vertices within some rings of the zeros.
     void relax_after_step(bool far) {
         pick_near_zeros(far ? steering::far_rings : steering::near_rings);
-        const size_t most = size_t{steering::moves_per_vertex} * f_.mesh.vertex_count / (picked_.size() + 1);
+        const size_t n = f_.mesh.vertex_count, most = size_t{steering::moves_per_vertex} * n / (picked_.size() + 1);
         const size_t wanted = far ? steering::far_passes : steering::near_passes;
-        const size_t passes = std::min(wanted, std::max(size_t{steering::least_passes}, most));
+        // Not on a double, where what fades along a strip is found by these moves (tests/test_weight_search.cpp).
+        zeros_everywhere_ = !w_.state.hierarchy->is_double()
+                         && static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
+        const size_t passes = zeros_everywhere_ ? steering::least_passes
+                                                : std::min(wanted, std::max(size_t{steering::least_passes}, most));
         SweepResult result;
         for (size_t pass = 0; pass < passes && go_on(); ++pass)
             for (size_t i = 0; i < picked_.size(); ++i)
                 relax_vertex(f_, w_.rings, weight_, picked_[pass % 2 ? picked_.size() - 1 - i : i], w_.star, result);
     }
+
+    // Most vertices are near a zero; as of the last relax_after_step.
+    bool zeros_are_everywhere() const { return zeros_everywhere_; }
+    // The first solution of the last step, brought into its bounds, made extrema: values on limbs were wrong in front.
+    bool limbs_were_wrong() const { return limbs_were_wrong_; }
 
     // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
     // them, for a step of the part; false: they are more than this share of all.
@@ -166,22 +175,21 @@ private:
         if (!go_on()) return false;
         part_step_ = effort.part;
         if (part_step_) {
-            multigrid_ready_ = false;
-            if (!part_.take(model_, distance_, multigrid_, w_.call)) return false;
+            if (!part_.take(model_, distance_, w_.call)) return false;
         } else {
             ++w_.statistics.linear_solves;
         }
         tight = model_.is_exact();
         // On limbs that no loop goes round the values decay below the error of
-        // a loose solve: then it is continued.
+        // a loose solve: then it is continued, as long as there are fewer extrema for it.
         const uint64_t few_extrema = w_.state.hierarchy->is_double() ? steering::few_extrema_on_double : 0;
+        uint64_t had = UINT64_MAX;
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
             if (!solve_linear(accuracy, effort.residual)) return false;
             restore();
             std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
-            model_.project(f_, w_.rings, patch_, distance_);
+            set_bounded_values();
             if (!go_on()) return false;
-            set_values(1);
             if (effort.go_on && !model_.is_exact() && (tight || zeros_stay())) {
                 if (!tight) accuracy = effort.tight;
                 tight = true;
@@ -190,11 +198,25 @@ private:
                 set_values(1);
             }
             if (!go_on()) return false;
-            const uint64_t extrema = find_suspects();
-            if (extrema <= few_extrema || accuracy < steering::end_of_doubles) return true;
+            uint64_t extrema = find_suspects();
+            if (had == UINT64_MAX) limbs_were_wrong_ = extrema > few_extrema;
+            if (extrema > few_extrema && !tight) {
+                // What came to rest at its bound bounds its neighbours: now from the beginning.
+                restore();
+                std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
+                set_bounded_values();
+                extrema = find_suspects();
+            }
+            if (extrema <= few_extrema || extrema >= had || accuracy < steering::end_of_doubles) return true;
+            had = extrema;
             if (smooth_only_) multigrid_ready_ = smooth_only_ = false;
             std::memcpy(model_.d.data(), unbounded_.data(), model_.count * sizeof(double));
         }
+    }
+
+    void set_bounded_values() {
+        model_.project(f_, w_.rings, patch_, distance_);
+        set_values(1);
     }
 
     // For tests of the guard: the step so many times, within its bounds.
@@ -256,7 +278,9 @@ private:
                        && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
                 ++w_.statistics.linear_solves;
-                if (!solve_between_bounds(effort.tight, effort.residual)) return interrupted(w_.call);
+                // Far from the minimum this model does not last, and the setup is for one without these bounds.
+                const double accuracy = effort.close ? effort.tight : steering::first_accuracy;
+                if (!solve_between_bounds(accuracy, effort.residual)) return interrupted(w_.call);
             } else if (too_far_ != NONE && attempt < steering::mending_attempts) {
                 if ((attempt + 1) % steering::widen_every == 0) ++radius;
                 // Where the certificate judges, zeros may move: there one place at a time is held.
@@ -312,13 +336,23 @@ private:
         return options;
     }
 
+    // So many rows that the old setup would be found to be too slow.
+    bool has_changed_much() const {
+        const size_t rows = w_.call.parallel.sum_blocks<size_t>(model_.count, [&](size_t begin, size_t end) {
+            size_t sum = 0;
+            for (size_t v = begin; v < end; ++v) sum += model_.changed[v];
+            return sum;
+        });
+        return static_cast<double>(rows) > steering::changed_share * static_cast<double>(model_.count);
+    }
+
     // Continues from model_.d.  The matrix of a level changes by signs near the
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     Done solve_linear(double accuracy, double residual) {
-        if (part_step_) return part_.solve(model_, multigrid_, accuracy, w_.call);
+        if (part_step_) return part_.solve(model_, accuracy, w_.call);
         const SignedMatrix matrix = model_.matrix();
         LinearOptions options = stop_at(residual);
-        if (multigrid_ready_) {
+        if (multigrid_ready_ && !has_changed_much()) {
             options.hopeless_ends = true;
             multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
             model_.forget_changes(w_.call.parallel);
@@ -579,6 +613,7 @@ private:
     TwistedModel model_;
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
+    bool zeros_everywhere_ = false, limbs_were_wrong_ = false;
     PartSystem part_;
     bool part_step_ = false; // the step in hand is one of the part
     bool smooth_only_;
@@ -675,21 +710,9 @@ Effort effort_for(uint32_t round, double residual, double goal, bool finest) {
     return effort;
 }
 
-// No step helps any more.  Is it because a unit is too much?
-hmf_status end_beyond_rounding(LevelWork& work, double goal) {
-    ResidualResult found;
-    Recorder& recorder = work.recorder;
-    if (const hmf_status status = find_fractions(work, goal, recorder.fraction, found)) return status;
-    if (!(found.max <= goal)) return HMF_LIMIT_STALLED;
-    const double D = energy(work.state.foliation, work.level.weight, work.call.parallel);
-    if (!work.record(2, D, found.max)) return work.call.out_of_memory();
-    recorder.certificate = {true, D, found.max, found.mean, true};
-    return HMF_OK;
-}
-
 // What a level asks of the method: minima on the last, starts for the next on the others.
 struct LevelPlan {
-    bool finest, coarsest, middle, next_to_double;
+    bool finest, coarsest, middle, next_to_double, cheap = false;
     double goal;
     uint32_t rounds;
     bool smooth_only; // long waves are left to other levels
@@ -704,13 +727,14 @@ struct LevelPlan {
         middle = !finest && !coarsest;
         next_to_double = middle && work.state.hierarchy->is_double() && above <= steering::double_levels;
         const Level& last = work.state.hierarchy->levels[work.options.stop()];
-        const bool cheap =
-            coarsest && steering::coarsest_share * work.level.mesh.vertex_count <= last.mesh.vertex_count;
+        cheap = coarsest && steering::coarsest_share * work.level.mesh.vertex_count <= last.mesh.vertex_count;
         goal = finest ? tolerance : cheap ? steering::coarsest_residual : steering::middle_residual;
         rounds = finest ? steering::finest_rounds : coarsest ? steering::coarsest_rounds : steering::middle_rounds;
         smooth_only = middle && !next_to_double && above % steering::long_waves_every != 0;
         sweep_only = middle && work.state.hierarchy->genus == 1 && work.level.mesh.marked_count == 0;
     }
+    // Its work counts.
+    bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
 };
 
 // For the whole level, or a part of it.
@@ -755,7 +779,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
         if (plan.next_to_double && residual < steering::double_residual) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
-        if (residual <= goal) {
+        const bool good_start =
+            plan.is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::coarsest_residual_of_many;
+        if (residual <= goal || good_start) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
@@ -779,7 +805,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         moves_wait = accepted == 1 && tight && !plan.middle;
         if (moves_wait) continue;
         newton.relax_after_step(finest && round > steering::far_after);
-        if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0))
+        if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0) && !newton.limbs_were_wrong())
             return HMF_OK; // it only provides a start
         if (accepted < 1) newton.sweeps(steering::sweeps_after_short_step);
         else if (round > steering::late_after) newton.sweeps(steering::late_sweeps);

@@ -21,7 +21,7 @@ Done PartSystem::list_unknowns(const TwistedModel& model, Array<uint32_t>& numbe
     return true;
 }
 
-Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, SignedMultigrid& multigrid, Call& call) {
+Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Call& call) {
     if (!list_unknowns(model, number, call.memory)) return false;
     uint32_t at = 0;
     for (size_t i = 0; i < unknown_.size(); ++i) {
@@ -37,11 +37,11 @@ Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Signed
         right_[i] = model.right[v];
     }
     offset_[unknown_.size()] = at;
-    return multigrid.setup(matrix(), call.memory, &call);
+    return multigrid_.setup(matrix(), call.memory, &call);
 }
 
-Done PartSystem::solve(TwistedModel& model, SignedMultigrid& multigrid, double accuracy, Call& call) {
-    multigrid.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
+Done PartSystem::solve(TwistedModel& model, double accuracy, Call& call) {
+    multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
     for (size_t i = 0; i < unknown_.size(); ++i) model.d[unknown_[i]] = d_[i];
     return !call.cancelled() && !call.finishing();
 }

@@ -9,9 +9,9 @@ namespace hmf {
 class PartSystem {
 public:
     // The unknowns of the model whose number is not NONE; number: one per vertex, is changed.  Sets up the multigrid.
-    Done take(const TwistedModel& model, Array<uint32_t>& number, SignedMultigrid& multigrid, Call& call);
+    Done take(const TwistedModel& model, Array<uint32_t>& number, Call& call);
     // Goes on from what it found last, at first from 0, and sets model.d of the unknowns.
-    Done solve(TwistedModel& model, SignedMultigrid& multigrid, double accuracy, Call& call);
+    Done solve(TwistedModel& model, double accuracy, Call& call);
 
 private:
     Done list_unknowns(const TwistedModel& model, Array<uint32_t>& number, Memory& memory);
@@ -20,6 +20,7 @@ private:
                 diagonal_.data()};
     }
 
+    SignedMultigrid multigrid_; // its own, so that of the whole level lasts
     Array<uint32_t> unknown_, offset_, column_;
     Array<double> entry_, diagonal_, right_, d_;
 };

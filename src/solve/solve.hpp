@@ -100,6 +100,10 @@ inline hmf_status interrupted(Call& call) { return call.memory.failure() ? call.
 [[nodiscard]] hmf_status whitehead_level(LevelWork& work, double tolerance);
 [[nodiscard]] hmf_status newton_level(LevelWork& work, double tolerance);
 
+// Nothing moves any more.  Where it is because a unit is too much, fractions of it reach the goal; else
+// HMF_LIMIT_STALLED.
+[[nodiscard]] hmf_status end_beyond_rounding(LevelWork& work, double goal);
+
 // Cascade from state.level to options.stop_level.  Ends on the intrinsic side
 // of level 0.  Result as above; other than memory errors and a plain
 // cancellation (call.cancelled()) it always arrives at the stop level.

@@ -17,6 +17,8 @@ namespace steering {
 constexpr double coarsest_residual = 1e-8;
 constexpr uint64_t coarsest_share = 8;
 constexpr double middle_residual = 1e-2;
+// Where that level is long and zeros are nearly everywhere, as on a small mesh with a hundred handles.
+constexpr double coarsest_residual_of_many = 0.3;
 constexpr uint32_t finest_rounds = 60; // guard
 constexpr uint32_t coarsest_rounds = 40;
 constexpr uint32_t middle_rounds = 3;
@@ -65,6 +67,7 @@ constexpr double end_of_doubles = 1e-13;
 // Iterations of conjugate gradients.  With the setup of an earlier model: a new one costs
 // about ten, and where zeros have moved it needs a fifth as many.
 constexpr uint32_t iterations_with_old_setup = 16;
+constexpr double changed_share = 0.005;             // of the rows: the old setup is not tried
 constexpr uint32_t iterations_with_new_setup = 200; // guard
 constexpr uint32_t iterations_with_smoother = 10;
 constexpr uint32_t iterations_between_bounds = 100; // guard
@@ -95,6 +98,7 @@ constexpr uint32_t far_rings = 6, far_passes = 40;
 constexpr uint32_t far_after = 2; // rounds
 // Where zeros are nearly everywhere: not more than so many moves for each vertex of the level, or so many passes.
 constexpr uint32_t moves_per_vertex = 8, least_passes = 4;
+constexpr double everywhere = 0.75; // of the vertices are picked: least_passes
 // Sweeps over all vertices after a step that was shortened, and after late ones.
 constexpr uint32_t sweeps_after_short_step = 10;
 constexpr uint32_t late_sweeps = 2;
