@@ -8,6 +8,21 @@
 #include <cstdio>
 #include <cstdlib>
 
+// A kept block is out of bounds for the address sanitizer, as one that was given back is.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HMF_ADDRESS_SANITIZER
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define HMF_ADDRESS_SANITIZER
+#endif
+#if defined(HMF_ADDRESS_SANITIZER)
+#include <sanitizer/asan_interface.h>
+#else
+#define ASAN_POISON_MEMORY_REGION(block, bytes) ((void)0)
+#define ASAN_UNPOISON_MEMORY_REGION(block, bytes) ((void)0)
+#endif
+
 namespace hmf {
 
 namespace {
@@ -52,6 +67,7 @@ Memory::Kept Memory::pick(size_t i) {
     for (size_t k = i + 1; k < kept_count_; ++k) kept_[k - 1] = kept_[k];
     --kept_count_;
     kept_bytes_ -= kept.bytes;
+    ASAN_UNPOISON_MEMORY_REGION(kept.block, kept.bytes);
     return kept;
 }
 
@@ -100,6 +116,7 @@ void Memory::give_array(void* block, size_t bytes) {
     } else {
         if (kept_count_ == most_kept) drop_oldest();
         used_ -= bytes;
+        ASAN_POISON_MEMORY_REGION(block, bytes);
         kept_[kept_count_++] = {block, bytes};
         kept_bytes_ += bytes;
     }
