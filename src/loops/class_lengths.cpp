@@ -168,24 +168,29 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     ++visit_;
     for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
     size_t starts = 0;
+    uint32_t shortest = NONE; // so far
+    bool is_known = false;
     for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
         const Class& c = classes_[table_[i]];
         if (c.key != made.key) continue;
         id = table_[i];
+        if (shortest == NONE || c.length < classes_[shortest].length) shortest = id;
         starts += c.starts;
-        if (starts >= (has_pulled() ? MOST_STARTS : MOST_MARKED_STARTS)) return true;
         size_t met = 0;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
-        if (2 * met >= n) return true;
+        is_known |= starts >= (has_pulled() ? MOST_STARTS : MOST_MARKED_STARTS) || 2 * met >= n;
+        if (is_known && !has_pulled()) return true;
+    }
+    if (is_known) {
+        id = shortest;
+        return true;
     }
     made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
     if (!pull(geodesic_, mesh_, position_, crossings, n, true, made)) return false;
-    if (starts > 0 && has_pulled()) { // as a rule it comes to the same curve
-        const double before = classes_[id].length;
-        if (made.length < before * (1 + SAME) && before < made.length * (1 + SAME)) {
-            ++classes_[id].starts;
-            return true;
-        }
+    if (starts > 0 && has_pulled() && made.length >= classes_[shortest].length * (1 - SAME)) {
+        id = shortest;
+        ++classes_[id].starts;
+        return true;
     }
     id = static_cast<uint32_t>(classes_.size());
     bool simple = false;

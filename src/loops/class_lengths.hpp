@@ -32,7 +32,8 @@ public:
     ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
-    // The number of a loop's class, with others for strips of the class that lie elsewhere.
+    // The number of a loop's class: of the shortest curve of the class so far.  With marked vertices strips of a class
+    // that lie elsewhere have numbers of their own.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Which of these is the shortest, as far as is known.  Those that may be
