@@ -351,9 +351,9 @@ TEST(Resources, ArraysTakeWhatOthersGaveBack) {
     EXPECT_EQ(meter.used, 0u);
 }
 
-// What a large mesh takes, the hierarchy and beside it.
+// What a large mesh takes, the hierarchy and beside it.  Where zeros have far to go it is up to a tenth more.
 TEST(Resources, BytesOfASolve) {
-    const TriMesh mesh = pretzel(2, 4);
+    const TriMesh mesh = pretzel(1, 5);
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
     const double edges = static_cast<double>(read_level(hierarchy, 0).edge_count);
