@@ -3,9 +3,10 @@
 // vertices and triangles.  Classes are compared on one reference mesh, by
 // canonical walks.
 //
-// With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to HMF_LOOP_CLASSES_VERTICES, 60 000; those named in
-// HMF_LOOP_CLASSES_ONLY), and under refinement: many minutes.  A mesh with several sets of classes gets a line, and
-// fails unless they are equally long within 1 %.
+// With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to
+// HMF_LOOP_CLASSES_VERTICES, 60 000; those named in HMF_LOOP_CLASSES_ONLY), and
+// under refinement: many minutes.  A mesh with several sets of classes gets a
+// line, and fails unless they are equally long within 1 %.
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 
