@@ -21,6 +21,9 @@
 // essential, and parallel to no other loop.  To run along a marked vertex is to
 // cross each of its edges.
 //
+// The cut system does not cross short necks of handles (necks.hpp), which would
+// be in no pants decomposition then.
+//
 // Joining nothing but marked vertices gives loops round pairs of them.
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
