@@ -294,26 +294,50 @@ TEST(SquareCorners, DisorderBecomesSquares) {
     }
 }
 
+namespace {
+
+double worst_of(const double (&corners)[4][3], double unit) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    bool room = true;
+    for (uint32_t k = 0; k < 4; ++k) {
+        const double p[3] = {corners[k][0] * unit, corners[k][1] * unit, corners[k][2] * unit};
+        room = room && quads.add_vertex(p, 0, 0) && quads.quads.push(k);
+    }
+    EXPECT_TRUE(room);
+    return hmf::worst_corner(quads, 0);
+}
+
+} // namespace
+
 // A rectangle has good corners by their sines however low it is, until two of its corners are one place.
 TEST(QuadShape, AQuadWithoutASideIsBad) {
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
     for (const double unit : {1.0, 0x1p100, 0x1p-100}) {
         const auto worst = [&](double side) {
-            hmf::QuadMesh quads;
-            quads.start(memory);
-            const double x[4] = {0, 1, 1, 0}, y[4] = {0, 0, side, side};
-            bool room = true;
-            for (uint32_t k = 0; k < 4; ++k) {
-                const double p[3] = {x[k] * unit, y[k] * unit, 0};
-                room = room && quads.add_vertex(p, 0, 0) && quads.quads.push(k);
-            }
-            EXPECT_TRUE(room);
-            return hmf::worst_corner(quads, 0);
+            return worst_of({{0, 0, 0}, {1, 0, 0}, {1, side, 0}, {0, side, 0}}, unit);
         };
         EXPECT_NEAR(worst(1), 1, 1e-12);
         EXPECT_NEAR(worst(1e-3), 1, 1e-12);
         EXPECT_EQ(worst(1e-8), -1);
         EXPECT_EQ(worst(0), -1);
+    }
+}
+
+// A square folded along a diagonal, until two opposite corners meet; and one with a corner that gets straight.
+TEST(QuadShape, AFoldedQuadIsBad) {
+    for (const double unit : {1.0, 0x1p100, 0x1p-100}) {
+        const auto folded = [&](double apart) {
+            return worst_of({{1, 0, apart}, {0, 1, 0}, {1, 0, -apart}, {0, -1, 0}}, unit);
+        };
+        EXPECT_GT(folded(0.01), 0);
+        EXPECT_EQ(folded(1e-4), -1);
+        EXPECT_EQ(folded(0), -1);
+        const auto bent = [&](double y) { return worst_of({{-1, 0, 0}, {0, y, 0}, {1, 0, 0}, {0, 1, 0}}, unit); };
+        EXPECT_GT(bent(-1e-4), 1e-4);
+        EXPECT_EQ(bent(-1e-7), 0);
+        EXPECT_EQ(bent(0), 0);
+        EXPECT_LT(bent(0.1), -0.1);
     }
 }
 
@@ -353,28 +377,43 @@ TEST(UnfoldQuads, PatchFaceDownIsTurned) {
     const size_t before = inwards();
     EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
     bool turned = false;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, quads, turned, call), HMF_OK);
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
     EXPECT_TRUE(turned);
     EXPECT_EQ(inwards(), 0u);
     EXPECT_EQ(quads.positions[0], 0); // what is held stays
 }
 
-// Two vertices of a straight boundary in the wrong order: they change places by sliding along it, all else stays.
-TEST(UnfoldQuads, VerticesSlideAlongTheBoundary) {
-    constexpr uint32_t N = 12;
-    test::MadeMesh made(
-        test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}});
-    Mesh mesh = made.mesh();
-    const double* const position = made.positions.data();
-    const uint32_t side = half_edge_at(mesh, position, false, -1, 0);
-    std::vector<uint32_t> face(mesh.face, mesh.face + 2 * mesh.edge_count);
-    for (uint32_t& f : face)
-        if (f != mesh.face[side]) f = hmf::NONE;
-    mesh.face = face.data();
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    hmf::Call call(memory, nullptr, nullptr, nullptr);
+namespace {
+
+// The surface is one triangle with a side at y = -40.
+class OnATriangle : public ::testing::Test {
+protected:
+    OnATriangle() :
+        made(test::Triangles{{-40, -40, 0, 80, -40, 0, -40, 80, 0, 0, 0, -40}, {0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3}}),
+        mesh(made.mesh()), position(made.positions.data()), side(half_edge_at(mesh, position, false, -1, 0)),
+        face(mesh.face, mesh.face + 2 * mesh.edge_count), memory(nullptr, nullptr, nullptr, 0),
+        call(memory, nullptr, nullptr, nullptr) {
+        for (uint32_t& f : face)
+            if (f != mesh.face[side]) f = hmf::NONE;
+        mesh.face = face.data();
+        quads.start(memory);
+    }
+
+    test::MadeMesh made;
+    Mesh mesh;
+    const double* position;
+    uint32_t side;
+    std::vector<uint32_t> face;
+    hmf::Memory memory;
+    hmf::Call call;
     hmf::QuadMesh quads;
-    quads.start(memory);
+};
+
+} // namespace
+
+// Two vertices of a straight boundary in the wrong order: they change places by sliding along it, all else stays.
+TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
+    constexpr uint32_t N = 12;
     bool room = true;
     for (uint32_t i = 0; i <= N; ++i)
         for (uint32_t j = 0; j <= N; ++j) {
@@ -391,7 +430,7 @@ TEST(UnfoldQuads, VerticesSlideAlongTheBoundary) {
         }
     ASSERT_TRUE(room);
     bool turned = false;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, quads, turned, call), HMF_OK);
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
     EXPECT_TRUE(turned);
     hmf::QuadFigures figures;
     ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
@@ -400,4 +439,37 @@ TEST(UnfoldQuads, VerticesSlideAlongTheBoundary) {
         EXPECT_EQ(quads.positions[3 * i * (N + 1) + 1], -40);
         if (i > 0) EXPECT_GT(quads.positions[3 * i * (N + 1)], quads.positions[3 * (i - 1) * (N + 1)]);
     }
+}
+
+// Four quads stick out of the surface, and their middle must follow: it does so as a last resort, and no farther than
+// it must.  What is not needed for that stays on the surface.
+TEST_F(OnATriangle, VerticesLeaveItAsALastResort) {
+    constexpr uint32_t N = 14, LOW = 3; // the middle of those four is (6, LOW)
+    bool room = true;
+    for (uint32_t i = 0; i <= N; ++i)
+        for (uint32_t j = 0; j <= N; ++j) {
+            const bool sticks_out = i >= 5 && i <= 7 && j >= LOW - 1 && j <= LOW + 1 && !(i == 6 && j == LOW);
+            const bool rim = i == 0 || j == 0 || i == N || j == N;
+            const double p[3] = {1.0 * i, -40.0 + j - (sticks_out ? LOW + 2.0 : 0.0), 0};
+            room = room && quads.add_vertex(p, side, rim || sticks_out ? hmf::AT_CORNER : uint8_t{0});
+        }
+    for (uint32_t i = 5; i < 7; ++i)
+        for (uint32_t j = LOW - 1; j < LOW + 1; ++j) {
+            const uint32_t a = i * (N + 1) + j, b = a + N + 1;
+            room = room && quads.add_quad(a, b, b + 1, a + 1);
+        }
+    ASSERT_TRUE(room);
+    const auto height = [&] { return quads.positions[3 * (6 * (N + 1) + LOW) + 1]; };
+    hmf::QuadFigures figures;
+    bool turned = false;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    EXPECT_EQ(figures.inverted, 2u);
+    EXPECT_GE(height(), -40);
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::off_surface, quads, turned, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    EXPECT_TRUE(turned);
+    EXPECT_EQ(figures.inverted, 0u);
+    EXPECT_LT(height(), -41);
+    EXPECT_GT(height(), -41.5);
 }

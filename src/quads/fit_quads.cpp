@@ -1,7 +1,7 @@
 // In turns: vertices reach for tips, where they are held, or snap to sharp edges, along which they
 // slide from then on, and the others are relaxed round them.  A vertex leaves its sharp edge again where
 // that costs a corner too much.  Where a quad stays inverted all is done again without sharp edges, then
-// also without a look at the side that quads look to, and the best kept.
+// also without a look at the side that quads look to, and the best kept; in the end vertices may leave the surface.
 #include "fit_quads.hpp"
 
 #include "boundary_corners.hpp"
@@ -58,12 +58,12 @@ hmf_status untangle(const Mesh& mesh, const double* position, int steps, int aft
                     QuadFigures& figures, Call& call) {
     bool turned = false, again = false;
     if (relax_quads(mesh, position, steps, Untangle::all, outwards, quads, call)
-        || unfold_quads(mesh, position, quads, turned, call))
+        || unfold_quads(mesh, position, Unfold::on_surface, quads, turned, call))
         return call.status();
     // What was turned is even in size, and angles are not the best yet.
     if (turned
         && (relax_quads(mesh, position, after, Untangle::some, outwards, quads, call)
-            || unfold_quads(mesh, position, quads, again, call)))
+            || unfold_quads(mesh, position, Unfold::on_surface, quads, again, call)))
         return call.status();
     if (quad_figures(quads, figures, call)) return call.status();
     if (figures.inverted == 0 || !outwards) return HMF_OK;
@@ -144,6 +144,7 @@ Done copy(const QuadMesh& from, QuadMesh& to, Memory& memory) {
 }
 
 // One attempt after the other, until no quad is inverted: the first one with all quads and the fewest inverted.
+// Where some stay so on the surface, vertices round them leave it.
 hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
                       QuadMesh& quads, uint64_t& inverted, Call& call) {
     QuadMesh start, now;
@@ -160,6 +161,12 @@ hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection
         }
         if (inverted == 0 && quads.quad_count() == start.quad_count() << 2 * halvings) break;
     }
+    if (inverted == 0 || steps == 0) return HMF_OK;
+    bool turned = false;
+    QuadFigures figures;
+    if (unfold_quads(mesh, position, Unfold::off_surface, quads, turned, call) || quad_figures(quads, figures, call))
+        return call.status();
+    inverted = figures.inverted;
     return HMF_OK;
 }
 

@@ -2,6 +2,7 @@
 
 #include "surface_walk.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hmf {
@@ -36,8 +37,9 @@ Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, cons
     return dot(normal, there) < 0 ? there : normal;
 }
 
-// Where a side is this part of the longest one, its ends are at the same place for all who see the quad.
-constexpr double NO_SIDE = 1e-6;
+// Where a side, or a diagonal, is this part of the longest side, its ends are at the same place for all who see the
+// quad; and a corner with this sine is one of 0 or 180 degrees.
+constexpr double NO_SIDE = 1e-6, NO_DIAGONAL = 1e-3, NO_SINE = 1e-5;
 
 double least_sine(const Point* p, const Point& n) {
     double worst = 1, shortest = HUGE_VAL, longest = 0;
@@ -49,7 +51,12 @@ double least_sine(const Point* p, const Point& n) {
         if (side < shortest) shortest = side;
         if (side > longest) longest = side;
     }
-    return shortest > NO_SIDE * NO_SIDE * longest ? worst : -1;
+    for (int k = 0; k < 2; ++k) {
+        const Point diagonal = p[k + 2] - p[k];
+        if (!(dot(diagonal, diagonal) > NO_DIAGONAL * NO_DIAGONAL * longest)) return -1;
+    }
+    if (!(shortest > NO_SIDE * NO_SIDE * longest)) return -1;
+    return worst > NO_SINE ? worst : std::min(worst, 0.0);
 }
 
 // Of the diagonals, of length 1; 0 where they are parallel.

@@ -30,6 +30,11 @@ constexpr double CLEARLY = 0.5; // length of the sum of four normals that have a
 constexpr double SIZE = 0.5;    // weight of sizes beside shapes
 constexpr int RINGS = 2;        // round bad quads, in the first round; in each further one twice as many
 constexpr int ROUNDS = 4, SWEEPS = 60, EVEN = 6;
+// Off the surface: as many rings more in each round, the weight of the pull and how it changes, and ways back.  From
+// those rounds on corners slide along the boundary, and vertices of the boundary leave it.
+constexpr int ROUNDS_OFF = 5, WAYS_BACK = 8, CORNERS_SLIDE = 1, BOUNDARY_LEAVES = 3;
+constexpr uint64_t MORE_OFF = 4; // times as many moves
+constexpr double PULL = 10, WEAKER = 0.3;
 constexpr uint64_t MOVES = 200000, MOVES_EACH = 20; // after which no other round begins; and for each quad
 
 struct Bad {
@@ -42,8 +47,8 @@ struct Bad {
 
 class Unfolding {
 public:
-    Unfolding(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call) :
-        mesh_(mesh), position_(position), quads_(quads), call_(call) {}
+    Unfolding(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads, Call& call) :
+        mesh_(mesh), position_(position), leaves_(where == Unfold::off_surface), quads_(quads), call_(call) {}
 
     hmf_status run(bool& turned) {
         turned = false;
@@ -51,13 +56,16 @@ public:
         Bad least, now;
         if (!count_bad(least)) return call_.was_cancelled();
         if (least.corners == 0) return HMF_OK;
-        const uint64_t most = MOVES + MOVES_EACH * quads_.quad_count();
+        const uint64_t most = (leaves_ ? MORE_OFF : 1) * (MOVES + MOVES_EACH * quads_.quad_count());
         if (!stars_.build(quads_, call_.memory) || !best.keep(quads_, call_.memory)) return call_.out_of_memory();
+        if (leaves_ && !left_.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0}))
+            return call_.out_of_memory();
         bool is_best = true;
-        for (int round = 0; round < ROUNDS && moves_ < most; ++round) {
+        for (int round = 0; round < (leaves_ ? ROUNDS_OFF : ROUNDS) && moves_ < most; ++round) {
             if (list_region(round)) return call_.status();
             for (int k = 0; k < SWEEPS; ++k)
                 if (!sweep(k)) return call_.was_cancelled();
+            if (leaves_) go_back();
             if (!count_bad(now)) return call_.was_cancelled();
             is_best = now < least;
             if (is_best) {
@@ -65,7 +73,7 @@ public:
                 turned = true;
                 if (!best.keep(quads_, call_.memory)) return call_.out_of_memory();
             }
-            if (least.corners == 0) break;
+            if (least.corners == 0 || (leaves_ && least.inverted == 0)) break;
         }
         if (!is_best) best.give_back(quads_);
         return HMF_OK;
@@ -76,12 +84,16 @@ private:
         bad = {};
         for (size_t q = 0; q < quads_.quad_count(); ++q) {
             if (q % 16384 == 0 && !call_.tick(0)) return false;
-            const double w = worst_corner_from_outside(mesh_, position_, quads_, q);
+            const double w = worst(q);
             bad.inverted += !(worst_corner(quads_, q) > 0);
             bad.inwards += !(w > 0);
             bad.corners += !(w >= WELL);
         }
         return true;
+    }
+
+    double worst(size_t q) const {
+        return leaves_ ? worst_corner(quads_, q) : worst_corner_from_outside(mesh_, position_, quads_, q);
     }
 
     // Rings of vertices round bad quads that may move, their quads, and how large these are to be.
@@ -90,6 +102,7 @@ private:
         Array<uint8_t> inside, listed;
         moving_.start(memory);
         region_.start(memory);
+        pull_ = PULL * std::pow(WEAKER, round);
         if (!inside.allocate_filled(memory, quads_.vertex_count(), uint8_t{0})
             || !listed.allocate_filled(memory, quads_.quad_count(), uint8_t{0}))
             return call_.out_of_memory();
@@ -99,9 +112,8 @@ private:
             return region_.push(q);
         };
         for (uint32_t q = 0; q < quads_.quad_count(); ++q)
-            if (!(worst_corner_from_outside(mesh_, position_, quads_, q) >= WELL) && !add(q))
-                return call_.out_of_memory();
-        for (int ring = 0, rings = RINGS << round; ring < rings; ++ring) {
+            if (!(worst(q) >= WELL) && !add(q)) return call_.out_of_memory();
+        for (int ring = 0, rings = leaves_ ? RINGS * (1 + round) : RINGS << round; ring < rings; ++ring) {
             if (!call_.tick(0)) return call_.was_cancelled();
             for (size_t i = 0, n = region_.size(); i < n; ++i)
                 for (size_t k = 0; k < 4; ++k) {
@@ -109,7 +121,9 @@ private:
                     if (inside[v]) continue;
                     inside[v] = 1;
                     uint8_t& held = quads_.held[v];
-                    if (round > 0 && !is_at_boundary(held)) held = 0; // with them it did not help
+                    if ((leaves_ || round > 0) && !is_at_boundary(held)) held = 0; // with them it did not help
+                    if (leaves_ && round >= CORNERS_SLIDE && held == AT_CORNER) held = AT_BOUNDARY;
+                    if (leaves_ && (!held || round >= BOUNDARY_LEAVES)) left_[v] = 1;
                     if ((!held || held == AT_BOUNDARY) && !moving_.push(v)) return call_.out_of_memory();
                     for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
                         if (!add(*q)) return call_.out_of_memory();
@@ -149,10 +163,10 @@ private:
                      at(quads_, corner(q, 3)) - at(quads_, corner(q, 1)));
     }
 
-    // Of the surface where the corners lie; of the quad where these have no common side.
+    // Of the surface where the corners lie; of the quad where these have no common side, or off the surface.
     void find_normal(uint32_t q) {
         Point outwards = outwards_at(mesh_, position_, quads_, &quads_.quads[4 * size_t{q}]);
-        if (!(dot(outwards, outwards) > CLEARLY * CLEARLY)) outwards = diagonals(q);
+        if (leaves_ || !(dot(outwards, outwards) > CLEARLY * CLEARLY)) outwards = diagonals(q);
         const double length = std::sqrt(dot(outwards, outwards));
         normal_[q] = length > 0 ? (1 / length) * outwards : Point{};
     }
@@ -169,6 +183,11 @@ private:
     struct Slope {
         double energy = 0, bend = 0; // and a bound of the second derivative
         Point gradient;
+        void add(const Slope& other) {
+            energy += other.energy;
+            bend += other.bend;
+            gradient = gradient + other.gradient;
+        }
     };
 
     // Of the quads round v, with it at p.
@@ -208,21 +227,40 @@ private:
         sum.bend += (role == 0 ? 2 : 1) / c + dot(dd, dd) * (SIZE / (D * c) + 2 * (s + a) * dc * dc / (c * c * c));
     }
 
+    bool may_leave(uint32_t v) const { return leaves_ && left_[v]; }
+
+    // Onto the surface, or its boundary.
+    uint32_t walk(uint32_t v, const Point& to, double* nearest) const {
+        const double p[3] = {to.x, to.y, to.z};
+        return (is_at_boundary(quads_.held[v]) ? walk_along_rim : walk_to_nearest)(mesh_, position_, quads_.sides[v], p,
+                                                                                   nearest);
+    }
+
+    // Of the pull to the surface, at p.
+    Slope pull(uint32_t v, const Point& p) const {
+        double size = 0, nearest[3];
+        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) size += size_[*q];
+        if (!(size > 0)) return {};
+        walk(v, p, nearest);
+        const double weight = pull_ * static_cast<double>(stars_.end(v) - stars_.begin(v)) / size;
+        const Point off = p - point(nearest, 0);
+        return {weight * dot(off, off), 2 * weight, 2 * weight * off};
+    }
+
     // Some way along the slope, whichever is best.
     void descend(uint32_t v) {
         const Point from = at(quads_, v);
-        const Slope slope = energy(v, from);
+        Slope slope = energy(v, from);
+        if (may_leave(v)) slope.add(pull(v, from));
         if (!(slope.bend > 0) || !std::isfinite(slope.bend)) return;
-        const uint32_t side = quads_.sides[v];
-        const auto walk = quads_.held[v] == AT_BOUNDARY ? walk_along_rim : walk_to_nearest;
         double least = slope.energy, best[3] = {from.x, from.y, from.z};
-        uint32_t best_side = side;
+        uint32_t best_side = quads_.sides[v];
         for (const double t : {8.0, 3.0, 1.0, 0.3, 0.1}) {
             const Point to = from - (t / slope.bend) * slope.gradient;
-            const double p[3] = {to.x, to.y, to.z};
-            double nearest[3];
-            const uint32_t there = walk(mesh_, position_, side, p, nearest);
-            const double e = energy(v, point(nearest, 0)).energy;
+            double place[3];
+            const uint32_t there = walk(v, to, place);
+            if (may_leave(v)) put(to, place);
+            const double e = energy(v, point(place, 0)).energy + (may_leave(v) ? pull(v, to).energy : 0);
             ++moves_;
             if (!(e < least)) {
                 if (least < slope.energy) break;
@@ -230,27 +268,61 @@ private:
             }
             least = e;
             best_side = there;
-            std::copy(nearest, nearest + 3, best);
+            std::copy(place, place + 3, best);
         }
         quads_.put(v, best, best_side);
     }
 
+    static void put(const Point& p, double* place) {
+        place[0] = p.x;
+        place[1] = p.y;
+        place[2] = p.z;
+    }
+
+    double worst_round(uint32_t v) const {
+        double least = 1;
+        for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
+            least = std::min(least, worst_corner(quads_, *q));
+        return least;
+    }
+
+    void go_back() {
+        for (int k = 0; k < WAYS_BACK; ++k)
+            for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
+                if (!left_[v]) continue;
+                const Point from = at(quads_, v);
+                const uint32_t side = quads_.sides[v];
+                const double enough = std::min(worst_round(v), WELL);
+                double nearest[3], place[3];
+                const uint32_t there = walk(v, from, nearest);
+                for (const double t : {1.0, 0.5, 0.2, 0.0}) {
+                    put(from + t * (point(nearest, 0) - from), place);
+                    quads_.put(v, place, t > 0 ? there : side);
+                    if (worst_round(v) >= enough) break;
+                }
+            }
+    }
+
     const Mesh& mesh_;
     const double* position_;
+    const bool leaves_; // the surface
     QuadMesh& quads_;
     Call& call_;
     QuadStars stars_;
     Array<uint32_t> moving_, region_; // vertices, and quads round them
     Array<double> size_;              // D of the quads of the region
     Array<Point> normal_;
-    double regular_ = 1; // E / D
+    Array<uint8_t> left_; // per vertex: it may have left the surface
+    double regular_ = 1;  // E / D
+    double pull_ = 0;
     uint64_t moves_ = 0;
 };
 
 } // namespace
 
-hmf_status unfold_quads(const Mesh& mesh, const double* position, QuadMesh& quads, bool& turned, Call& call) {
-    return Unfolding(mesh, position, quads, call).run(turned);
+hmf_status unfold_quads(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads, bool& turned,
+                        Call& call) {
+    return Unfolding(mesh, position, where, quads, call).run(turned);
 }
 
 } // namespace hmf

@@ -5,10 +5,15 @@
 
 namespace hmf {
 
-// Vertices round quads that are inverted, or look inwards, move on the surface until none is, as far
-// as that can be reached; in the end no more quads are inverted than before.
+// Whether vertices stay on the surface, or some may leave it: the last resort where quads are too large for
+// what lies between them, as boundaries and folds.
+enum class Unfold { on_surface, off_surface };
+
+// Vertices round quads that are inverted, or look inwards, move until none is, as far
+// as that can be reached; in the end no more quads are inverted than before.  Off the surface it does not matter
+// where quads look, and vertices leave it only where it helps and no farther than they must.
 // turned: whether that made it better.
-[[nodiscard]] hmf_status unfold_quads(const Mesh& mesh, const double* position, QuadMesh& quads, bool& turned,
-                                      Call& call);
+[[nodiscard]] hmf_status unfold_quads(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads,
+                                      bool& turned, Call& call);
 
 } // namespace hmf
