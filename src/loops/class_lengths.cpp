@@ -19,6 +19,7 @@ constexpr double SAME = 1e-4;                             // shorter by less: on
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t ROUNDS = 100;
+constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
 } // namespace
@@ -38,6 +39,8 @@ Done ClassLengths::start() {
     classes_.start(memory);
     crossings_.start(memory);
     loop_.start(memory);
+    start_.start(memory);
+    curves_.start(memory);
     walk_.start(memory);
     measure_extent();
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
@@ -186,23 +189,80 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         return true;
     }
     made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
-    if (!pull(geodesic_, mesh_, position_, crossings, n, true, made)) return false;
-    if (starts > 0 && has_pulled() && made.length >= classes_[shortest].length * (1 - SAME)) {
+    if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
+    Curve curve{};
+    if (starts > 0 && has_pulled()) {
         id = shortest;
-        ++classes_[id].starts;
-        return true;
+        Class& c = classes_[id];
+        ++c.starts;
+        if (made.length >= c.length * (1 + BESIDE)) return true;
+        if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
+        curve.before = c.last;
+        c.last = static_cast<uint32_t>(curves_.size());
+        if (made.length < c.length * (1 - SAME)) {
+            c.first = curve.first;
+            c.end = curve.end;
+            c.length = made.length;
+            c.doubt = made.doubt;
+        }
+        return curves_.push(curve) && (!c.wide || look_beside(c));
     }
     id = static_cast<uint32_t>(classes_.size());
+    if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
+    curve.before = NONE;
+    made.first = curve.first;
+    made.end = curve.end;
+    made.last = static_cast<uint32_t>(curves_.size());
+    if (!curves_.push(curve) || !classes_.push(made)) return false;
+    table_[i] = id;
+    return 2 * classes_.size() < table_.size() || grow_table();
+}
+
+// The strip that was pulled straight, or, if that is not simple, the one that it was.
+Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end) {
     bool simple = false;
     one_.keep_first(0);
     if (!one_.add(loop_) || !disjoint(mesh_, one_, 0, 1, curve_, nullptr, call_.memory, simple)) return false;
-    made.first = crossings_.size();
+    first = crossings_.size();
     for (size_t k = 0; k < (simple ? loop_.size() : n); ++k)
         if (!crossings_.push(simple ? loop_[k] : crossings[k])) return false;
-    made.end = crossings_.size();
-    if (!classes_.push(made)) return false;
-    table_[i] = id;
-    return 2 * classes_.size() < table_.size() || grow_table();
+    end = crossings_.size();
+    return true;
+}
+
+// From each of its curves.
+Done ClassLengths::look_beside(Class& c) {
+    for (; c.last != NONE; c.last = curves_[c.last].before) {
+        const Curve curve = curves_[c.last];
+        Array<uint32_t>& from = start_;
+        from.clear();
+        for (uint64_t k = curve.first; k < curve.end; ++k)
+            if (!from.push(crossings_[k])) return false;
+        Class found = c;
+        if (!pull(geodesic_, mesh_, position_, from.data(), from.size(), true, found)) return false;
+        if (found.length >= c.length * (1 - SAME)) continue;
+        if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
+        const uint32_t last = c.last;
+        c = found;
+        c.last = last;
+    }
+    c.wide = true;
+    return true;
+}
+
+Done ClassLengths::look_beside(const uint32_t* ids, size_t n) {
+    if (care_ == LoopCare::quick || n == 0) return true;
+    for (;;) {
+        size_t best = 0;
+        for (size_t i = 1; i < n; ++i)
+            if (classes_[ids[i]].length < classes_[ids[best]].length) best = i;
+        // The best first: others may be out of reach then.
+        size_t next = best;
+        for (size_t i = 0; i < n && classes_[ids[next]].wide; ++i)
+            if (classes_[ids[i]].length < classes_[ids[best]].length * (1 + BESIDE)) next = i;
+        if (classes_[ids[next]].wide) return true;
+        if (!look_beside(classes_[ids[next]])) return false;
+    }
 }
 
 size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {

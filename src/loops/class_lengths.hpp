@@ -10,7 +10,8 @@
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the mesh of the caller.  A surface with
 // bumps has several closed geodesics in a class: on the level where a loop was found
-// and on the first one to measure on, those beside it are tried (closed_geodesic.hpp).
+// and on the first one to measure on, those beside it are tried (closed_geodesic.hpp),
+// in classes that may be the shortest of those to choose from.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
@@ -36,6 +37,9 @@ public:
     // that lie elsewhere have numbers of their own.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
+    // Looks on both sides of the curves that may be the shortest of these, for a shorter one of the class.
+    Done look_beside(const uint32_t* ids, size_t n);
+
     // Which of these is the shortest, as far as is known.  Those that may be
     // shorter once they are measured are noted.  n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
@@ -49,11 +53,6 @@ public:
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
-    // Of that, what is known from the level where it was found only.
-    Done measure_found(bool& changed) {
-        changed = false;
-        return measure_stage(Stage::found, changed);
-    }
 
 private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
@@ -65,6 +64,12 @@ private:
         Stage stage;
         uint8_t starts; // strips that were pulled to it
         bool wanted;
+        bool wide;     // what lies beside it is known
+        uint32_t last; // of its curves in curves_
+    };
+    struct Curve { // one that was found, while what lies beside it is not known
+        uint64_t first, end;
+        uint32_t before;
     };
     Done start();
     void measure_extent();
@@ -73,6 +78,8 @@ private:
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
               bool widely, Class& c);
     Done grow_table();
+    Done keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end);
+    Done look_beside(Class& c);
 
     const hmf_hierarchy* hierarchy_;
     const Mesh& mesh_;
@@ -86,7 +93,8 @@ private:
     Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
     ClosedGeodesic geodesic_;
     Array<Class> classes_;
-    Array<uint32_t> crossings_, loop_, table_;
+    Array<Curve> curves_;
+    Array<uint32_t> crossings_, loop_, start_, table_;
     Array<uint32_t> visited_; // per face
     Loops one_;               // to see whether it is simple
     Multicurve curve_;

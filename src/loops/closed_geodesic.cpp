@@ -10,8 +10,11 @@ namespace {
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-9;
 constexpr double LITTLE = 1e-7;              // relative, what is not worth another round
+constexpr double LITTLE_HELD = 1e-3;         // likewise while a point is held
+constexpr double BENT = 0.005;               // relative, longer by more there: it does not get shorter than another
 constexpr size_t MIDWAY = 2, MOST_ASIDE = 8; // strips that it is pushed aside
 constexpr size_t MOST_MOVES = 4;             // how often it starts again from a shorter curve
+constexpr double MOVED = 1e-4;               // relative, shorter by more
 constexpr size_t MOST_MORE = 64;             // crossings of a detour, beyond those of the loop
 
 } // namespace
@@ -127,22 +130,25 @@ double ClosedGeodesic::pulled_length(Point from, Point to) const {
     return sum + distance(to.x - from.x, to.y - from.y);
 }
 
-// Where the curve that was pulled from a portal to the same one a period on
-// crosses the edges in between.
-void ClosedGeodesic::read_shares(Point from, size_t portal, Point to, size_t n) {
+// Where a line crosses a portal.
+double ClosedGeodesic::crossed_at(Point at, Point ahead, const Portal& p) {
     const auto cross = [](Point a, Point b, Point c, Point d) { // (b - a) x (d - c)
         return (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
     };
+    const double down = cross(at, ahead, p.right, p.left), along = cross(at, ahead, p.right, at);
+    const double share = down != 0 ? along / down : 0.5;
+    return std::min(std::max(share, 0.0), 1.0);
+}
+
+// Where the curve that was pulled from a portal to the same one a period on
+// crosses the edges in between.
+void ClosedGeodesic::read_shares(Point from, size_t portal, Point to, size_t n) {
     size_t next = 0; // the bend, or the end, that the curve goes to
     const auto corner = [&](size_t b) { return b < bend_.size() ? Point{bend_[b].x, bend_[b].y} : to; };
     Point at = from;
     for (size_t i = portal; i < portal + n; ++i) {
         while (next < bend_.size() && bend_[next].portal < i) at = corner(next++);
-        const Portal& p = portal_[i];
-        const Point ahead = corner(next);
-        const double down = cross(at, ahead, p.right, p.left), along = cross(at, ahead, p.right, at);
-        const double share = down != 0 ? along / down : 0.5;
-        share_[i % n] = std::min(std::max(share, 0.0), 1.0);
+        share_[i % n] = crossed_at(at, corner(next), portal_[i]);
     }
 }
 
@@ -212,8 +218,8 @@ Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& len
 
 // Is the angle outside the strip at a bend less than a half turn?  outside_:
 // the crossings on that side, in place of `count` ones from `first` on.
-Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count,
-                                  bool& shorter) {
+Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, Point from, Point to, size_t& first,
+                                  size_t& count, bool& shorter) {
     shorter = false;
     const Bend at = bend_[bend];
     const bool left = at.left;
@@ -245,9 +251,8 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, s
         const double px = p.x - at.x, py = p.y - at.y, qx = q.x - at.x, qy = q.y - at.y;
         return rotate(px * qx + py * qy, px * qy - py * qx);
     };
-    const Point before = bend > 0 ? Point{bend_[bend - 1].x, bend_[bend - 1].y} : Point{portal_[0].left};
-    const Point after =
-        bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : Point{portal_.back().left};
+    const Point before = bend > 0 ? Point{bend_[bend - 1].x, bend_[bend - 1].y} : from;
+    const Point after = bend + 1 < bend_.size() ? Point{bend_[bend + 1].x, bend_[bend + 1].y} : to;
     if (!between(before, left ? portal_[i - 1].left : portal_[i - 1].right)) return true;
     outside_.clear();
     uint32_t g = left ? mesh_.next[h(i)] : mesh_.prev(h(i));
@@ -269,26 +274,27 @@ Done ClosedGeodesic::look_outside(const uint32_t* loop, size_t n, size_t bend, s
     return true;
 }
 
-// All bends of the period in the middle that gain, as long as their crossings differ.
-Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
+// All bends of the period that begins at a portal that gain, as long as their crossings differ.  The curve goes
+// from one point to another, in these periods and maybe more.
+Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, size_t begin, Point from, Point to, bool& changed) {
     changed = false;
     detour_.clear();
     if (!detours_at_.allocate_filled(call_.memory, n, NONE)) return false;
     around_.clear();
     for (size_t b = 0; b < bend_.size(); ++b) {
-        if (bend_[b].portal < n || bend_[b].portal >= 2 * n) continue;
+        if (bend_[b].portal < begin || bend_[b].portal >= begin + n) continue;
         size_t first = 0, count = 0;
         bool shorter = false;
-        if (!look_outside(loop, n, b, first, count, shorter)) return false;
+        if (!look_outside(loop, n, b, from, to, first, count, shorter)) return false;
         if (!shorter) continue;
         bool taken = false;
         for (size_t k = 0; k < count; ++k) taken |= detours_at_[(first + k) % n] != NONE;
         if (taken) continue;
         for (size_t k = 0; k < count; ++k) detours_at_[(first + k) % n] = static_cast<uint32_t>(detour_.size());
-        const size_t begin = around_.size();
+        const size_t outside = around_.size();
         for (const uint32_t g : outside_)
             if (!around_.push(g)) return false;
-        if (!detour_.push({first, begin, around_.size()})) return false;
+        if (!detour_.push({first, outside, around_.size(), bend_[b].left})) return false;
         changed = true;
     }
     if (!changed) return true;
@@ -308,8 +314,71 @@ Done ClosedGeodesic::go_round(const uint32_t* loop, size_t n, bool& changed) {
     return true;
 }
 
-Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length) {
+// Where the curve that was pulled from one point to another goes through a portal.
+double ClosedGeodesic::share_at(Point from, Point to, size_t portal) const {
+    size_t next = 0;
+    while (next < bend_.size() && bend_[next].portal < portal) ++next;
+    const auto corner = [&](size_t b) { return Point{bend_[b].x, bend_[b].y}; };
+    return crossed_at(next > 0 ? corner(next - 1) : from, next < bend_.size() ? corner(next) : to, portal_[portal]);
+}
+
+// A point of the curve half a period after the one that is held, on a crossing that stays; if none
+// does, a vertex that the strip goes round now.
+ClosedGeodesic::Held ClosedGeodesic::held_next(const uint32_t* loop, size_t n, Point from, Point to) const {
+    for (size_t away = 0; away <= n / 2; ++away)
+        for (const size_t portal : {n / 2 - away, n / 2 + away})
+            if (portal < n && detours_at_[portal] == NONE) return {loop[portal], share_at(from, to, portal)};
+    const Detour& detour = detour_[detour_.size() / 2];
+    return {around_[detour.begin], detour.left ? 0.0 : 1.0};
+}
+
+// next_, without ways there and back, instead of the loop; not if nothing is left of it, as it was not essential.
+Done ClosedGeodesic::take_next(Array<uint32_t>& loop, bool& taken) {
+    size_t begin = 0, end = 0;
+    remove_backtracking(next_, begin, end);
+    taken = begin < end;
+    if (!taken) return true;
+    loop.clear();
+    for (size_t i = begin; i < end; ++i)
+        if (!loop.push(next_[i])) return false;
+    return true;
+}
+
+// One point of the curve is held while a period is pulled from there, another one the next time.
+Done ClosedGeodesic::straighten_held(Array<uint32_t>& loop, size_t rounds, double& length) {
+    length = HUGE_VAL;
+    Held held = {loop[0], 0.5};
+    for (size_t round = 0, still = 0; round < rounds && still < 2; ++round) {
+        if (!call_.tick(0, true)) return false;
+        const size_t n = loop.size();
+        size_t at = 0;
+        while (at < n && loop[at] != held.crossing) ++at;
+        if (at == n) held = {loop[at = 0], 0.5};
+        std::rotate(loop.data(), loop.data() + at, loop.data() + n);
+        if (!unfold(loop.data(), n, n + 1)) return false;
+        const auto on = [&](const Portal& p) {
+            return Point{p.right.x + held.share * (p.left.x - p.right.x),
+                         p.right.y + held.share * (p.left.y - p.right.y)};
+        };
+        const Point from = on(portal_[0]), to = on(portal_[n]);
+        if (!pull(from, 0, to, n)) return false;
+        const double now = pulled_length(from, to);
+        bool changed = false, taken = false;
+        if (!go_round(loop.data(), n, 0, from, to, changed)) return false;
+        still = changed && now < length * (1 - LITTLE_HELD) ? 0 : still + 1;
+        length = now;
+        held = held_next(loop.data(), n, from, to);
+        if (!changed) continue;
+        if (!take_next(loop, taken)) return false;
+        if (!taken) break;
+    }
+    return true;
+}
+
+Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& length, double interest) {
     double before = HUGE_VAL;
+    if (!straighten_held(loop, rounds, length)) return false;
+    if (length > interest * (1 + BENT)) return true;
     for (size_t round = 0; round < rounds; ++round) {
         if (!call_.tick(0, true)) return false;
         const size_t n = loop.size();
@@ -317,19 +386,16 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
         const auto middle = [&](size_t i) {
             return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};
         };
-        if (!pull(middle(0), 0, middle(3 * n), 3 * n)) return false;
-        const double now = pulled_length(middle(0), middle(3 * n));
+        const Point from = middle(0), to = middle(3 * n);
+        if (!pull(from, 0, to, 3 * n)) return false;
+        const double now = pulled_length(from, to);
         if (now > before * (1 - LITTLE)) break;
         before = now;
-        bool changed = false;
-        if (!go_round(loop.data(), n, changed)) return false;
+        bool changed = false, taken = false;
+        if (!go_round(loop.data(), n, n, from, to, changed)) return false;
         if (!changed) break;
-        size_t begin = 0, end = 0;
-        remove_backtracking(next_, begin, end);
-        if (begin == end) break; // it was not essential
-        loop.clear();
-        for (size_t i = begin; i < end; ++i)
-            if (!loop.push(next_[i])) return false;
+        if (!take_next(loop, taken)) return false;
+        if (!taken) break;
     }
     return length_in_strip(loop.data(), loop.size(), length);
 }
@@ -387,10 +453,10 @@ Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, dou
                     if (!pushed_.push(next_[i])) return false;
                 if (k != MIDWAY && k != MOST_ASIDE) continue;
                 double found = 0;
-                if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found)) return false;
+                if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found, length)) return false;
                 if (!(found < length * (1 - LITTLE))) continue;
+                shorter = found < length * (1 - MOVED);
                 length = found;
-                shorter = true;
                 if (!copy(best_, tried_) || !copy(best_share_, share_)) return false;
             }
         }

@@ -10,7 +10,9 @@
 //                                  find geodesic paths in triangle meshes by just flipping
 //                                  edges, 2020).
 //
-// Until nothing changes.  A marked vertex stays on its side.
+// Until nothing changes; first with a point of the curve held, in turn on opposite sides, for
+// which one period of the strip will do, then through three of them.  A marked vertex stays on
+// its side.
 //
 // A surface with bumps has several closed geodesics in a class.  So the strip is
 // also pushed aside, over the vertices on one side of it, once or several times,
@@ -22,6 +24,8 @@
 #pragma once
 
 #include "loops.hpp"
+
+#include <cmath>
 
 namespace hmf {
 
@@ -37,8 +41,8 @@ public:
         bool left;       // of the loop
     };
 
-    // Replaces the loop; its length.  At most `rounds` times step 2.
-    Done straighten(Array<uint32_t>& loop, size_t rounds, double& length);
+    // Replaces the loop; its length.  At most `rounds` times step 2.  Half done, if it gets longer than is of interest.
+    Done straighten(Array<uint32_t>& loop, size_t rounds, double& length, double interest = HUGE_VAL);
 
     // The shortest of those on both sides, up to a distance of some strips.
     Done straighten_widely(Array<uint32_t>& loop, size_t rounds, double& length);
@@ -58,6 +62,10 @@ private:
     struct Portal {
         Point left, right;
     };
+    struct Held { // a point of the curve, on an edge that it crosses: see shares()
+        uint32_t crossing;
+        double share;
+    };
 
     // Of the shortest curve within the strip, as it is.
     Done length_in_strip(const uint32_t* loop, size_t n, double& length);
@@ -72,9 +80,15 @@ private:
     double measure_edge(uint32_t edge) const;
     Done unfold(const uint32_t* loop, size_t n, size_t portals);
     Done pull(Point from, size_t first, Point to, size_t last);
-    Done look_outside(const uint32_t* loop, size_t n, size_t bend, size_t& first, size_t& count, bool& shorter);
+    Done look_outside(const uint32_t* loop, size_t n, size_t bend, Point from, Point to, size_t& first, size_t& count,
+                      bool& shorter);
     Done push_aside(const Array<uint32_t>& loop, bool left, bool& moved);
-    Done go_round(const uint32_t* loop, size_t n, bool& changed);
+    Done go_round(const uint32_t* loop, size_t n, size_t begin, Point from, Point to, bool& changed);
+    Done take_next(Array<uint32_t>& loop, bool& taken);
+    Done straighten_held(Array<uint32_t>& loop, size_t rounds, double& length);
+    Held held_next(const uint32_t* loop, size_t n, Point from, Point to) const;
+    double share_at(Point from, Point to, size_t portal) const;
+    static double crossed_at(Point at, Point ahead, const Portal& p);
     double pulled_length(Point from, Point to) const;
 
     const Mesh& mesh_;
@@ -86,6 +100,7 @@ private:
     Array<Bend> bend_;
     struct Detour {
         size_t first, begin, end; // the crossing where it begins; in around_
+        bool left;                // of the loop
     };
     Array<Detour> detour_;
     Array<uint32_t> detours_at_; // per crossing

@@ -65,6 +65,14 @@ void CutSurface::cut_face(const Mesh& mesh, const Multicurve& curves, uint32_t f
     h[1] = mesh.next[h[0]];
     h[2] = mesh.next[h[1]];
     for (int i = 0; i < 3; ++i) n[i] = curves.count[edge_of(h[i])];
+    if ((n[0] | n[1] | n[2]) == 0) { // most faces
+        for (size_t i = 0; i < 3; ++i) {
+            const uint32_t half_segment = 2 * segment_first[edge_of(h[i])] + (h[i] & 1u);
+            region[half_segment] = region_first[f];
+            if (!link.empty()) link[3 * size_t{region_first[f]} + i] = half_segment;
+        }
+        return;
+    }
     corner[0] = region_first[f] + 1;
     for (int i = 0; i < 3; ++i)
         corner[i + 1] = corner[i] + static_cast<uint32_t>((uint64_t{n[i]} + n[(i + 2) % 3] - n[(i + 1) % 3]) / 2);

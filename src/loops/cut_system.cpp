@@ -74,6 +74,7 @@ public:
         words_.start(memory_);
         ids_.start(memory_);
         choice_.start(memory_);
+        waits_.start(memory_);
         if (!out.start(memory_) || !curves_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count)
             || !face_bound_.allocate_filled(memory_, mesh_.face_count, 0.0)
             || (!is_quick() && !test_.allocate(mesh_, memory_)))
@@ -152,7 +153,7 @@ private:
             k = begin;
             if (const hmf_status chosen = choose_batch(k, end)) return chosen;
             changed = false;
-            if (k - begin > 1 && !lengths_.measure_found(changed)) return call_.stopped();
+            if (k - begin > 1 && !lengths_.measure(changed)) return call_.stopped();
         }
         return HMF_OK;
     }
@@ -218,6 +219,7 @@ private:
         const size_t first = ids_.size();
         const size_t most = is_quick() ? 1 : MOST_CANDIDATES;
         double shortest = UNREACHED, waiting = UNREACHED;
+        waits_.clear();
         for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
             Candidate& c = candidates_[i];
             if (!by_count_ && c.length > SLACK * shortest) break;
@@ -226,7 +228,8 @@ private:
             if (c.place == Place::gone) continue;
             if (c.id == NONE && !lengths_.add(strips_.data() + c.first, c.size, c.id)) return false;
             if (c.place == Place::waits) {
-                waiting = std::min(waiting, length(c));
+                if (is_quick()) waiting = std::min(waiting, c.length);
+                else if (!waits_.push(c.id)) return false;
                 continue;
             }
             shortest = std::min(shortest, c.length);
@@ -236,6 +239,10 @@ private:
         }
         any = ids_.size() > first;
         if (!any) return true;
+        if (!lengths_.look_beside(&ids_[first], ids_.size() - first)
+            || !lengths_.look_beside(waits_.data(), waits_.size()))
+            return false;
+        for (const uint32_t id : waits_) waiting = std::min(waiting, lengths_.length(id));
         const Choice choice = {first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)};
         any = length(strip_[first + choice.taken]) <= waiting;
         if (!any) {
@@ -517,9 +524,9 @@ private:
     struct Choice { // of ids_[first] .. ids_[end - 1]
         size_t first, end, taken;
     };
-    Array<Candidate> candidates_; // for the next loops
-    Array<uint32_t> strips_, kept_, ids_;
-    Array<Candidate> strip_; // per id
+    Array<Candidate> candidates_;                 // for the next loops
+    Array<uint32_t> strips_, kept_, ids_, waits_; // waits_: classes of candidates that wait
+    Array<Candidate> strip_;                      // per id
     Array<Choice> choice_;
     Array<double> kept_bound_;   // face_bound_ after each choice, if that is not too much
     Array<uint32_t> loop_, try_; // half-segments

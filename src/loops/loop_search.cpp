@@ -64,14 +64,14 @@ Done LoopSearch::search(uint32_t root, double limit) {
     starved_here_ = false;
     const uint32_t start = find_state(root, 0, true);
     state_[start] = {0, 0, 2 * epoch_, root, NONE, NONE};
-    heap_.add({0, start}); // at most one for each link
+    heap_.add(0, start); // at most one for each link
     closings_.clear();
     double shortest = limit, reach = limit; // of what is found, and of what is looked for
     while (!heap_.empty()) {
-        const NearestFirst::Entry entry = heap_.pop();
-        const uint32_t s = entry.item;
+        const uint32_t s = heap_.pop();
         if (settled(s)) continue;
-        if (2 * entry.distance >= reach) break;
+        const double here = state_[s].distance;
+        if (2 * here >= reach) break;
         state_[s].stamp = 2 * epoch_ + 1;
         order_.add(s);
         if (++work_ % 16384 == 0 && !call_.tick(0, true)) return false;
@@ -81,7 +81,7 @@ Done LoopSearch::search(uint32_t root, double limit) {
             const Arc& arc = arcs[i];
             if (arc.to == NONE) break;
             if (bound_[arc.to] >= reach) continue;
-            const double d = entry.distance + arc.length;
+            const double d = here + arc.length;
             const bool far = 2 * d >= reach; // it would not be settled
             const uint32_t to = edge_label_ ? find_state(arc.to, label_after(label, arc.half_segment), !far) : arc.to;
             if (to == NONE) continue;
@@ -94,7 +94,7 @@ Done LoopSearch::search(uint32_t root, double limit) {
                 state.signature = signature;
                 state.before = s;
                 state.through = arc.half_segment;
-                heap_.add({d, to});
+                heap_.add(d, to);
             } else if (signature != state.signature && d + state.distance < reach
                        && !signatures_->is_trivial(signature ^ state.signature)) {
                 const double length = d + state.distance;

@@ -110,7 +110,7 @@ private:
     Array<Closing> closings_;
     bool starved_ = false, starved_here_ = false;
     uint64_t work_ = 0;
-    NearestFirst heap_;
+    NearestFirstRounded heap_;
 };
 
 } // namespace hmf

@@ -387,6 +387,7 @@ private:
             if (!offer(first, {begin, strips_.size() - begin}, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
+        if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
         return choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
     }
 
