@@ -36,8 +36,7 @@ namespace {
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
-constexpr double APART = 0.03;         // nor so close to another search, in lengths of the best one
-constexpr double APART_OF_MANY = 0.15; // likewise
+constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MANY = 16;          // with a genus from here on a batch is half of the loops that are left, else one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
@@ -64,7 +63,6 @@ public:
         const uint32_t given = kept_loops ? static_cast<uint32_t>(kept_loops->count()) : 0;
         const uint32_t wanted = given + (2 + mesh_.edge_count - mesh_.vertex_count - mesh_.face_count) / 2;
         out_ = &out;
-        wanted_ = wanted;
         loop_.start(memory_);
         try_.start(memory_);
         candidates_.start(memory_);
@@ -433,7 +431,7 @@ private:
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
             if (search_.bound(roots_[i].region) >= ROOTS * best_
-                || (found_ && search_.nearest_root(roots_[i].region) < apart() * best_))
+                || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
             if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
@@ -445,7 +443,6 @@ private:
         return true;
     }
 
-    double apart() const { return wanted_ < MANY ? APART : APART_OF_MANY; }
     double slack() const { return is_quick() ? 1 : SLACK; }
 
     // The short loops through a region are candidates.
@@ -509,7 +506,6 @@ private:
     Call& call_;
     Memory& memory_;
     Loops* out_ = nullptr; // the loops so far
-    uint32_t wanted_ = 0;  // in the end
     Multicurve curves_, test_;
     CutSurface cut_;
     Signatures signatures_;

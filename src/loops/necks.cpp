@@ -39,6 +39,7 @@ public:
             if (walk_.empty()) continue;
             uint32_t id = 0;
             if (!lengths_.add(walk_.data(), walk_.size(), id)) return call_.stopped();
+            if (lengths_.length(id) < longest && !lengths_.look_beside(&id, 1)) return call_.stopped();
             const double found = lengths_.length(id);
             if (found < longest && !neck_.push({found, id, c})) return call_.out_of_memory();
         }

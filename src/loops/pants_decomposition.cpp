@@ -43,7 +43,7 @@ namespace hmf {
 namespace {
 
 constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
-constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.03; // as in cut_system.cpp
+constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.1; // see cut_system.cpp
 constexpr size_t MOST_CANDIDATES = 64;
 constexpr size_t MOST_WITH_NECKS = 16; // genus
 constexpr uint64_t MOST_STEPS = 100;   // as in cut_system.cpp
