@@ -18,7 +18,7 @@ public:
     Necks(const Mesh& mesh, const double* position, const Loops& cut, ClassLengths& lengths, Call& call) :
         mesh_(mesh), cut_(cut), lengths_(lengths), call_(call), memory_(call.memory), length_(mesh, position) {}
 
-    hmf_status run(Loops& out) {
+    hmf_status run(Loops& out, bool& crossed) {
         neck_.start(memory_);
         heap_.start(memory_);
         way_.start(memory_);
@@ -29,7 +29,8 @@ public:
         double longest = 0;
         for (size_t c = 0; c < cut_.count(); ++c) {
             uint32_t id = 0;
-            if (!lengths_.add(cut_.loop(c), cut_.length(c), id)) return call_.stopped();
+            if (!lengths_.add(cut_.loop(c), cut_.length(c), id) || !lengths_.look_beside(&id, 1))
+                return call_.stopped();
             loop_length_[c] = lengths_.length(id);
             longest = std::max(longest, loop_length_[c]);
         }
@@ -46,7 +47,7 @@ public:
         heap_sort(neck_.data(), neck_.size(), [](const Neck& a, const Neck& b) {
             return a.length < b.length || (a.length == b.length && a.loop < b.loop);
         });
-        return choose(out) ? HMF_OK : call_.stopped();
+        return choose(out, crossed) ? HMF_OK : call_.stopped();
     }
 
 private:
@@ -146,17 +147,16 @@ private:
         return true;
     }
 
-    Done choose(Loops& out) {
-        bool any = false;
+    Done choose(Loops& out, bool& crossed) {
+        crossed = false;
         for (const Neck& neck : neck_) {
             bool meets_shorter = false, meets_longer = false, meets_necks = false;
             if (!meets(neck, true, meets_shorter) || !meets(neck, false, meets_longer)) return false;
             if (meets_shorter) continue;
             if (!meets_loops(neck, out, meets_necks)) return false;
             if (meets_necks) out.keep_first(out.count() - 1);
-            else any |= meets_longer;
+            else crossed |= meets_longer;
         }
-        if (!any) out.keep_first(0);
         return true;
     }
 
@@ -177,10 +177,10 @@ private:
 
 } // namespace
 
-hmf_status crossed_necks(const Mesh& mesh, const double* position, const Loops& cut, ClassLengths& lengths, Call& call,
-                         Loops& out) {
+hmf_status find_necks(const Mesh& mesh, const double* position, const Loops& cut, ClassLengths& lengths, Call& call,
+                      Loops& out, bool& crossed) {
     Necks necks(mesh, position, cut, lengths, call);
-    return necks.run(out);
+    return necks.run(out, crossed);
 }
 
 } // namespace hmf

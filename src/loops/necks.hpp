@@ -16,9 +16,9 @@
 
 namespace hmf {
 
-// Necks of the loops of a cut system that are shorter than another of its loops and meet that: disjoint from
-// each other and from the loops that are shorter.  Shortest first.
-[[nodiscard]] hmf_status crossed_necks(const Mesh& mesh, const double* position, const Loops& cut,
-                                       ClassLengths& lengths, Call& call, Loops& out);
+// Necks of the loops of a cut system that are shorter than another of its loops: disjoint from each
+// other and from the loops that are shorter.  Shortest first.  crossed: one meets a loop that is longer.
+[[nodiscard]] hmf_status find_necks(const Mesh& mesh, const double* position, const Loops& cut, ClassLengths& lengths,
+                                    Call& call, Loops& out, bool& crossed);
 
 } // namespace hmf

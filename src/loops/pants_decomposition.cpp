@@ -22,7 +22,7 @@
 // cross each of its edges.
 //
 // The cut system does not cross short necks of handles (necks.hpp), which would
-// be in no pants decomposition then.
+// be in no pants decomposition then.  Those that it leaves free are candidates.
 //
 // Joining nothing but marked vertices gives loops round pairs of them.
 #include "../base/disjoint_sets.hpp"
@@ -51,8 +51,11 @@ constexpr int MOST_ROUNDS = 8;         // of measuring and choosing again
 
 class Pants {
 public:
-    Pants(const Mesh& mesh, const double* position, bool marks_only, ClassLengths& lengths, Loops& loops, Call& call) :
-        mesh_(mesh), position_(position), marks_only_(marks_only), lengths_(lengths), loops_(loops), call_(call),
+    // necks: candidates as well, or NULL.
+    Pants(const Mesh& mesh, const double* position, bool marks_only, const Loops* necks, ClassLengths& lengths,
+          Loops& loops, Call& call) :
+        mesh_(mesh),
+        position_(position), marks_only_(marks_only), necks_(necks), lengths_(lengths), loops_(loops), call_(call),
         memory_(call.memory), search_(cut_, length_, nullptr, call) {}
 
     hmf_status run() {
@@ -369,6 +372,28 @@ private:
         return !added || (ids_.push(id) && strip_.push(strip));
     }
 
+    // Those that are no loop yet, and meet none.  Curves are others after it.
+    Done offer_necks(size_t first) {
+        for (size_t c = 0; c < necks_->count(); ++c) {
+            bool are_disjoint = false, added = false, is_taken = false;
+            const Strip strip = {strips_.size(), necks_->length(c)};
+            for (size_t k = 0; k < strip.size; ++k)
+                if (!strips_.push(necks_->loop(c)[k])) return false;
+            if (!loops_.add(*necks_, c)
+                || !disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_, are_disjoint))
+                return false;
+            loops_.keep_first(loops_.count() - 1);
+            if (are_disjoint && !offer(first, strip, added)) return false;
+            for (const Choice& choice : choice_) is_taken |= added && ids_[choice.first + choice.taken] == ids_.back();
+            if (is_taken) {
+                ids_.pop();
+                strip_.pop();
+            }
+            while ((!added || is_taken) && strips_.size() > strip.first) strips_.pop();
+        }
+        return true;
+    }
+
     // Of the candidates the one with the shortest class.
     Done choose() {
         const size_t first = ids_.size();
@@ -387,6 +412,7 @@ private:
             if (!offer(first, {begin, strips_.size() - begin}, added)) return false;
             while (!added && strips_.size() > begin) strips_.pop();
         }
+        if (necks_ && !offer_necks(first)) return false;
         if (!lengths_.look_beside(&ids_[first], ids_.size() - first)) return false;
         return choice_.push({first, ids_.size(), lengths_.shortest(&ids_[first], ids_.size() - first)});
     }
@@ -454,6 +480,7 @@ private:
     const Mesh& mesh_;
     const double* position_;
     const bool marks_only_;
+    const Loops* const necks_;
     ClassLengths& lengths_;
     Loops& loops_;
     Call& call_;
@@ -500,25 +527,26 @@ hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLe
                                Loops& out) {
     hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
     if (status) return status;
-    // Again where its loops cross the necks of handles that are shorter.
     Loops necks;
+    bool crossed = false;
     const size_t genus = out.count();
-    if (lengths.has_pulled() && genus > 1 && genus < MOST_WITH_NECKS) {
-        status = crossed_necks(mesh, position, out, lengths, call, necks);
-        if (!status && necks.count() > 0) {
+    const bool with_necks = lengths.has_pulled() && genus > 1 && genus < MOST_WITH_NECKS;
+    if (with_necks) {
+        status = find_necks(mesh, position, out, lengths, call, necks, crossed);
+        if (!status && crossed) { // again, beside them
             Loops both;
             status = cut_system_beside(mesh, position, necks, lengths, call, both);
             if (!status) status = put_last(both, necks.count(), call, out);
         }
         if (status) return status;
     }
-    Pants pants(mesh, position, false, lengths, out, call);
+    Pants pants(mesh, position, false, with_necks && !crossed ? &necks : nullptr, lengths, out, call);
     return pants.run();
 }
 
 hmf_status mark_loops(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call, Loops& out) {
     if (!out.start(call.memory)) return call.out_of_memory();
-    Pants pants(mesh, position, true, lengths, out, call);
+    Pants pants(mesh, position, true, nullptr, lengths, out, call);
     return pants.run();
 }
 
