@@ -46,8 +46,9 @@ public:
     }
 
     struct Classes {
-        std::vector<std::vector<uint32_t>> walks; // sorted
-        std::vector<double> lengths;              // likewise
+        std::vector<std::vector<uint32_t>> walks;          // sorted
+        std::vector<double> lengths;                       // likewise
+        std::map<std::vector<uint32_t>, double> length_of; // of a walk
     };
     // triangle: of each triangle of the loops' mesh, the number of it here.
     Classes of(const Loops& loops, const std::vector<uint32_t>& triangle) {
@@ -77,6 +78,7 @@ public:
             double length = 0;
             EXPECT_TRUE(geodesic.straighten_widely(strip, 1000, length));
             out.lengths.push_back(length);
+            out.length_of[out.walks.back()] = length;
         }
         std::sort(out.walks.begin(), out.walks.end());
         std::sort(out.lengths.begin(), out.lengths.end());
@@ -91,6 +93,19 @@ private:
     hmf::EdgeWords words_;
     hmf::Array<uint32_t> internal_;
 };
+
+// Loops are chosen one after the other, the shortest first.  By how much, relatively, do the first two differ in
+// length that are not in both sets?
+double first_difference(const Reference::Classes& a, const Reference::Classes& b) {
+    const auto shortest = [](const Reference::Classes& here, const Reference::Classes& there) {
+        double least = HUGE_VAL;
+        for (const auto& [walk, length] : here.length_of)
+            if (there.length_of.count(walk) == 0) least = std::min(least, length);
+        return least;
+    };
+    const double x = shortest(a, b), y = shortest(b, a);
+    return x == y ? 0 : std::max(x, y) / std::min(x, y) - 1;
+}
 
 struct Found {
     size_t genus = 0;
@@ -270,7 +285,7 @@ TEST(LoopClasses, OrderDoesNotMatter) {
 }
 
 // Each triangle of the corpus in 1, 4, 16: the classes of each, seen on the first, and their lengths there.  The same
-// ones, or a tie within 1 %.
+// ones, or a tie within 1 %: of all loops, or of the first ones that differ.  * other classes than on the first.
 TEST(LoopClasses, CorpusUnderRefinement) {
     if (!has_corpus()) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
     const char* const only = std::getenv("HMF_LOOP_CLASSES_KIND");
@@ -278,8 +293,7 @@ TEST(LoopClasses, CorpusUnderRefinement) {
         TriMesh mesh;
         ASSERT_TRUE(read_obj(path, mesh)) << path;
         Reference reference(mesh);
-        std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets[5];
-        std::vector<double> totals[5];
+        std::vector<Reference::Classes> found[5];
         TriMesh fine = mesh;
         for (size_t parts = 1; parts <= 16; parts *= 4) {
             if (parts > 1) fine = refined(fine);
@@ -290,19 +304,23 @@ TEST(LoopClasses, CorpusUnderRefinement) {
                 const Loops loops = seen_on_coarse(library_loops(hierarchy, 0, kind), static_cast<uint32_t>(parts));
                 std::vector<uint32_t> same(mesh.triangles.size() / 3);
                 std::iota(same.begin(), same.end(), 0u);
-                const Reference::Classes classes = reference.of(loops, same);
-                sets[kind].emplace(classes.walks, classes.lengths);
-                totals[kind].push_back(std::accumulate(classes.lengths.begin(), classes.lengths.end(), 0.0));
+                found[kind].push_back(reference.of(loops, same));
             }
         }
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
-            if (sets[kind].empty()) continue;
-            std::printf("%s %s: %zu sets, total lengths", path.c_str(), NAMES[kind], sets[kind].size());
-            for (const double total : totals[kind]) std::printf(" %.6g", total);
-            std::printf("\n");
+            if (found[kind].empty()) continue;
+            std::printf("%s %s: total lengths", path.c_str(), NAMES[kind]);
+            double tie = 0; // of the first choices that differ
+            std::vector<double> totals;
+            for (const Reference::Classes& classes : found[kind]) {
+                totals.push_back(std::accumulate(classes.lengths.begin(), classes.lengths.end(), 0.0));
+                tie = std::max(tie, first_difference(found[kind][0], classes));
+                std::printf(" %.6g%s", totals.back(), classes.walks == found[kind][0].walks ? "" : "*");
+            }
+            std::printf(", %.2g %%\n", 100 * tie);
             std::fflush(stdout);
-            const auto ends = std::minmax_element(totals[kind].begin(), totals[kind].end());
-            EXPECT_TRUE(sets[kind].size() == 1 || *ends.second <= 1.01 * *ends.first) << path << " " << NAMES[kind];
+            const auto ends = std::minmax_element(totals.begin(), totals.end());
+            EXPECT_TRUE(*ends.second <= 1.01 * *ends.first || tie <= 0.01) << path << " " << NAMES[kind];
         }
     }
 }

@@ -188,14 +188,14 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         id = shortest;
         return true;
     }
-    made.stage = found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
+    made.stage = stage_where_found();
     if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
     Curve curve{};
     if (starts > 0 && has_pulled()) {
         id = shortest;
         Class& c = classes_[id];
         ++c.starts;
-        if (made.length >= c.length * (1 + BESIDE)) return true;
+        if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
         if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
         curve.before = c.last;
         c.last = static_cast<uint32_t>(curves_.size());
@@ -230,9 +230,9 @@ Done ClassLengths::keep_curve(const uint32_t* crossings, size_t n, uint64_t& fir
     return true;
 }
 
-// From each of its curves.
+// From each of its curves, unless it is known on a finer level, where lengths are others.
 Done ClassLengths::look_beside(Class& c) {
-    for (; c.last != NONE; c.last = curves_[c.last].before) {
+    for (; c.last != NONE && c.stage == stage_where_found(); c.last = curves_[c.last].before) {
         const Curve curve = curves_[c.last];
         Array<uint32_t>& from = start_;
         from.clear();

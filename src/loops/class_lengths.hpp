@@ -71,6 +71,9 @@ private:
         uint64_t first, end;
         uint32_t before;
     };
+    Stage stage_where_found() const {
+        return found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
+    }
     Done start();
     void measure_extent();
     Done measure_stage(Stage stage, bool& changed);
