@@ -10,14 +10,19 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t ROUGH = 150000;             // steps of the packing that a cut is tried with
-constexpr uint64_t QUICK = 1500000;            // and of those that are best in it
-constexpr size_t CHOSEN = 3;                   // so many
+constexpr uint64_t ROUGH = 150000;  // steps of the packing that a cut is tried with
+constexpr uint64_t QUICK = 1500000; // and of those that are best in it
+constexpr size_t CHOSEN = 3;        // so many
+constexpr uint64_t WHOLE = 500000;  // steps of the packing that a way to join pieces is tried with
+constexpr size_t JOINS = 6;         // so many of these are then cut
+// Ways to join: room that a chart less is worth, as a part of the whole, and how often the room along seams counts.
+constexpr double EAGER[] = {0.003, 0.007, 0.01, 0.015, 0.02, 0.025, 0.03, 0.035, 0.04, 0.05, 0.06, 0.08, 0.12};
+constexpr double SEAMS[] = {1, 2, 4, 8};
 constexpr double COLUMNS = 96;                 // of these packings
 constexpr uint64_t PLANNING = 1000000000;      // of all of them
 constexpr double WISHED_USE = 0.88;            // of the square, as planned: ragged edges take some of it
-constexpr double LEAST_USE = 0.79;             // below this each part counts three times
-constexpr double COST_OF_CHART = 0.009;        // a chart less is worth this part of the square
+constexpr double LEAST_USE = 0.8, MUCH = 5;    // below this each part counts so many times more
+constexpr double COST_OF_CHART = 0.035;        // a chart less is worth this part of the square
 constexpr double LONG = 1.6;                   // sides of the square: longer charts are cut in equal parts,
 constexpr double MOST_PARTS = 1000;            // each
 constexpr int MOST_CUTS = 12, PARTS_TRIED = 3; // of the longest parts, for each cut
@@ -92,7 +97,7 @@ double ChartPlan::scale_of(double area, double image) const {
 // What a packing is worth: room in the square, and few charts.
 double ChartPlan::cost_of(double side, size_t charts) const {
     const double use = pieces_.whole / (side * side);
-    return std::max(0.0, WISHED_USE - use) + 2 * std::max(0.0, LEAST_USE - use)
+    return std::max(0.0, WISHED_USE - use) + MUCH * std::max(0.0, LEAST_USE - use)
          + COST_OF_CHART * static_cast<double>(charts);
 }
 
@@ -244,31 +249,51 @@ hmf_status ChartPlan::cut_charts(double& cost) {
     return HMF_OK;
 }
 
-// Joins pieces to charts, more or less eagerly, and cuts charts where the square then becomes smaller.
+// What the ways to join are worth without cuts, the best first.
+hmf_status ChartPlan::try_joins(Array<Join>& joins) {
+    const double size = std::sqrt(pieces_.whole), rim = pieces_.triangle / 2 + pieces_.margin * size;
+    joins.start(call_.memory);
+    for (const double seams : SEAMS) {
+        uint32_t count = 0; // of the charts before: more eagerly joined they are often the same
+        for (const double bonus : EAGER) {
+            Join join{{bonus, seams * rim, 1.02 * size}, 0};
+            double side = 0;
+            if (charts.join(join.wish, call_)) return call_.status();
+            if (charts.count == count || (!joins.empty() && planned_ > PLANNING / 4)) continue;
+            count = charts.count;
+            if (whole_charts()) return call_.status();
+            if (!list_faces() || !cut_long_parts()) return call_.stopped();
+            if (try_packing(WHOLE, side)) return call_.status();
+            join.cost = cost_of(side, parts.size());
+            bool is_new = true;
+            for (const Join& other : joins) is_new = is_new && other.cost != join.cost;
+            if (is_new && !joins.push(join)) return call_.out_of_memory();
+        }
+    }
+    heap_sort(joins.data(), joins.size(), [](const Join& a, const Join& b) { return a.cost < b.cost; });
+    return HMF_OK;
+}
+
+// Joins pieces to charts, and cuts charts where the square then becomes smaller.
 hmf_status ChartPlan::run() {
     if (charts.start(pieces_.mesh, pieces_.bundle, pieces_.strips, pieces_.triangle, call_)) return call_.status();
-    const double size = std::sqrt(pieces_.whole);
-    constexpr double eager[] = {0.003, 0.01, 0.015, 0.02, 0.03, 0.04, 0.08};
-    double best = 0, best_cost = HUGE_VAL;
+    Array<Join> joins;
+    JoinWish best;
+    double best_cost = HUGE_VAL;
     Array<ChartPart> best_parts;
-    JoinWish wish{0, pieces_.triangle / 2 + pieces_.margin * size, 1.02 * size};
-    uint32_t count = 0;
-    for (const double bonus : eager) {
-        wish.bonus = bonus;
-        if (charts.join(wish, call_)) return call_.status();
-        if (charts.count == count || (count > 0 && planned_ > PLANNING)) continue;
-        count = charts.count;
+    if (try_joins(joins)) return call_.status();
+    for (size_t i = 0; i < std::min(joins.size(), JOINS); ++i) {
+        if (i > 0 && planned_ > PLANNING) break;
         double cost = 0;
-        if (whole_charts() || cut_charts(cost)) return call_.status();
+        if (charts.join(joins[i].wish, call_) || whole_charts() || cut_charts(cost)) return call_.status();
         if (cost < best_cost) {
             best_cost = cost;
-            best = bonus;
+            best = joins[i].wish;
             best_parts.swap(parts);
         }
     }
-    wish.bonus = best;
     parts.swap(best_parts);
-    return charts.join(wish, call_);
+    return charts.join(best, call_);
 }
 
 } // namespace hmf

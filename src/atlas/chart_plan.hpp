@@ -26,6 +26,11 @@ private:
     struct FaceInChart {
         double u, v, area, image;
     };
+    // A way to join pieces, and what it is worth.
+    struct Join {
+        JoinWish wish;
+        double cost;
+    };
     // A cut of a part, and what the packing is worth with it.
     struct Cut {
         uint32_t part = NONE;
@@ -35,6 +40,7 @@ private:
 
     Box piece_in_chart(uint32_t piece) const;
     hmf_status try_packing(uint64_t effort, double& side);
+    hmf_status try_joins(Array<Join>& joins);
     hmf_status whole_charts();
     double scale_of(double area, double image) const;
     double cost_of(double side, size_t charts) const;

@@ -11,6 +11,7 @@ namespace {
 constexpr uint32_t ROUND = 300;                   // packings after which higher ones are accepted again
 constexpr uint32_t TRIES = 200, TRIES_EACH = 700; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
+constexpr uint8_t ANY = 4; // quarter turns: those with which a shape lies lowest
 } // namespace
 
 void Packer::start(Memory& memory, double column, double margin) {
@@ -160,27 +161,29 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
     missed_ = none;
     for (uint32_t k = 0; k < state.order.size(); ++k) {
         const uint32_t i = state.order[k];
-        const uint32_t turns = state.turns[i];
+        const bool is_free = state.turns[i] == ANY;
+        uint32_t turns = 0, best_x = none;
+        double best_y = 0, best_top = column_ * width;
+        for (uint32_t t = is_free ? 0 : state.turns[i]; t <= (is_free ? 3u : state.turns[i]); ++t) {
+            const Profile& side = items_[i].side[t];
+            double limit = (best_x == none ? best_top : best_top - 1) - side.height, y = 0;
+            uint32_t hint = 0;
+            for (uint32_t x = 0; x + side.columns <= width && limit >= 0; ++x) {
+                if (!lowest(side, x, limit, hint, y)) continue;
+                turns = t;
+                best_x = x;
+                best_y = y;
+                best_top = y + side.height;
+                limit = y - 1;
+            }
+        }
         const Profile& p = items_[i].side[turns];
-        double best_y = column_ * width - p.height, y = 0;
-        uint32_t best_x = none, hint = 0;
-        // Where it lay last, it may lie as low again: then most other columns are out of question at once.
-        if (last_x_[i] + p.columns <= width && lowest(p, last_x_[i], best_y, hint, y)) {
-            best_y = y;
-            best_x = last_x_[i];
-        }
-        hint = 0;
-        for (uint32_t x = 0; x + p.columns <= width; ++x) {
-            if (best_y == 0 && x >= best_x) break;
-            if (x != best_x && lowest(p, x, x < best_x ? best_y : best_y - 1, hint, y)) best_y = y, best_x = x;
-        }
         if (best_x == none) {
             missing += p.height * column_ * p.columns;
             if (missed_ == none) missed_ = k;
             if (missing > most) return HUGE_VAL;
             continue;
         }
-        last_x_[i] = best_x;
         occupy(p, best_x, best_y);
         if (places) {
             const Item& item = items_[i];
@@ -214,7 +217,7 @@ void Packer::sort(Arrangement& state, int key, bool upright) const {
 hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
     const uint32_t n = count();
     if (!state.order.allocate(*memory_, n) || !state.turns.allocate(*memory_, n) || !best_places_.allocate(*memory_, n)
-        || !last_x_.allocate_filled(*memory_, n, 0u) || !turn_upside_down())
+        || !turn_upside_down())
         return call.out_of_memory();
     size_t most_intervals = 0;
     width.row = width.least = 1;
@@ -258,7 +261,7 @@ hmf_status Packer::find_first(uint64_t effort, const Packer* coarser, Arrangemen
     }
 }
 
-// Two shapes change places, or one is turned, or both.  Often one that did not fit comes earlier.
+// Two shapes change places, or one comes earlier or later, or is turned.  Often it is one that did not fit.
 void Packer::change(Arrangement& state, uint32_t missed) {
     const auto below = [this](uint32_t limit) {
         random_ = random_ * 6364136223846793005u + 1442695040888963407u;
@@ -266,10 +269,14 @@ void Packer::change(Arrangement& state, uint32_t missed) {
     };
     const uint32_t n = count();
     const uint32_t what = below(4), a = below(n), b = missed != none && below(2) ? missed : below(n);
-    if (what != 0) std::swap(state.order[a], state.order[b]);
-    if (what == 1) return;
-    uint8_t& turns = state.turns[state.order[a]];
-    turns = static_cast<uint8_t>((turns + 1 + below(3)) % 4);
+    if (what == 1) std::swap(state.order[a], state.order[b]);
+    else if (what > 1) {
+        const uint32_t item = state.order[b];
+        for (uint32_t i = b; i > a; --i) state.order[i] = state.order[i - 1];
+        for (uint32_t i = b; i < a; ++i) state.order[i] = state.order[i + 1];
+        state.order[a] = item;
+    }
+    if (what == 0 || below(2) == 0) state.turns[state.order[a]] = static_cast<uint8_t>(below(3) ? ANY : below(4));
 }
 
 // Simulated annealing at ever smaller widths: a worse state is accepted as well, less and less so.

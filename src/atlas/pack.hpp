@@ -54,7 +54,7 @@ private:
     };
     struct Arrangement {
         Array<uint32_t> order;
-        Array<uint8_t> turns;
+        Array<uint8_t> turns; // or ANY
         Done copy(const Arrangement& from, Memory& memory);
     };
     // What lies in a column, from below.
@@ -87,7 +87,6 @@ private:
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
     Array<Interval> intervals_;
-    Array<uint32_t> last_x_; // column in which each shape lay last
     Arrangement best_, current_;
     Array<Place> best_places_;
 };
