@@ -414,7 +414,7 @@ TEST(Atlas, LargeMarginsAreKept) {
 // size have five charts, others with other bits.
 TEST(Atlas, ATorusNeedsFewCharts) {
     std::vector<uint64_t> charts;
-    for (const size_t around : {104, 108, 112, 116, 120}) {
+    for (const size_t around : {100, 102, 104, 106, 108, 110, 112, 116, 120}) {
         const TriMesh mesh = torus(around, 48, 2, 0.8);
         const Hierarchy hierarchy(mesh);
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
@@ -426,7 +426,7 @@ TEST(Atlas, ATorusNeedsFewCharts) {
         charts.push_back(atlas->chart_count);
     }
     std::sort(charts.begin(), charts.end());
-    EXPECT_LE(charts[2], 4u);
+    EXPECT_LE(charts[4], 4u);
 }
 
 TEST(Atlas, IsTheSameInAnyUnit) {

@@ -54,7 +54,11 @@ public:
         while (!heap_.empty()) {
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
             const NearestFirst::Entry entry = heap_.pop();
-            if (!heap_.empty()) prefetch(stars.of(heap_.top().item).begin());
+            if (!heap_.empty())
+                for (const uint32_t h : stars.of(heap_.top().item)) {
+                    prefetch(&length[edge_of(h)]);
+                    prefetch(&mesh.origin[twin(h)]);
+                }
             if (entry.distance > distance[entry.item]) continue;
             for (const uint32_t h : stars.of(entry.item)) {
                 const uint32_t w = mesh.target(h);
@@ -62,6 +66,7 @@ public:
                 if (d < distance[w]) {
                     distance[w] = d;
                     parent[w] = twin(h);
+                    prefetch(stars.of(w).begin());
                     if (!heap_.push({d, w})) return false;
                 }
             }

@@ -41,25 +41,35 @@ void Prolongation::scale(const float* coarse, const float* fine, const Parallel&
     });
 }
 
-void Prolongation::restrict_to(float* coarse, const float* fine, float floor, const Parallel& parallel) const {
+void Prolongation::renumber(const SweepMatrix& fine, const Parallel& parallel) {
+    parallel.for_blocks(row.size(), [&](size_t begin, size_t end) {
+        for (size_t t = begin; t < end; ++t) row[t] = fine.number(row[t]);
+    });
+}
+
+void Prolongation::restrict_to(float* coarse, const float* fine, float floor, const SweepMatrix* next,
+                               const Parallel& parallel) const {
     parallel.for_blocks(columns(), [&](size_t begin, size_t end) {
         for (size_t c = begin; c < end; ++c) {
             float sum = floor;
             for (uint32_t t = start[c]; t < start[c + 1]; ++t) sum += entry[t] * fine[row[t]];
-            coarse[c] = sum;
+            coarse[next ? next->number(c) : c] = sum;
         }
     });
 }
 
-void Prolongation::add_to(float* fine, const float* coarse, const Parallel& parallel) const {
+void Prolongation::add_to(float* fine, const float* coarse, const SweepMatrix* next, const Parallel& parallel) const {
     const size_t size = block();
+    const auto at = [=](size_t c) { return coarse[next ? next->number(c) : c]; };
     parallel.for_blocks(columns(), [&](size_t begin, size_t end) {
-        for (size_t c = begin; c < end; ++c)
-            for (uint32_t t = start[c]; t < own_end_[c]; ++t) fine[row[t]] += entry[t] * coarse[c];
+        for (size_t c = begin; c < end; ++c) {
+            const float x = at(c);
+            for (uint32_t t = start[c]; t < own_end_[c]; ++t) fine[row[t]] += entry[t] * x;
+        }
         const size_t own = begin / size;
         for (uint32_t k = other_start_[own]; k < other_start_[own + 1]; ++k) {
             const Other& o = other_[k];
-            fine[row[o.at]] += entry[o.at] * coarse[o.column];
+            fine[row[o.at]] += entry[o.at] * at(o.column);
         }
     });
 }

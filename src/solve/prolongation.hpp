@@ -9,7 +9,7 @@
 //     block    | own columns, own rows | own rows, columns of others |   prolongation
 #pragma once
 
-#include "../base/memory.hpp"
+#include "sweep_matrix.hpp"
 
 namespace hmf {
 
@@ -26,10 +26,13 @@ struct Prolongation {
     Done share(const Array<uint32_t>& of, const Parallel& parallel, Memory& memory);
     // Each entry times coarse[column] / fine[row].
     void scale(const float* coarse, const float* fine, const Parallel& parallel);
-    // coarse = floor + P^T fine.
-    void restrict_to(float* coarse, const float* fine, float floor, const Parallel& parallel) const;
+    // The rows get the numbers that vectors have.
+    void renumber(const SweepMatrix& fine, const Parallel& parallel);
+    // coarse = floor + P^T fine.  next: has the numbers of the coarse unknowns; null: their own.
+    void restrict_to(float* coarse, const float* fine, float floor, const SweepMatrix* next,
+                     const Parallel& parallel) const;
     // fine += P coarse.
-    void add_to(float* fine, const float* coarse, const Parallel& parallel) const;
+    void add_to(float* fine, const float* coarse, const SweepMatrix* next, const Parallel& parallel) const;
 
 private:
     struct Other {

@@ -22,9 +22,6 @@ namespace {
 // Left-out components and orientable foliations make the matrix singular;
 // the shift keeps the kernel from being blown up.
 constexpr double dense_shift = 1e-3;
-// Added to the right side in single precision: far from its support the
-// sweeps would decay into subnormal numbers, which are slow.
-constexpr float floor_value = 1e-25f;
 
 } // namespace
 
@@ -32,6 +29,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     for (MultigridLevel& level : level_) level = MultigridLevel{};
     level_count_ = 0;
     dense_n_ = 0;
+    single_is_enough_ = true;
     const Parallel parallel = call ? call->parallel : Parallel();
     const size_t n = matrix.n;
     double largest = 0;
@@ -50,6 +48,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         if (l > 0) {
             MultigridLevel& finer = level_[l - 1];
             finer.prolongation.scale(level.scale.data(), finer.scale.data(), parallel);
+            finer.prolongation.renumber(finer.matrix, parallel);
             if (l > 1) finer.scale.release();
         }
         if (current.n <= dense_limit) {
@@ -61,7 +60,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
         const bool last = l + 1 == depth || l + 1 == max_levels;
         CoarseMatrix coarse;
         if (!continues(call) || (!last && !coarsen(current, level, strength, near_kernel, coarse, memory, call))
-            || !continues(call) || !level.matrix.build(current, level.scale.data(), parallel, memory)
+            || !continues(call) || !level.matrix.build(current, level.scale.data(), l == 0, parallel, memory)
             || !level.b.allocate(memory, level.n) || !level.x.allocate(memory, level.n)
             || !level.r.allocate(memory, level.n))
             return false;
@@ -74,16 +73,26 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     }
     near_kernel.release();
     storage = CoarseMatrix{};
-    if (level_count_ > 1) {
-        const size_t m = level_[1].n;
-        if (!right_.allocate(memory, m) || !first_.allocate(memory, m) || !image_.allocate(memory, m)) return false;
-    }
     // Last, when what the setup needed for itself is gone.
-    return residual_.allocate(memory, n) && direction_.allocate(memory, n) && product_.allocate(memory, n);
+    return (level_count_ < 2 || coarse_room_.allocate(memory, 2 * size_t{level_[1].n}))
+        && room_.allocate(memory, 3 * n);
 }
 
 void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {
-    if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), changed, parallel);
+    if (level_count_ == 0) return;
+    const float* const scale = level_[0].scale.data();
+    level_[0].matrix.refresh(matrix, scale, changed, parallel);
+    // The sweeps have a diagonal of 1.
+    const uint32_t other = parallel.sum_blocks<uint32_t>(matrix.n, [=](size_t begin, size_t end) {
+        uint32_t count = 0;
+        for (size_t i = begin; i < end; ++i) {
+            if (!changed[i]) continue;
+            const double diagonal = matrix.diagonal[i] * static_cast<double>(scale[i]) * static_cast<double>(scale[i]);
+            count += !(std::fabs(diagonal - 1) < 1e-5);
+        }
+        return count;
+    });
+    if (other > 0) single_is_enough_ = false;
 }
 
 double SignedMultigrid::operator_complexity() const {
@@ -153,80 +162,64 @@ const float* SignedMultigrid::next_solution(uint32_t l) const {
     return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
 }
 
-// Forward sweep from x = 0, then the right side of the next level.
-void SignedMultigrid::descend(uint32_t l, const Parallel& parallel) {
+// Between the sweeps of a level: the next one solves for what the forward sweep has left, and its correction is added.
+void SignedMultigrid::correct(uint32_t l, const Parallel& parallel, const LinearOptions* held) {
     MultigridLevel& level = level_[l];
-    level.matrix.forward(level.b.data(), level.x.data(), level.r.data(), parallel);
-    if (!level.prolongation.empty())
-        level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, parallel);
+    if (level.prolongation.empty()) return;
+    const auto leave_out = [&](Array<float>& vector) {
+        for (size_t k = 0; held && k < held->fixed_count; ++k) vector[level.matrix.number(held->fixed[k])] = 0;
+    };
+    level.matrix.find_rest(level.x.data(), level.r.data(), parallel);
+    leave_out(level.r);
+    const SweepMatrix* const next = l + 1 < level_count_ ? &level_[l + 1].matrix : nullptr;
+    level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, next, parallel);
+    if (l == 0 && level_count_ > 1) k_cycle(parallel);
+    else v_cycle(l + 1, parallel);
+    level.prolongation.add_to(level.x.data(), next_solution(l), next, parallel);
+    leave_out(level.x);
 }
 
-// Adds the correction of the next level, then a backward sweep, which uses up b.
-void SignedMultigrid::ascend(uint32_t l, const Parallel& parallel) {
+void SignedMultigrid::v_cycle(uint32_t l, const Parallel& parallel) {
+    if (l == level_count_) {
+        solve_dense(dense_b_.data());
+        return;
+    }
     MultigridLevel& level = level_[l];
-    if (!level.prolongation.empty()) level.prolongation.add_to(level.x.data(), next_solution(l), parallel);
+    level.matrix.forward(level.b.data(), level.x.data(), parallel);
+    correct(l, parallel);
     level.matrix.backward(level.b.data(), level.x.data(), parallel);
 }
 
-void SignedMultigrid::v_cycle(uint32_t first, const Parallel& parallel) {
-    for (uint32_t l = first; l < level_count_; ++l) descend(l, parallel);
-    solve_dense(dense_b_.data());
-    for (uint32_t l = level_count_; l-- > first;) ascend(l, parallel);
+StepVectors SignedMultigrid::step_vectors(Array<double>& room, uint32_t l) const {
+    const size_t n = level_[l].n;
+    float* const first = reinterpret_cast<float*>(room.data());
+    StepVectors v;
+    float** const vectors[] = {&v.product, &v.direction, &v.solution, &v.difference};
+    for (size_t k = 0; k < 4; ++k) *vectors[k] = first + k * n;
+    return v;
 }
-
-namespace {
-
-double dot(const float* x, const float* y, size_t n, const Parallel& parallel) {
-    return parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
-        double sum = 0;
-        for (size_t i = begin; i < end; ++i) sum += static_cast<double>(x[i]) * static_cast<double>(y[i]);
-        return sum;
-    });
-}
-
-// y = a x + b z.
-void combine(float a, const float* x, float b, const float* z, float* y, size_t n, const Parallel& parallel) {
-    parallel.for_blocks(n, [=](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) y[i] = a * x[i] + b * z[i];
-    });
-}
-
-} // namespace
 
 // Two steps of flexible conjugate gradients on level 1.
 void SignedMultigrid::k_cycle(const Parallel& parallel) {
     MultigridLevel& level = level_[1];
     const size_t n = level.n;
-    const float* b = right_.data();
-    float* x = level.x.data();
-    float* c = first_.data();
-    float* v = image_.data();
-    std::memcpy(right_.data(), level.b.data(), n * sizeof(float));
-    v_cycle(1, parallel);
-    std::memcpy(c, x, n * sizeof(float));
-    const double cb = dot(c, b, n, parallel);
-    level.matrix.multiply(c, v, parallel);
-    const double cv = dot(c, v, n, parallel);
-    if (!(cv > 0)) return;
-    const double step = cb / cv;
-    combine(1, b, -static_cast<float>(step), v, level.b.data(), n, parallel);
-    v_cycle(1, parallel);
+    const StepVectors v = step_vectors(coarse_room_, 1);
+    float *const g = level.b.data(), *const x = level.x.data();
+    std::memset(v.solution, 0, n * sizeof(float));
+    level.matrix.forward(g, x, parallel);
+    correct(1, parallel);
+    const StepSums first = level.matrix.backward_to_step(g, x, v, parallel);
+    if (!(first.zAz > 0)) return;
+    level.matrix.step_forward(static_cast<float>(first.zr / first.zAz), 0, g, x, v, parallel);
+    correct(1, parallel);
+    const StepSums second = level.matrix.backward_to_step(g, x, v, parallel);
     // What is left of the second direction once it is conjugate to the first.
-    const double xv = dot(x, v, n, parallel), xb = dot(x, b, n, parallel) - step * xv;
-    const double xx = level.matrix.energy(x, parallel);
-    const double rest = xx - xv * xv / cv;
-    const double second = rest > 1e-6 * xx ? xb / rest : 0;
-    combine(static_cast<float>(step - xv / cv * second), c, static_cast<float>(second), x, x, n, parallel);
-}
-
-void SignedMultigrid::precondition(const Parallel& parallel) {
-    if (level_count_ < 2) {
-        v_cycle(0, parallel);
-        return;
-    }
-    descend(0, parallel);
-    k_cycle(parallel);
-    ascend(0, parallel);
+    const double beta = -second.zq / first.zAz, rest = second.zAz + beta * second.zq;
+    const float step = static_cast<float>(rest > 1e-6 * second.zAz ? second.zr / rest : 0),
+                of_first = static_cast<float>(beta) * step;
+    parallel.for_blocks(n, [=](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) x[i] = v.solution[i] + of_first * v.direction[i] + step * x[i];
+    });
 }
 
 // --- Conjugate gradients -----------------------------------------------------
@@ -258,17 +251,7 @@ bool is_zero(const double* x, size_t n, const Parallel& parallel) {
                 .any;
 }
 
-// The two norms of a residual: 2-norm with the scaling to unit diagonal,
-// largest row with that of the caller.
-struct ResidualNorms {
-    double squares = 0, largest_row = 0;
-    void operator+=(const ResidualNorms& other) {
-        squares += other.squares;
-        if (other.largest_row > largest_row) largest_row = other.largest_row;
-    }
-    double norm() const { return std::sqrt(squares); }
-};
-
+// The norms of a residual: 2-norm with the scaling to unit diagonal, largest row with that of the caller.
 // row_scale: may be null.  residual(i) is asked for once for each row.  input: if not null,
 // what the preconditioner is to have next, the scaled residual times factor.
 template <class Residual>
@@ -356,67 +339,80 @@ private:
 
 } // namespace
 
-LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
-                                    uint32_t iteration_limit, Call& call, const LinearOptions& options) {
+// A solve on its way.
+struct SignedMultigrid::Search {
+    const SignedMatrix& matrix;
+    const double* b;
+    double* x;
+    const LinearOptions& options;
+    double reference, goal; // norms
+    uint32_t limit;
     LinearResult result;
-    const size_t n = matrix.n;
-    const float* scale = level_[0].scale.data();
-    float* input = level_count_ ? level_[0].b.data() : dense_b_.data();
-    float* output = level_count_ ? level_[0].x.data() : dense_b_.data();
-    double* r = residual_.data();
-    double* p = direction_.data();
-    double* q = product_.data();
-    const Parallel& parallel = call.parallel;
+    Pace pace;
+    bool ended = false;
 
-    const double reference =
-        residual_norms(n, scale, nullptr, nullptr, 0, parallel, [=](size_t i) { return b[i]; }).norm();
-    if (!(reference > 0) || !(reference < 1e300)) {
-        for (size_t i = 0; i < n; ++i) x[i] = 0;
-        result.converged = reference == 0;
-        return result;
+    bool is_small(double norm, double row) const {
+        return !(norm > goal) || (options.row_scale && row <= options.row_tolerance);
     }
-    const double goal = relative_tolerance * reference;
-    // Zero entries of the sweeps meet values that were not yet computed.
-    for (uint32_t l = 0; l < level_count_; ++l) std::memset(level_[l].x.data(), 0, level_[l].n * sizeof(float));
+    void tell(double norm, double row) {
+        result.residual = norm / reference;
+        result.row_residual = row;
+    }
+    bool is_hopeless(double norm, double row) {
+        if (!options.hopeless_ends || is_small(norm, row)) return false;
+        double missing = norm / goal;
+        if (options.row_scale && row < missing * options.row_tolerance) missing = row / options.row_tolerance;
+        return pace.is_hopeless(missing);
+    }
+};
+
+// The residual of the recurrence drifts from the true one; at the goal the
+// true one decides, and if need be the search starts again from it.
+void SignedMultigrid::search_in_double(Search& s, Call& call) {
+    const size_t n = s.matrix.n;
+    const float* scale = level_[0].scale.data();
+    double *const r = room_.data(), *const p = r + n, *const q = p + n, *const x = s.x;
+    const LinearOptions& options = s.options;
+    const Parallel& parallel = call.parallel;
+    // The vectors of level 0 may have other numbers.
+    float* const input = level_count_ ? level_[0].r.data() : dense_b_.data();
+    float* const output = input;
+    const auto apply = [&] {
+        MultigridLevel& level = level_[0];
+        for (size_t i = 0; i < level.n; ++i) level.b[level.matrix.number(i)] = input[i];
+        v_cycle(0, parallel);
+        for (size_t i = 0; i < level.n; ++i) output[i] = level.x[level.matrix.number(i)];
+    };
     const auto leave_out = [&](auto* vector) {
         for (size_t k = 0; k < options.fixed_count; ++k) vector[options.fixed[k]] = 0;
     };
-
-    // The residual of the recurrence drifts from the true one; at the goal the
-    // true one decides, and if need be the search starts again from it.
-    double norm = reference, before_restart = 1e300;
-    Pace pace(iteration_limit);
+    double norm = s.reference, before_restart = 1e300;
     for (uint32_t restart = 0; restart < 8; ++restart) {
-        if (restart > 0 || !is_zero(x, n, parallel)) multiply(matrix, x, r, parallel);
+        if (restart > 0 || !is_zero(x, n, parallel)) multiply(s.matrix, x, r, parallel);
         else parallel.for_blocks(n, [=](size_t begin, size_t end) { std::memset(r + begin, 0, (end - begin) * 8); });
-        for (size_t k = 0; k < options.fixed_count; ++k) r[options.fixed[k]] = b[options.fixed[k]];
-        ResidualNorms norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=](size_t i) {
+        for (size_t k = 0; k < options.fixed_count; ++k) r[options.fixed[k]] = s.b[options.fixed[k]];
+        ResidualNorms norms = residual_norms(n, scale, options.row_scale, input, 1 / norm, parallel, [=, &s](size_t i) {
             p[i] = q[i] = 0;
-            return r[i] = b[i] - r[i];
+            return r[i] = s.b[i] - r[i];
         });
-        norm = norms.norm();
-        const auto is_small = [&] {
-            return !(norm > goal) || (options.row_scale && norms.largest_row <= options.row_tolerance);
-        };
-        result.residual = norm / reference;
-        result.row_residual = norms.largest_row;
-        result.converged = norm < 1e300 && is_small();
-        if (result.converged || !(norm < 0.5 * before_restart) || result.iterations >= iteration_limit) return result;
+        norm = std::sqrt(norms.squares);
+        s.tell(norm, norms.largest_row);
+        s.result.converged = norm < 1e300 && s.is_small(norm, norms.largest_row);
+        if (s.result.converged || !(norm < 0.5 * before_restart) || s.result.iterations >= s.limit) return;
         before_restart = norm;
 
         double pq = 0; // 0: no direction yet
-        while (!is_small() && result.iterations < iteration_limit) {
+        while (!s.is_small(norm, norms.largest_row) && s.result.iterations < s.limit) {
             if (!continues(&call) || call.out_of_time()) {
-                result.residual = norm / reference;
-                result.row_residual = norms.largest_row;
-                return result;
+                s.tell(norm, norms.largest_row);
+                return;
             }
-            precondition(parallel);
+            apply();
             leave_out(output);
             const auto [zr, zq] = project(n, scale, output, r, q, parallel);
-            pq = next_direction(matrix, output, pq > 0 ? -zq / pq : 0, p, q, parallel);
+            pq = next_direction(s.matrix, output, pq > 0 ? -zq / pq : 0, p, q, parallel);
             leave_out(q);
-            ++result.iterations;
+            ++s.result.iterations;
             if (!(pq > 0) || !(zr > 0)) break;
             const double alpha = zr / pq;
             // Times the norm before: about 1, as single precision wants it.
@@ -424,15 +420,138 @@ LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b,
                 x[i] += alpha * p[i];
                 return r[i] -= alpha * q[i];
             });
-            norm = norms.norm();
-            if (!options.hopeless_ends || is_small()) continue;
-            double missing = norm / goal;
-            if (options.row_scale && norms.largest_row < missing * options.row_tolerance)
-                missing = norms.largest_row / options.row_tolerance;
-            if (pace.is_hopeless(missing)) return result;
+            norm = std::sqrt(norms.squares);
+            if (s.is_hopeless(norm, norms.largest_row)) return;
         }
     }
-    return result;
+}
+
+// Steps that need no product with the matrix, from the true residual to a share of it, and again from there.
+// False: that is not precise enough.
+bool SignedMultigrid::search_in_single(Search& s, Call& call) {
+    constexpr double share = 1e-4, least_gain = 0.1, most_drift = 1.25;
+    const SignedMatrix& matrix = s.matrix;
+    const size_t n = matrix.n;
+    MultigridLevel& level = level_[0];
+    const float* const scale = level.scale.data();
+    float *const g = level.b.data(), *const x = level.x.data();
+    StepVectors v = step_vectors(room_, 0);
+    v.row_scale = v.difference + n;
+    const LinearOptions& options = s.options;
+    const Parallel& parallel = call.parallel;
+    const SweepMatrix& sweeps = level.matrix;
+    parallel.for_blocks(n, [=, &sweeps, &options](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const uint32_t k = sweeps.number(i);
+            v.row_scale[k] = options.row_scale && scale[i] > 0 ? options.row_scale[i] / scale[i] : 0;
+            v.product[k] = v.direction[k] = 0;
+        }
+    });
+    for (size_t k = 0; k < options.fixed_count; ++k) v.row_scale[sweeps.number(options.fixed[k])] = -1;
+    const double* const b = s.b;
+    double* const solution = s.x;
+    const float* const row_scale = options.row_scale;
+    const bool any_held = options.fixed_count > 0;
+    double unit = s.reference, before = 1e300, pq = 0; // 0: no direction yet
+    bool broken = false;
+    for (;;) {
+        // The true residual; what 1 means in single precision is its norm, or nearly so.
+        const double inverse = 1 / unit;
+        const bool from_zero = s.result.iterations == 0 && is_zero(solution, n, parallel);
+        parallel.for_blocks(
+            n, [=](size_t begin, size_t end) { std::memset(&v.solution[begin], 0, (end - begin) * sizeof(float)); });
+        ResidualNorms norms = parallel.sum_blocks<ResidualNorms>(n, [=, &sweeps](size_t begin, size_t end) {
+            ResidualNorms sum;
+            for (size_t i = begin; i < end; ++i) {
+                double r = b[i];
+                if (!from_zero) {
+                    r -= matrix.diagonal[i] * solution[i];
+                    for (uint32_t t = matrix.offset[i], last = matrix.offset[i + 1]; t < last; ++t)
+                        r -= matrix.entry[t] * solution[matrix.column[t]];
+                }
+                const uint32_t k = sweeps.number(i);
+                double own = static_cast<double>(scale[i]) * r * inverse;
+                if (any_held && v.row_scale[k] < 0) own = r = 0;
+                g[k] = static_cast<float>(own) + floor_value;
+                sum.squares += own * own;
+                if (!row_scale) continue;
+                const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
+                if (row > sum.largest_row) sum.largest_row = row;
+            }
+            return sum;
+        });
+        const auto norm = [&] { return std::sqrt(norms.squares) * unit; };
+        norms.largest_row *= inverse;
+        const auto row = [&] { return norms.largest_row * unit; };
+        s.tell(norm(), row());
+        s.result.converged = norm() < 1e300 && s.is_small(norm(), row());
+        s.ended |= s.result.converged || s.result.iterations >= s.limit;
+        if (s.ended) return true;
+        if (broken || !(norm() < least_gain * before) || norm() > most_drift * unit) return false;
+        before = norm();
+        const double enough = share * norm();
+        // The direction goes on; what the true residual has along it is no longer 0.
+        double pr = parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
+            double sum = 0;
+            for (size_t k = begin; k < end; ++k) sum += static_cast<double>(v.direction[k] * g[k]);
+            return sum;
+        });
+        sweeps.forward(g, x, parallel, v.row_scale);
+        while (!s.is_small(norm(), row()) && s.result.iterations < s.limit && norm() > enough) {
+            if (!continues(&call) || call.out_of_time()) {
+                s.ended = true;
+                break;
+            }
+            correct(0, parallel, &options);
+            const StepSums sums = sweeps.backward_to_step(g, x, v, parallel);
+            const double beta = pq > 0 ? -sums.zq / pq : 0;
+            pq = sums.zAz + beta * sums.zq;
+            ++s.result.iterations;
+            broken = !(pq > 0) || !(sums.zr > 0);
+            if (broken) break;
+            const double alpha = (sums.zr + beta * pr) / pq;
+            norms = sweeps.step_forward(static_cast<float>(alpha), static_cast<float>(beta), g, x, v, parallel);
+            pr = 0;
+            if (s.is_hopeless(norm(), row())) {
+                s.ended = true;
+                break;
+            }
+        }
+        s.tell(norm(), row());
+        parallel.for_blocks(n, [=, &sweeps](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i)
+                solution[i] += static_cast<double>(scale[i]) * static_cast<double>(v.solution[sweeps.number(i)]) * unit;
+        });
+        if (s.ended) return true;
+        unit = norm();
+    }
+}
+
+LinearResult SignedMultigrid::solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
+                                    uint32_t iteration_limit, Call& call, const LinearOptions& options) {
+    const size_t n = matrix.n;
+    const double reference =
+        std::sqrt(residual_norms(n, level_[0].scale.data(), nullptr, nullptr, 0, call.parallel, [=](size_t i) {
+                      return b[i];
+                  }).squares);
+    LinearResult result;
+    if (!(reference > 0) || !(reference < 1e300)) {
+        for (size_t i = 0; i < n; ++i) x[i] = 0;
+        result.converged = reference == 0;
+        return result;
+    }
+    // Zero entries of the sweeps meet values that were not yet computed.
+    for (uint32_t l = 0; l < level_count_; ++l) std::memset(level_[l].x.data(), 0, level_[l].n * sizeof(float));
+    if (level_count_ > 1) std::memset(coarse_room_.data(), 0, coarse_room_.size() * sizeof(double));
+    Search search{matrix,          b,         x,
+                  options,         reference, relative_tolerance * reference,
+                  iteration_limit, result,    Pace(iteration_limit)};
+    if (level_count_ == 0 || options.other_matrix || !single_is_enough_) search_in_double(search, call);
+    else if (!search_in_single(search, call)) {
+        single_is_enough_ = false;
+        search_in_double(search, call);
+    }
+    return search.result;
 }
 
 } // namespace hmf

@@ -31,6 +31,8 @@ struct LinearOptions {
     size_t fixed_count = 0;
     // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
     bool hopeless_ends = false;
+    // A is not that of setup or of the last refresh: all products are taken with A itself.
+    bool other_matrix = false;
 };
 
 struct LinearResult {
@@ -47,7 +49,7 @@ struct MultigridLevel {
     Array<float> scale; // n, 1 / root of the diagonal; 0: left out; the cycle needs that of level 0 only
     SweepMatrix matrix;
     Prolongation prolongation; // from the next level; empty on the last one
-    Array<float> b, x, r;      // n
+    Array<float> b, x, r;      // n, by the numbers of the matrix
 };
 
 class SignedMultigrid {
@@ -80,21 +82,26 @@ private:
     void solve_dense(float* b) const;
     float* next_right(uint32_t level);
     const float* next_solution(uint32_t level) const;
-    void descend(uint32_t level, const Parallel& parallel);
-    void ascend(uint32_t level, const Parallel& parallel);
-    void v_cycle(uint32_t first, const Parallel& parallel);
+    // held: has the fixed unknowns, which the correction leaves out.
+    void correct(uint32_t level, const Parallel& parallel, const LinearOptions* held = nullptr);
+    void v_cycle(uint32_t level, const Parallel& parallel);
     void k_cycle(const Parallel& parallel);
-    void precondition(const Parallel& parallel);
+    struct Search;
+    void search_in_double(Search& search, Call& call);
+    bool search_in_single(Search& search, Call& call);
 
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
-    uint32_t level_count_ = 0;   // sparse levels; at least one unless the matrix is small
-    uint32_t dense_n_ = 0;       // unknowns of the coarsest level
-    Array<float> dense_;         // Cholesky factor L below the diagonal by columns, its transpose above
-    Array<float> dense_inverse_; // 1 / diagonal of L
+    uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
+    bool single_is_enough_ = true; // of products by the sweeps
+    uint32_t dense_n_ = 0;         // unknowns of the coarsest level
+    Array<float> dense_;           // Cholesky factor L below the diagonal by columns, its transpose above
+    Array<float> dense_inverse_;   // 1 / diagonal of L
     Array<float> dense_b_;
-    Array<float> right_, first_, image_;           // K-cycle, size of level 1
-    Array<double> residual_, direction_, product_; // conjugate gradients
+    StepVectors step_vectors(Array<double>& room, uint32_t level) const;
+    // Conjugate gradients: three vectors in double, or those of steps in single precision.
+    Array<double> room_;
+    Array<double> coarse_room_; // for the steps of the K-cycle, on level 1
 };
 
 } // namespace hmf

@@ -9,10 +9,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t no_row = 0xffffffffu;
 // Rows with more entries are on the border: otherwise all of their neighbours would be.
 constexpr uint32_t widest_inner_row = 48;
-constexpr uint32_t places_of_bin = 64;
 // The rows of the matrix are met in no order: their memory is asked for ahead.
 constexpr uint32_t ahead = 8;
 
@@ -21,14 +19,10 @@ void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
     prefetch(&matrix.entry[matrix.offset[i]]);
 }
 
-} // namespace
-
-// --- Order -------------------------------------------------------------------
-
 // Where a row lies.  A mesh has its coarse vertices first, and those of each level in
 // an order in space.  Most vertices are of the last level, and nearly every other one has a
 // neighbour of it, or a neighbour that has: two steps to the last neighbour lead there.
-static Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, const Parallel& parallel, Memory& memory) {
+Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, const Parallel& parallel, Memory& memory) {
     Array<uint32_t> last;
     if (!last.allocate(memory, matrix.n) || !place.allocate(memory, matrix.n)) return false;
     parallel.for_blocks(matrix.n, [&](size_t begin, size_t end) {
@@ -45,205 +39,373 @@ static Done find_places(const SignedMatrix& matrix, Array<uint32_t>& place, cons
     return true;
 }
 
-// The part that most of the neighbours of row i are in, and the row itself.
-static uint8_t most_common(const SignedMatrix& matrix, const uint8_t* part, size_t i) {
-    const uint32_t begin = matrix.offset[i], end = matrix.offset[i + 1];
-    const uint8_t own = part[i];
-    uint8_t other = 0;
-    for (uint32_t k = begin; k < end; ++k) other |= part[matrix.column[k]] ^ own;
-    if (other == 0 || end - begin > widest_inner_row) return own;
-    uint8_t best = own;
-    uint32_t most = 0;
-    for (uint32_t k = begin; k <= end; ++k) {
-        const uint8_t candidate = k == begin ? own : part[matrix.column[k - 1]];
-        uint32_t count = candidate == own;
-        for (uint32_t t = begin; t < end; ++t) count += part[matrix.column[t]] == candidate;
-        if (count <= most) continue;
-        most = count;
-        best = candidate;
-    }
-    return best;
-}
+} // namespace
 
-// Parts without the border: about equally many rows each, by their places.
-Done SweepMatrix::share_rows(const SignedMatrix& matrix, Array<uint8_t>& own, const Parallel& parallel,
-                             Memory& memory) const {
-    const uint32_t n = matrix.n;
-    Array<uint32_t> place, bin;
-    Array<uint8_t> ragged;
-    if (!find_places(matrix, place, parallel, memory) || !ragged.allocate(memory, n) || !own.allocate(memory, n)
-        || !bin.allocate_filled(memory, n / places_of_bin + size_t{1}, 0))
+// --- Order -------------------------------------------------------------------
+
+// While the entries are written.
+struct SweepMatrix::Order {
+    static constexpr uint32_t on_border = 0x80000000u;
+    Array<uint32_t> row;         // of the matrix, by number; empty: the number
+    Array<uint32_t> code;        // of each row of the matrix: its number, and whether it is on the border
+    Array<uint8_t> kind;         // of each row of the matrix
+    Array<uint8_t> lower, upper; // groups of each row of the matrix; no_room: that many or more
+    bool all_inner = true;
+
+    uint32_t row_of(uint32_t k) const { return row.empty() ? k : row.data()[k]; }
+};
+
+// By places, but for the order of those that lie close together.
+Done SweepMatrix::list_in_space(const SignedMatrix& matrix, Order& order, const Parallel& parallel,
+                                Memory& memory) const {
+    constexpr uint32_t least_width = 64, most_bins = 8192;
+    const uint32_t n = matrix.n, width = n / most_bins < least_width ? least_width : n / most_bins + 1;
+    Array<uint32_t> place, begin;
+    if (!find_places(matrix, place, parallel, memory) || !order.row.allocate(memory, n)
+        || !begin.allocate(memory, n / width + size_t{2})
+        || !sort_by_few(
+            n, n / width + 1, [&](uint32_t i) { return place[i] / width; }, order.row.data(), begin.data(), parallel,
+            memory))
         return false;
-    for (const uint32_t p : place) ++bin[p / places_of_bin];
-    uint64_t before = 0;
-    for (uint32_t& b : bin) {
-        const uint64_t count = b;
-        b = static_cast<uint32_t>(before * parts_ / n);
-        before += count;
-    }
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const bool wide = matrix.offset[i + 1] - matrix.offset[i] > widest_inner_row;
-            ragged[i] = static_cast<uint8_t>(wide ? parts_ : bin[place[i] / places_of_bin]);
-        }
-    });
-    // Straighter: on meshes a third less border.
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) own[i] = most_common(matrix, ragged.data(), i);
+    parallel.for_blocks(n, [&](size_t first, size_t end) {
+        for (size_t k = first; k < end; ++k) order.code[order.row[k]] = static_cast<uint32_t>(k);
     });
     return true;
 }
 
-uint32_t SweepMatrix::parts_of(uint32_t n) {
-    const uint32_t small = n / rows_of_small_part, large = n / rows_of_part;
-    const uint32_t parts = small < enough_parts ? small : large > enough_parts ? large : enough_parts;
-    return parts < 1 ? 1 : parts < most_parts ? parts : most_parts;
-}
-
-// The part of each row, and room[i] groups for it, enough in any case.
-Done SweepMatrix::cut(const SignedMatrix& matrix, Array<uint8_t>& room, const Parallel& parallel, Memory& memory) {
-    const uint32_t n = matrix.n;
-    parts_ = parts_of(n);
-    Array<uint8_t> own;
-    if (!part_.allocate(memory, n) || !room.allocate(memory, n)
-        || !(parts_ > 1 ? share_rows(matrix, own, parallel, memory) : own.allocate_filled(memory, n, 0)))
-        return false;
-    parallel.for_blocks(n, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            uint8_t least = own[i];
-            uint32_t before = 0;
-            for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
-                const uint32_t j = matrix.column[k];
-                least = own[j] < least ? own[j] : least;
-                before += own[j] == own[i] && j < i;
+// Hubs are on the border whatever part they are in, and what touches one need not be.
+void SweepMatrix::set_kinds(const SignedMatrix& matrix, Order& order, const Parallel& parallel) const {
+    const bool fits = shift_ <= narrow_bits || matrix.n <= 1u << narrow_bits;
+    const uint32_t *const offset = matrix.offset, *const code = order.code.data(), shift = shift_;
+    uint8_t* const kind = order.kind.data();
+    const auto is_hub = [=](uint32_t i) { return offset[i + size_t{1}] - offset[i] > widest_inner_row; };
+    order.all_inner = parallel.sum_blocks<uint32_t>(matrix.n, [=, &matrix](size_t begin, size_t end) {
+        uint32_t others = 0;
+        for (uint32_t i = static_cast<uint32_t>(begin); i < end; ++i) {
+            const uint32_t own = code[i] >> shift;
+            uint32_t outside = 0, before = 0;
+            for (uint32_t t = offset[i], last = offset[i + size_t{1}]; t < last; ++t) {
+                const uint32_t part = code[matrix.column[t]] >> shift;
+                outside |= part ^ own;
+                before |= part < own;
             }
-            const bool border = least < own[i] || own[i] == parts_;
-            part_[i] = border ? static_cast<uint8_t>(parts_) : own[i];
-            if (border) before = matrix.offset[i + 1] - matrix.offset[i];
-            const uint32_t groups = (before + Group::size - (before > 0)) / Group::size;
-            room[i] = static_cast<uint8_t>(groups < no_room ? groups : no_room);
+            if (before) {
+                before = 0;
+                for (uint32_t t = offset[i], last = offset[i + size_t{1}]; t < last; ++t)
+                    before |= (code[matrix.column[t]] >> shift < own) & !is_hub(matrix.column[t]);
+            }
+            kind[i] = before || is_hub(i) ? border : outside || !fits ? fringe : inner;
+            others += kind[i] != inner;
+        }
+        return others;
+    }) == 0;
+}
+
+// By parts and kinds, in the order in which they are listed.
+Done SweepMatrix::set_numbers(uint32_t n, Order& order, const Parallel& parallel, Memory& memory) {
+    if (!segment_.allocate_filled(memory, kinds * size_t{parts_}, Segment{})) return false;
+    if (order.row.empty() && order.all_inner) {
+        // One part, or parts that do not touch each other.
+        for (uint32_t part = 0; part < parts_; ++part) {
+            const uint32_t begin = base(part), end = part + 1 < parts_ ? base(part + 1) : n;
+            segment_[kinds * part].row = begin;
+            segment_[kinds * part].rows = end - begin;
+        }
+        return true;
+    }
+    Array<uint32_t> listed = static_cast<Array<uint32_t>&&>(order.row);
+    if (!number_.allocate(memory, n) || !order.row.allocate(memory, n)) return false;
+    parallel.for_each(parts_, [&](uint32_t part, uint32_t) {
+        const uint32_t begin = base(part), end = part + 1 < parts_ ? base(part + 1) : n;
+        Segment* const segments = &segment_[kinds * part];
+        uint32_t next[kinds] = {0, 0, 0};
+        const auto row_at = [&](uint32_t k) { return listed.empty() ? k : listed.data()[k]; };
+        for (uint32_t k = begin; k < end; ++k) ++next[order.kind[row_at(k)]];
+        uint32_t at = begin;
+        for (uint32_t kind = 0; kind < kinds; ++kind) {
+            segments[kind].row = at;
+            segments[kind].rows = next[kind];
+            next[kind] = at;
+            at += segments[kind].rows;
+        }
+        for (uint32_t k = begin; k < end; ++k) {
+            const uint32_t i = row_at(k), to = next[order.kind[i]]++;
+            order.row[to] = i;
+            number_[i] = to;
         }
     });
     return true;
+}
+
+// Which rows come before row i in a sweep: in its part, or the whole inside if it is on the border.
+struct SweepMatrix::Before {
+    uint32_t number, shift;
+    bool on_border;
+
+    Before(uint32_t code, uint32_t part_shift) :
+        number(code & ~Order::on_border), shift(part_shift), on_border(code & Order::on_border) {}
+    bool operator()(uint32_t code) const {
+        const uint32_t other = code & ~Order::on_border;
+        const bool smaller = other < number;
+        return on_border ? !(code & Order::on_border) | smaller : smaller & (other >> shift == number >> shift);
+    }
+};
+
+uint32_t SweepMatrix::entries_before(const SignedMatrix& matrix, const Order& order, uint32_t i) const {
+    const Before before(order.code.data()[i], shift_);
+    uint32_t count = 0;
+    for (uint32_t t = matrix.offset[i]; t < matrix.offset[i + 1]; ++t)
+        count += before(order.code.data()[matrix.column[t]]);
+    return count;
+}
+
+// How many groups each segment has, and room for them.
+Done SweepMatrix::lay_out(const SignedMatrix& matrix, Order& order, const Parallel& parallel, Memory& memory) {
+    const uint32_t n = matrix.n;
+    const auto room = [](uint32_t entries) {
+        const uint32_t count = groups_of(entries);
+        return static_cast<uint8_t>(count < no_room ? count : no_room);
+    };
+    if (!order.lower.allocate(memory, n) || !order.upper.allocate(memory, n)) return false;
+    parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (uint32_t i = static_cast<uint32_t>(begin); i < end; ++i) {
+            const uint32_t before = entries_before(matrix, order, i);
+            order.lower[i] = room(before);
+            order.upper[i] = room(matrix.offset[i + 1] - matrix.offset[i] - before);
+        }
+    });
+    parallel.for_each(kinds * parts_, [&](uint32_t s, uint32_t) {
+        Segment& at = segment_[s];
+        for (uint32_t k = at.row; k < at.row + at.rows; ++k) {
+            const uint32_t i = order.row_of(k);
+            uint32_t lower = order.lower.data()[i], upper = order.upper.data()[i];
+            if (lower == no_room || upper == no_room) {
+                const uint32_t before = entries_before(matrix, order, i);
+                lower = groups_of(before);
+                upper = groups_of(matrix.offset[i + 1] - matrix.offset[i] - before);
+            }
+            at.lower_end += lower;
+            at.upper_end += upper;
+        }
+    });
+    struct Count {
+        uint64_t lower = 0, upper = 0;
+    } total[2];
+    uint32_t marks = 0;
+    for (uint32_t s = 0; s < kinds * parts_; ++s) {
+        Segment& at = segment_[s];
+        Count& count = total[s % kinds != inner];
+        const uint64_t lower = at.lower_end, upper = at.upper_end;
+        at.lower = static_cast<uint32_t>(count.lower);
+        at.upper = static_cast<uint32_t>(count.upper);
+        count.lower += lower;
+        count.upper += upper;
+        at.lower_end = static_cast<uint32_t>(count.lower);
+        at.upper_end = static_cast<uint32_t>(count.upper);
+        at.mark = marks;
+        marks += (at.rows + rows_of_mark - 1) / rows_of_mark;
+    }
+    for (const Count& count : total)
+        if (count.lower > 0xf0000000u || count.upper > 0xf0000000u) {
+            memory.take(SIZE_MAX);
+            return false;
+        }
+    order.lower.release();
+    order.upper.release();
+    return narrow_.lower.allocate(memory, total[0].lower + 1) && narrow_.upper.allocate(memory, total[0].upper + 1)
+        && wide_.lower.allocate(memory, total[1].lower + 1) && wide_.upper.allocate(memory, total[1].upper + 1)
+        && mark_.allocate(memory, marks);
 }
 
 // --- Entries -----------------------------------------------------------------
 
-inline void SweepMatrix::Group::clear(uint32_t i) {
-    for (uint32_t t = 0; t < size; ++t) {
-        column[t] = i;
-        entry[t] = 0;
-    }
-}
+// Smaller ones would only make slow subnormal numbers.
+static float scaled(double value) { return std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f; }
 
-// Which of the rows that touch row i come before it in a sweep: of its part, or where it is on the border.
-template <bool on_border>
-struct Before {
-    const uint8_t* part;
-    uint32_t i;
-    uint8_t own;
-    bool operator()(uint32_t j) const { return on_border ? (part[j] != own) | (j < i) : (part[j] == own) & (j < i); }
+// Entries of a row on one side of it that have no group yet; room for those of some more, and to fill up.
+template <class Column>
+struct SweepMatrix::Side {
+    static constexpr uint32_t more = 32;
+    Group<Column>* at;
+    uint32_t used = 0;
+    Column mark = 0;
+    Column column[more + 2 * group_size];
+    float entry[more + 2 * group_size];
+
+    explicit Side(Group<Column>* begin) : at(begin) {}
+    void begin_row() {
+        used = 0;
+        mark = Group<Column>::first;
+    }
+    // All that there is; the last group is filled up.
+    void write(uint32_t count, Column own) {
+        for (uint32_t t = 0; t < group_size; ++t) {
+            column[count + t] = own;
+            entry[count + t] = 0;
+        }
+        uint32_t t = 0;
+        do {
+            std::memcpy(at->column, column + t, sizeof at->column);
+            std::memcpy(at->entry, entry + t, sizeof at->entry);
+            at->column[0] = static_cast<Column>(at->column[0] | mark);
+            mark = 0;
+            ++at;
+            t += group_size;
+        } while (t < count);
+    }
+    // Only whole groups, and something is left for the end of the row.
+    void write_whole(Column own) {
+        if (used <= group_size) return;
+        const uint32_t whole = (used - 1) / group_size * group_size;
+        Column last_column[group_size];
+        float last_entry[group_size];
+        std::memcpy(last_column, column + whole, sizeof last_column);
+        std::memcpy(last_entry, entry + whole, sizeof last_entry);
+        write(whole, own);
+        std::memcpy(column, last_column, sizeof last_column);
+        std::memcpy(entry, last_entry, sizeof last_entry);
+        used -= whole;
+    }
 };
 
-// at: its place; end: that of its part.  Returns the place of the next row.
-template <class Before>
-SweepMatrix::Group* SweepMatrix::write_row(const SignedMatrix& matrix, const float* scale, Before before, Group* at,
-                                           const Group* end) {
-    const uint32_t i = before.i;
-    const double own = static_cast<double>(scale[i]);
-    const Group* const begin = at;
-    at->clear(i);
-    uint32_t used = 0;
-    for (uint32_t k = matrix.offset[i], last = matrix.offset[i + 1]; k < last; ++k) {
-        const uint32_t j = matrix.column[k];
-        const double value = matrix.entry[k] * own * static_cast<double>(scale[j]);
-        // All are written, and the next one over those that do not come before.
-        at->column[used] = j;
-        // Smaller ones would only make slow subnormal numbers.
-        at->entry[used] = std::fabs(value) > 1e-20 ? static_cast<float>(value) : 0.0f;
-        used += before(j);
-        if (used < Group::size) continue;
-        at->row = i;
-        used = 0;
-        if (++at == end) return at; // what is left does not come before
-        at->clear(i);
+template <class Column>
+void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, const Order& order, const Segment& at,
+                             uint32_t first_column, Groups<Column>& groups) {
+    Group<Column>*const lower_begin = groups.lower.data(), *const upper_begin = groups.upper.data();
+    Side<Column> lower(lower_begin + at.lower), upper(upper_begin + at.upper);
+    const uint32_t* const code = order.code.data();
+    const uint32_t last_row = at.row + at.rows;
+    for (uint32_t k = at.row; k < last_row; ++k) {
+        if (last_row - k > ahead) prefetch_row(matrix, order.row_of(k + ahead));
+        if ((k - at.row) % rows_of_mark == 0)
+            mark_[at.mark + (k - at.row) / rows_of_mark] = {static_cast<uint32_t>(lower.at - lower_begin),
+                                                            static_cast<uint32_t>(upper.at - upper_begin)};
+        const uint32_t i = order.row_of(k);
+        const Before before(code[i], shift_);
+        const Column own = static_cast<Column>(k - first_column);
+        const double own_scale = static_cast<double>(scale[i]);
+        lower.begin_row();
+        upper.begin_row();
+        for (uint32_t t = matrix.offset[i], end = matrix.offset[i + 1];;) {
+            const uint32_t stop = end - t > Side<Column>::more ? t + Side<Column>::more : end;
+            uint32_t used_lower = lower.used, used_upper = upper.used;
+            // Branch-free: an entry that does not belong to a side is written over by the next.
+            for (; t < stop; ++t) {
+                const uint32_t j = matrix.column[t], other = code[j];
+                const float value = scaled(matrix.entry[t] * own_scale * static_cast<double>(scale[j]));
+                const bool is_before = before(other);
+                lower.column[used_lower] = upper.column[used_upper] =
+                    static_cast<Column>((other & ~Order::on_border) - first_column);
+                lower.entry[used_lower] = upper.entry[used_upper] = value;
+                used_lower += is_before;
+                used_upper += !is_before;
+            }
+            lower.used = used_lower;
+            upper.used = used_upper;
+            if (t == end) break;
+            lower.write_whole(own);
+            upper.write_whole(own);
+        }
+        lower.write(lower.used, own);
+        upper.write(upper.used, own);
     }
-    if (used == 0 && at != begin) return at;
-    at->row = i;
-    at->column[used] = i;
-    at->entry[used] = 0;
-    return at + 1;
 }
 
-// Row i of a part, at its place.  Returns the place of the next row.
-inline SweepMatrix::Group* SweepMatrix::write_row_of(const SignedMatrix& matrix, const float* scale, uint32_t part,
-                                                     uint32_t i, Group* at) {
-    const Group* const end = group_.data() + range_[part].end;
-    const uint8_t* const parts = part_.data();
-    const uint8_t own = static_cast<uint8_t>(part);
-    return part == parts_ ? write_row(matrix, scale, Before<true>{parts, i, own}, at, end)
-                          : write_row(matrix, scale, Before<false>{parts, i, own}, at, end);
-}
-
-Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, const Parallel& parallel, Memory& memory) {
+Done SweepMatrix::build(const SignedMatrix& matrix, const float* scale, bool renumber, const Parallel& parallel,
+                        Memory& memory) {
     const uint32_t n = matrix.n;
-    Array<uint8_t> room;
-    Array<uint32_t> order; // of the rows in a sweep
-    if (!cut(matrix, room, parallel, memory) || !order.allocate(memory, n) || !range_.allocate(memory, parts_ + 1))
-        return false;
-    uint32_t at[most_parts + 2];
-    if (!sort_by_few(
-            n, parts_ + 1, [&](uint32_t i) { return part_[i]; }, order.data(), at, parallel, memory))
-        return false;
-    uint64_t groups[most_parts + 1] = {0};
-    parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
-        groups[part] = 0;
-        for (uint32_t k = at[part]; k < at[part + 1]; ++k) {
-            const uint32_t i = order[k];
-            groups[part] += room[i] < no_room ? room[i] : (matrix.offset[i + 1] - matrix.offset[i]) / Group::size + 1;
-        }
-    });
-    room.release();
-    uint64_t total = 1;
-    Range* const range = range_.data();
-    for (uint32_t part = 0; part <= parts_; ++part) {
-        range[part].begin = static_cast<uint32_t>(total);
-        total += groups[part] + 1; // one that belongs to no row
-        range[part].end = static_cast<uint32_t>(total - 1);
+    shift_ = n < 2 * small_part ? 31 : n / small_part < enough_parts ? small_part_bits : part_bits;
+    while (n >> shift_ >= most_parts) ++shift_;
+    parts_ = (n >> shift_) + 1;
+    number_.release();
+    Order order;
+    if (!order.code.allocate(memory, n) || !order.kind.allocate(memory, n)) return false;
+    if (renumber && parts_ > 1) {
+        if (!list_in_space(matrix, order, parallel, memory)) return false;
+    } else {
+        parallel.for_blocks(n, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) order.code[i] = static_cast<uint32_t>(i);
+        });
     }
-    if (total > 0xf0000000u) {
-        memory.take(SIZE_MAX);
-        return false;
-    }
-    if (!group_.allocate(memory, total)) return false;
-    for (uint32_t part = 0; part <= parts_; ++part) group_[range[part].begin - 1].row = no_row;
-    parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
-        const uint32_t last = at[part + 1];
-        Group* end = group_.data() + range_[part].begin;
-        for (uint32_t k = at[part]; k < last; ++k) {
-            if (last - k > ahead) prefetch_row(matrix, order[k + ahead]);
-            end = write_row_of(matrix, scale, part, order[k], end);
-        }
-        end->row = no_row;
-        range[part].end = static_cast<uint32_t>(end - group_.data());
+    set_kinds(matrix, order, parallel);
+    if (!set_numbers(n, order, parallel, memory)) return false;
+    parallel.for_blocks(n, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            order.code[i] = number(i) | (order.kind[i] == border ? Order::on_border : 0);
     });
+    order.kind.release();
+    if (!lay_out(matrix, order, parallel, memory)) return false;
+    parallel.for_each(kinds * parts_, [&](uint32_t s, uint32_t) {
+        const Segment& at = segment_[s];
+        if (s % kinds == inner) write_rows(matrix, scale, order, at, base(s / kinds), narrow_);
+        else write_rows(matrix, scale, order, at, 0, wide_);
+    });
+    const auto end = [](auto& groups) {
+        for (auto* const list : {&groups.lower, &groups.upper}) {
+            auto& last = list->data()[list->size() - 1];
+            last = {};
+            last.column[0] = last.first;
+        }
+    };
+    end(narrow_);
+    end(wide_);
     return true;
+}
+
+template <class Column>
+void SweepMatrix::refresh_row(const SignedMatrix& matrix, const float* scale, uint32_t i, const SweepMatrix& numbers,
+                              uint32_t first_column, Group<Column>* low, Group<Column>* up, uint32_t own) {
+    uint32_t used_low = 0, used_up = 0;
+    for (uint32_t t = matrix.offset[i], last = matrix.offset[i + 1]; t < last; ++t) {
+        const uint32_t j = matrix.column[t], c = numbers.number(j);
+        const float value = scaled(matrix.entry[t] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]));
+        if (used_low == group_size && !low[1].is_first()) {
+            ++low;
+            used_low = 0;
+        }
+        // The columns tell which entries come before the row; those that fill up have its own.
+        if (used_low < group_size && c != own && low->column_at(used_low) + first_column == c) {
+            low->entry[used_low++] = value;
+            continue;
+        }
+        if (used_up == group_size) {
+            ++up;
+            used_up = 0;
+        }
+        up->entry[used_up++] = value;
+    }
 }
 
 void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const uint8_t* changed,
                           const Parallel& parallel) {
-    parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
-        const Group* const end = group_.data() + range_[part].end;
-        for (Group* at = group_.data() + range_[part].begin; at != end;) {
-            Group* next = at;
-            do ++next;
-            while (next->row == at->row);
-            if (changed[at->row]) {
-                const Group kept = *next; // a row that fills its groups clears the one after them
-                write_row_of(matrix, scale, part, at->row, at);
-                *next = kept;
+    // The groups of row k.
+    const auto find = [&](const Segment& at, uint32_t k, auto& groups, auto*& low, auto*& up) {
+        const Mark mark = mark_[at.mark + (k - at.row) / rows_of_mark];
+        low = groups.lower.data() + mark.lower;
+        up = groups.upper.data() + mark.upper;
+        for (uint32_t rows = (k - at.row) % rows_of_mark; rows > 0; --rows) {
+            do ++low;
+            while (!low->is_first());
+            do ++up;
+            while (!up->is_first());
+        }
+    };
+    parallel.for_blocks(matrix.n, [&](size_t begin, size_t end) {
+        for (uint32_t i = static_cast<uint32_t>(begin); i < end; ++i) {
+            if (!changed[i]) continue;
+            const uint32_t k = number(i), part = k >> shift_;
+            uint32_t kind = inner;
+            while (k - segment_[kinds * part + kind].row >= segment_[kinds * part + kind].rows) ++kind;
+            const Segment& at = segment_[kinds * part + kind];
+            if (kind == inner) {
+                Group<Narrow>*low, *up;
+                find(at, k, narrow_, low, up);
+                refresh_row(matrix, scale, i, *this, base(part), low, up, k);
+            } else {
+                Group<Wide>*low, *up;
+                find(at, k, wide_, low, up);
+                refresh_row(matrix, scale, i, *this, 0, low, up, k);
             }
-            at = next;
         }
     });
 }
@@ -251,95 +413,178 @@ void SweepMatrix::refresh(const SignedMatrix& matrix, const float* scale, const 
 // --- Sweeps ------------------------------------------------------------------
 
 // Sum of entry * x.
-inline float SweepMatrix::Group::product(const float* x) const {
-    static_assert(size == 5, "written out here");
-    return ((entry[0] * x[column[0]] + entry[1] * x[column[1]]) + (entry[2] * x[column[2]] + entry[3] * x[column[3]]))
-         + entry[4] * x[column[4]];
+template <class Column>
+inline float SweepMatrix::Group<Column>::product(const float* x) const {
+    static_assert(group_size == 4, "written out here");
+    return (entry[0] * x[column_at(0)] + entry[1] * x[column[1]]) + (entry[2] * x[column[2]] + entry[3] * x[column[3]]);
 }
 
-// y -= value times the entries, which are as well those of the column `row`.
-inline void SweepMatrix::Group::subtract(float value, float* y) const {
-    for (uint32_t t = 0; t < size; ++t) y[column[t]] -= entry[t] * value;
+// visit(segment, its groups, where its columns begin)
+template <class Visit>
+void SweepMatrix::for_kind(uint32_t part, Kind kind, Visit visit) const {
+    if (kind == inner) visit(segment(part, inner), narrow_, base(part));
+    else visit(segment(part, kind), wide_, 0u);
 }
 
-// row(i, begin, end) for the rows of a part and their groups, in order.
-template <class Row>
-void SweepMatrix::for_rows(uint32_t part, Row row) const {
-    const Group* const end = group_.data() + range_[part].end;
-    for (const Group* at = group_.data() + range_[part].begin; at != end;) {
-        const Group* const begin = at;
-        do ++at;
-        while (at->row == begin->row);
-        row(begin->row, begin, at);
-    }
-}
-
-void SweepMatrix::forward(const float* b, float* x, float* residual, const Parallel& parallel) const {
-    // From zero: what is left is the product with the entries that come after each row.
-    const auto sweep = [&](uint32_t part, uint32_t = 0) {
-        const Group* const end = group_.data() + range_[part].end;
-        for (const Group* at = group_.data() + range_[part].begin; at != end;) {
-            const Group* const begin = at;
-            const uint32_t i = at->row;
-            float sum = 0;
-            do sum += at->product(x);
-            while ((++at)->row == i);
-            const float value = b[i] - sum;
-            x[i] = value;
-            residual[i] = 0;
-            for (const Group* group = begin; group != at; ++group) group->subtract(value, residual);
-        }
-    };
-    parallel.for_each(parts_, sweep);
-    sweep(parts_);
-}
-
-void SweepMatrix::backward(float* b, float* x, const Parallel& parallel) const {
-    const auto sweep = [&](uint32_t part, uint32_t = 0) {
-        const Group* const begin = group_.data() + range_[part].begin;
-        for (const Group* at = group_.data() + range_[part].end; at != begin;) {
-            const Group* const end = at;
-            const uint32_t i = (at - 1)->row;
-            float sum = 0;
-            do sum += (--at)->product(x);
-            while ((at - 1)->row == i);
-            const float value = b[i] - sum;
-            x[i] = value;
-            for (const Group* group = at; group != end; ++group) group->subtract(value, b);
-        }
-    };
-    sweep(parts_);
-    parallel.for_each(parts_, sweep);
-}
-
-void SweepMatrix::multiply(const float* x, float* y, const Parallel& parallel) const {
-    const auto rows = [&](uint32_t part, uint32_t = 0) {
-        for_rows(part, [&](uint32_t i, const Group* begin, const Group* end) {
-            float sum = 0;
-            for (const Group* group = begin; group != end; ++group) { sum += group->product(x); }
-            y[i] = x[i] + sum;
-            for (const Group* group = begin; group != end; ++group) group->subtract(-x[i], y);
-        });
-    };
-    parallel.for_each(parts_, rows);
-    rows(parts_);
-}
-
-double SweepMatrix::energy(const float* x, const Parallel& parallel) const {
-    double part_sum[most_parts + 1];
-    parallel.for_each(parts_ + 1, [&](uint32_t part, uint32_t) {
-        double sum = 0;
-        for_rows(part, [&](uint32_t i, const Group* begin, const Group* end) {
-            float product = 0;
-            for (const Group* group = begin; group != end; ++group) product += group->product(x);
-            sum += static_cast<double>(x[i]) * (static_cast<double>(x[i]) + 2 * static_cast<double>(product));
-        });
-        part_sum[part] = sum;
+// sweep(part, kind) in the order of a sweep.
+template <class Sweep>
+void SweepMatrix::forward_by(const Parallel& parallel, Sweep sweep) const {
+    parallel.for_each(parts_, [&](uint32_t part, uint32_t) {
+        sweep(part, inner);
+        sweep(part, fringe);
     });
-    double sum = 0;
-    for (uint32_t part = 0; part <= parts_; ++part)
-        sum += part_sum[part]; // NOLINT(clang-analyzer-core*): each part set its own
+    for (uint32_t part = 0; part < parts_; ++part) sweep(part, border);
+}
+
+template <class Sweep>
+void SweepMatrix::backward_by(const Parallel& parallel, Sweep sweep) const {
+    for (uint32_t part = parts_; part-- > 0;) sweep(part, border);
+    parallel.for_each(parts_, [&](uint32_t part, uint32_t) {
+        sweep(part, fringe);
+        sweep(part, inner);
+    });
+}
+
+// From zero: only what comes before a row counts.
+void SweepMatrix::forward(const float* b, float* x, const Parallel& parallel, const float* row_scale) const {
+    forward_by(parallel, [&](uint32_t part, Kind kind) {
+        for_kind(part, kind, [=](const Segment& s, const auto& groups, uint32_t first_column) {
+            const float* const columns = x + first_column;
+            auto* at = groups.lower.data() + s.lower;
+            for (uint32_t i = s.row, end = s.row + s.rows; i < end; ++i) {
+                float sum = 0;
+                do sum += at->product(columns);
+                while (!(++at)->is_first());
+                x[i] = row_scale && row_scale[i] < 0 ? 0 : b[i] - sum;
+            }
+        });
+    });
+}
+
+// It is the product with what comes after each row.
+void SweepMatrix::find_rest(const float* x, float* rest, const Parallel& parallel) const {
+    parallel.for_each(kinds * parts_, [&](uint32_t k, uint32_t) {
+        for_kind(k / kinds, static_cast<Kind>(k % kinds),
+                 [=](const Segment& s, const auto& groups, uint32_t first_column) {
+                     const float* const columns = x + first_column;
+                     auto* at = groups.upper.data() + s.upper;
+                     for (uint32_t i = s.row, end = s.row + s.rows; i < end; ++i) {
+                         float sum = 0;
+                         do sum += at->product(columns);
+                         while (!(++at)->is_first());
+                         rest[i] = -sum;
+                     }
+                 });
+    });
+}
+
+void SweepMatrix::backward(const float* b, float* x, const Parallel& parallel) const {
+    backward_by(parallel, [&](uint32_t part, Kind kind) {
+        for_kind(part, kind, [=](const Segment& s, const auto& groups, uint32_t first_column) {
+            const float* const columns = x + first_column;
+            auto* low = groups.lower.data() + s.lower_end;
+            auto* up = groups.upper.data() + s.upper_end;
+            for (uint32_t i = s.row + s.rows; i-- > s.row;) {
+                float before = 0, after = 0;
+                do before += (--low)->product(columns);
+                while (!low->is_first());
+                do after += (--up)->product(columns);
+                while (!up->is_first());
+                x[i] = b[i] - after - before;
+            }
+        });
+    });
+}
+
+// --- Steps of conjugate gradients ----------------------------------------------
+
+namespace {
+
+// Of the segments of all parts, added in their order.
+template <class Sums, uint32_t count>
+Sums total(const Sums (&of)[count], uint32_t used) {
+    Sums sum;
+    for (uint32_t k = 0; k < used; ++k) sum += of[k];
     return sum;
+}
+
+} // namespace
+
+StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVectors& v, const Parallel& parallel) const {
+    StepSums of[kinds * most_parts];
+    const float *const product = v.product, *const row_scale = v.row_scale;
+    float* const difference = v.difference;
+    backward_by(parallel, [&](uint32_t part, Kind kind) {
+        StepSums& out = of[kinds * part + kind];
+        for_kind(part, kind, [=, &out](const Segment& s, const auto& groups, uint32_t first_column) {
+            const float* const columns = x + first_column;
+            auto* low = groups.lower.data() + s.lower_end;
+            auto* up = groups.upper.data() + s.upper_end;
+            StepSums sums;
+            double dz = 0;
+            for (uint32_t i = s.row + s.rows; i-- > s.row;) {
+                float before = 0, after = 0;
+                do before += (--low)->product(columns);
+                while (!low->is_first());
+                do after += (--up)->product(columns);
+                while (!up->is_first());
+                const float own = g[i];
+                float z = own - after - before;
+                if (row_scale && row_scale[i] < 0) z = 0;
+                const float d = x[i] - z;
+                x[i] = z;
+                difference[i] = d;
+                sums.zr += static_cast<double>(z * own);
+                sums.zq += static_cast<double>(z * product[i]);
+                dz += static_cast<double>(d * after);
+            }
+            // z A z = z g - the sum over rows of z_i a_ij d_j, j before i; by columns: d_j times what comes after.
+            sums.zAz = sums.zr - dz;
+            out = sums;
+        });
+    });
+    return total(of, kinds * parts_);
+}
+
+ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float* x, const StepVectors& v,
+                                        const Parallel& parallel) const {
+    ResidualNorms of[kinds * most_parts];
+    float *const product = v.product, *const direction = v.direction, *const solution = v.solution;
+    const float *const difference = v.difference, *const row_scale = v.row_scale;
+    forward_by(parallel, [&](uint32_t part, Kind kind) {
+        ResidualNorms& out = of[kinds * part + kind];
+        for_kind(part, kind, [=, &out](const Segment& s, const auto& groups, uint32_t first_column) {
+            const float *const columns = x + first_column, *const differences = difference + first_column;
+            auto* at = groups.lower.data() + s.lower;
+            ResidualNorms norms;
+            float largest = 0;
+            for (uint32_t i = s.row, end = s.row + s.rows; i < end; ++i) {
+                float sum = 0, before = 0;
+                do {
+                    sum += at->product(columns);
+                    before += at->product(differences);
+                } while (!(++at)->is_first());
+                const float old = g[i], p = x[i] + beta * direction[i];
+                float q = (old - before) + beta * product[i];
+                const bool held = row_scale && row_scale[i] < 0;
+                if (held) q = 0;
+                const float rest = old - alpha * q + floor_value;
+                direction[i] = p;
+                product[i] = q;
+                solution[i] += alpha * p;
+                g[i] = rest;
+                norms.squares += static_cast<double>(rest * rest);
+                if (row_scale) {
+                    const float row = row_scale[i] * std::fabs(rest);
+                    largest = row > largest ? row : largest;
+                }
+                x[i] = held ? 0 : rest - sum;
+            }
+            norms.largest_row = static_cast<double>(largest);
+            out = norms;
+        });
+    });
+    return total(of, kinds * parts_);
 }
 
 } // namespace hmf
