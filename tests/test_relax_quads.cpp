@@ -376,9 +376,9 @@ TEST(UnfoldQuads, PatchFaceDownIsTurned) {
     };
     const size_t before = inwards();
     EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
-    bool turned = false;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
-    EXPECT_TRUE(turned);
+    hmf::Unfolded unfolded;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
+    EXPECT_TRUE(unfolded.better);
     EXPECT_EQ(inwards(), 0u);
     EXPECT_EQ(quads.positions[0], 0); // what is held stays
 }
@@ -429,9 +429,9 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
             room = room && quads.add_quad(a, b, b + 1, a + 1);
         }
     ASSERT_TRUE(room);
-    bool turned = false;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
-    EXPECT_TRUE(turned);
+    hmf::Unfolded unfolded;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
+    EXPECT_TRUE(unfolded.better);
     hmf::QuadFigures figures;
     ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
@@ -461,14 +461,14 @@ TEST_F(OnATriangle, VerticesLeaveItAsALastResort) {
     ASSERT_TRUE(room);
     const auto height = [&] { return quads.positions[3 * (6 * (N + 1) + LOW) + 1]; };
     hmf::QuadFigures figures;
-    bool turned = false;
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, turned, call), HMF_OK);
+    hmf::Unfolded unfolded;
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
     ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 2u);
     EXPECT_GE(height(), -40);
-    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::off_surface, quads, turned, call), HMF_OK);
+    ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::off_surface, quads, unfolded, call), HMF_OK);
     ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
-    EXPECT_TRUE(turned);
+    EXPECT_TRUE(unfolded.better);
     EXPECT_EQ(figures.inverted, 0u);
     EXPECT_LT(height(), -41);
     EXPECT_GT(height(), -41.5);

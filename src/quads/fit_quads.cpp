@@ -55,25 +55,26 @@ constexpr Attempt ATTEMPTS[] = {{true, false}, {true, true}, {false, true}, {fal
 
 // What stays inverted is turned as it lies, to whatever side it looks.
 hmf_status untangle(const Mesh& mesh, const double* position, int steps, int after, bool outwards, QuadMesh& quads,
-                    QuadFigures& figures, Call& call) {
-    bool turned = false, again = false;
-    if (relax_quads(mesh, position, steps, Untangle::all, outwards, quads, call)
-        || unfold_quads(mesh, position, Unfold::on_surface, quads, turned, call))
+                    uint64_t& inverted, Call& call) {
+    Unfolded unfolded;
+    const auto unfold = [&] { return unfold_quads(mesh, position, Unfold::on_surface, quads, unfolded, call); };
+    if (relax_quads(mesh, position, steps, Untangle::all, outwards, quads, call) || unfold()) return call.status();
+    // What was turned is even in size, and angles are not the best yet.  after: steps, none on finer quads.
+    if (unfolded.better && after > 0
+        && (relax_quads(mesh, position, after, Untangle::some, outwards, quads, call) || unfold()))
         return call.status();
-    // What was turned is even in size, and angles are not the best yet.
-    if (turned
-        && (relax_quads(mesh, position, after, Untangle::some, outwards, quads, call)
-            || unfold_quads(mesh, position, Unfold::on_surface, quads, again, call)))
+    inverted = unfolded.inverted;
+    if (inverted == 0 || !outwards) return HMF_OK;
+    QuadFigures figures;
+    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call) || quad_figures(quads, figures, call))
         return call.status();
-    if (quad_figures(quads, figures, call)) return call.status();
-    if (figures.inverted == 0 || !outwards) return HMF_OK;
-    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call)) return call.status();
-    return quad_figures(quads, figures, call);
+    inverted = figures.inverted;
+    return HMF_OK;
 }
 
 // Is given up before the finest quads where some stay inverted.
 hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
-               const Attempt& as, QuadMesh& quads, QuadFigures& figures, Call& call) {
+               const Attempt& as, QuadMesh& quads, uint64_t& inverted, Call& call) {
     if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     for (int round = 0; round < ROUNDS; ++round) {
         size_t reached = 0, snapped = 0, corners = 0;
@@ -85,16 +86,15 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
         if (relax_quads(mesh, position, steps, Untangle::some, as.outwards, quads, call)) return call.status();
     }
     const int again = leave_sharp_edges(quads) ? steps : 0;
-    if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, figures, call))
+    if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, inverted, call))
         return call.status();
     if (square_corners(mesh, position, std::min(steps, SWEEPS), 0, quads, call)) return call.status();
     for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)
-            || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), std::min(steps, STEPS_ON_FINER), as.outwards,
-                        quads, figures, call)
+            || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), 0, as.outwards, quads, inverted, call)
             || square_corners(mesh, position, std::min(steps, SWEEPS_ON_FINER), SQUARE_ON_FINER, quads, call))
             return call.status();
-        if (as.to_sharp_edges && figures.inverted > 0) return HMF_OK;
+        if (as.to_sharp_edges && inverted > 0) return HMF_OK;
     }
     return HMF_OK;
 }
@@ -151,22 +151,20 @@ hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection
     inverted = UINT64_MAX;
     if (!copy(quads, start, call.memory)) return call.out_of_memory();
     for (const Attempt& as : ATTEMPTS) {
-        QuadFigures figures;
+        uint64_t left = 0;
         if (!copy(start, now, call.memory)) return call.out_of_memory();
-        if (fit(mesh, position, front, steps, halvings, as, now, figures, call)) return call.status();
+        if (fit(mesh, position, front, steps, halvings, as, now, left, call)) return call.status();
         const bool more = now.quad_count() > quads.quad_count() || inverted == UINT64_MAX;
-        if (now.quad_count() >= quads.quad_count() && (more || figures.inverted < inverted)) {
-            inverted = figures.inverted;
+        if (now.quad_count() >= quads.quad_count() && (more || left < inverted)) {
+            inverted = left;
             std::swap(quads, now);
         }
         if (inverted == 0 && quads.quad_count() == start.quad_count() << 2 * halvings) break;
     }
     if (inverted == 0 || steps == 0) return HMF_OK;
-    bool turned = false;
-    QuadFigures figures;
-    if (unfold_quads(mesh, position, Unfold::off_surface, quads, turned, call) || quad_figures(quads, figures, call))
-        return call.status();
-    inverted = figures.inverted;
+    Unfolded unfolded;
+    if (unfold_quads(mesh, position, Unfold::off_surface, quads, unfolded, call)) return call.status();
+    inverted = unfolded.inverted;
     return HMF_OK;
 }
 

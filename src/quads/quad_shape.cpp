@@ -75,12 +75,18 @@ double worst_corner(const QuadMesh& quads, size_t q) {
     return dot(n, n) > 0 ? least_sine(p, n) : -1;
 }
 
-double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q) {
+double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q,
+                                 double* as_it_lies) {
     const uint32_t* const corner = &quads.quads[4 * q];
     Point p[4];
     for (size_t k = 0; k < 4; ++k) p[k] = at(quads, corner[k]);
     const Point n = normal_of(p);
-    return dot(n, n) > 0 ? least_sine(p, view(mesh, position, quads, corner, n)) : -1;
+    const bool is_flat = !(dot(n, n) > 0);
+    const Point seen = is_flat ? n : view(mesh, position, quads, corner, n);
+    const double worst = is_flat ? -1 : least_sine(p, seen);
+    const bool is_same = seen.x == n.x && seen.y == n.y && seen.z == n.z;
+    if (as_it_lies) *as_it_lies = is_same ? worst : least_sine(p, n);
+    return worst;
 }
 
 Done QuadStars::build(const QuadMesh& quads, Memory& memory) {

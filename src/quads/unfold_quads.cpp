@@ -50,11 +50,13 @@ public:
     Unfolding(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads, Call& call) :
         mesh_(mesh), position_(position), leaves_(where == Unfold::off_surface), quads_(quads), call_(call) {}
 
-    hmf_status run(bool& turned) {
-        turned = false;
+    hmf_status run(Unfolded& unfolded) {
+        unfolded = {};
         QuadPlaces best;
         Bad least, now;
-        if (!count_bad(least)) return call_.was_cancelled();
+        bad_.start(call_.memory);
+        if (!count_bad(least)) return call_.stopped();
+        unfolded.inverted = least.inverted;
         if (least.corners == 0) return HMF_OK;
         const uint64_t most = (leaves_ ? MORE_OFF : 1) * (MOVES + MOVES_EACH * quads_.quad_count());
         if (!stars_.build(quads_, call_.memory) || !best.keep(quads_, call_.memory)) return call_.out_of_memory();
@@ -66,11 +68,11 @@ public:
             for (int k = 0; k < SWEEPS; ++k)
                 if (!sweep(k)) return call_.was_cancelled();
             if (leaves_) go_back();
-            if (!count_bad(now)) return call_.was_cancelled();
+            if (!count_bad(now)) return call_.stopped();
             is_best = now < least;
             if (is_best) {
                 least = now;
-                turned = true;
+                unfolded = {true, now.inverted};
                 if (!best.keep(quads_, call_.memory)) return call_.out_of_memory();
             }
             if (least.corners == 0 || (leaves_ && least.inverted == 0)) break;
@@ -82,18 +84,18 @@ public:
 private:
     Done count_bad(Bad& bad) {
         bad = {};
+        bad_.clear();
         for (size_t q = 0; q < quads_.quad_count(); ++q) {
             if (q % 16384 == 0 && !call_.tick(0)) return false;
-            const double w = worst(q);
-            bad.inverted += !(worst_corner(quads_, q) > 0);
-            bad.inwards += !(w > 0);
-            bad.corners += !(w >= WELL);
+            double lies = 0, seen = 0;
+            if (leaves_) lies = seen = worst_corner(quads_, q);
+            else seen = worst_corner_from_outside(mesh_, position_, quads_, q, &lies);
+            bad.inverted += !(lies > 0);
+            bad.inwards += !(seen > 0);
+            bad.corners += !(seen >= WELL);
+            if (!(seen >= WELL) && !bad_.push(static_cast<uint32_t>(q))) return false;
         }
         return true;
-    }
-
-    double worst(size_t q) const {
-        return leaves_ ? worst_corner(quads_, q) : worst_corner_from_outside(mesh_, position_, quads_, q);
     }
 
     // Rings of vertices round bad quads that may move, their quads, and how large these are to be.
@@ -111,8 +113,8 @@ private:
             listed[q] = 1;
             return region_.push(q);
         };
-        for (uint32_t q = 0; q < quads_.quad_count(); ++q)
-            if (!(worst(q) >= WELL) && !add(q)) return call_.out_of_memory();
+        for (const uint32_t q : bad_)
+            if (!add(q)) return call_.out_of_memory();
         for (int ring = 0, rings = leaves_ ? RINGS * (1 + round) : RINGS << round; ring < rings; ++ring) {
             if (!call_.tick(0)) return call_.was_cancelled();
             for (size_t i = 0, n = region_.size(); i < n; ++i)
@@ -190,8 +192,9 @@ private:
         }
     };
 
-    // Of the quads round v, with it at p.
-    Slope energy(uint32_t v, const Point& here) const {
+    // Of the quads round v, with it at p; without slope only the energy, as far as it is less than `most`.
+    template <bool WITH_SLOPE>
+    Slope energy(uint32_t v, const Point& here, double most) const {
         Slope sum;
         for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q) {
             Point p[4];
@@ -204,12 +207,14 @@ private:
             for (size_t k = 0; k < 4; ++k) {
                 if (k == (at_v + 2) % 4) continue;
                 const size_t role = (k + 4 - at_v) % 4; // 0: v is the corner, 3: ahead of it, 1: behind
-                add_corner(p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k], *q, role, sum);
+                add_corner<WITH_SLOPE>(p[(k + 1) % 4] - p[k], p[(k + 3) % 4] - p[k], *q, role, sum);
             }
+            if (!(sum.energy < most)) break;
         }
         return sum;
     }
 
+    template <bool WITH_SLOPE>
     void add_corner(const Point& e, const Point& b, uint32_t q, size_t role, Slope& sum) const {
         const Point& n = normal_[q];
         const double D = size_[q], E = regular_ * D;
@@ -218,6 +223,7 @@ private:
         const double c = d > 0 ? (d + root) / 2 : E * E / (2 * (root - d));
         const double s = (dot(e, e) + dot(b, b)) / 2, a = SIZE * (D * D + d * d) / (2 * D);
         sum.energy += (s + a) / c;
+        if constexpr (!WITH_SLOPE) return;
         const Point bn = cross(b, n), ne = cross(n, e);
         const Point ds = role == 3 ? e : role == 1 ? b : -1 * (e + b);
         const Point dd = role == 3 ? bn : role == 1 ? ne : -1 * (bn + ne);
@@ -250,7 +256,7 @@ private:
     // Some way along the slope, whichever is best.
     void descend(uint32_t v) {
         const Point from = at(quads_, v);
-        Slope slope = energy(v, from);
+        Slope slope = energy<true>(v, from, HUGE_VAL);
         if (may_leave(v)) slope.add(pull(v, from));
         if (!(slope.bend > 0) || !std::isfinite(slope.bend)) return;
         double least = slope.energy, best[3] = {from.x, from.y, from.z};
@@ -260,7 +266,7 @@ private:
             double place[3];
             const uint32_t there = walk(v, to, place);
             if (may_leave(v)) put(to, place);
-            const double e = energy(v, point(place, 0)).energy + (may_leave(v) ? pull(v, to).energy : 0);
+            const double e = energy<false>(v, point(place, 0), least).energy + (may_leave(v) ? pull(v, to).energy : 0);
             ++moves_;
             if (!(e < least)) {
                 if (least < slope.energy) break;
@@ -310,6 +316,7 @@ private:
     Call& call_;
     QuadStars stars_;
     Array<uint32_t> moving_, region_; // vertices, and quads round them
+    Array<uint32_t> bad_;             // quads that were counted as such
     Array<double> size_;              // D of the quads of the region
     Array<Point> normal_;
     Array<uint8_t> left_; // per vertex: it may have left the surface
@@ -320,9 +327,9 @@ private:
 
 } // namespace
 
-hmf_status unfold_quads(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads, bool& turned,
+hmf_status unfold_quads(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads, Unfolded& unfolded,
                         Call& call) {
-    return Unfolding(mesh, position, where, quads, call).run(turned);
+    return Unfolding(mesh, position, where, quads, call).run(unfolded);
 }
 
 } // namespace hmf

@@ -12,8 +12,11 @@ enum class Unfold { on_surface, off_surface };
 // Vertices round quads that are inverted, or look inwards, move until none is, as far
 // as that can be reached; in the end no more quads are inverted than before.  Off the surface it does not matter
 // where quads look, and vertices leave it only where it helps and no farther than they must.
-// turned: whether that made it better.
+struct Unfolded {
+    bool better = false; // than before
+    uint64_t inverted = 0;
+};
 [[nodiscard]] hmf_status unfold_quads(const Mesh& mesh, const double* position, Unfold where, QuadMesh& quads,
-                                      bool& turned, Call& call);
+                                      Unfolded& unfolded, Call& call);
 
 } // namespace hmf
