@@ -29,7 +29,7 @@ Point outwards_at(const Mesh& mesh, const double* position, const QuadMesh& quad
 
 // The least sine of its corners, as seen along its normal (of the diagonals).
 double worst_corner(const QuadMesh& quads, size_t q);
-// As seen along the normal of the surface, where its own looks inwards: at most 0 there.  as_it_lies: worst_corner, or NULL.
+// As seen along the normal of the surface, where its own looks inwards: at most 0 there.  as_it_lies: worst_corner.
 double worst_corner_from_outside(const Mesh& mesh, const double* position, const QuadMesh& quads, size_t q,
                                  double* as_it_lies = nullptr);
 
