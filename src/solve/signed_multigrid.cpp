@@ -79,20 +79,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
 }
 
 void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {
-    if (level_count_ == 0) return;
-    const float* const scale = level_[0].scale.data();
-    level_[0].matrix.refresh(matrix, scale, changed, parallel);
-    // The sweeps have a diagonal of 1.
-    const uint32_t other = parallel.sum_blocks<uint32_t>(matrix.n, [=](size_t begin, size_t end) {
-        uint32_t count = 0;
-        for (size_t i = begin; i < end; ++i) {
-            if (!changed[i]) continue;
-            const double diagonal = matrix.diagonal[i] * static_cast<double>(scale[i]) * static_cast<double>(scale[i]);
-            count += !(std::fabs(diagonal - 1) < 1e-5);
-        }
-        return count;
-    });
-    if (other > 0) single_is_enough_ = false;
+    if (level_count_ > 0) level_[0].matrix.refresh(matrix, level_[0].scale.data(), changed, parallel);
 }
 
 double SignedMultigrid::operator_complexity() const {
