@@ -413,12 +413,45 @@ void SignedMultigrid::search_in_double(Search& s, Call& call) {
     }
 }
 
-// Steps that need no product with the matrix, from the true residual to a share of it, and again from there.
-// False: that is not precise enough.
-bool SignedMultigrid::search_in_single(Search& s, Call& call) {
-    constexpr double share = 1e-4, least_gain = 0.1, most_drift = 1.25;
+// The true residual in the unit of the sweeps, as their right side, and its norms in that unit.
+ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, const float* held,
+                                             const Parallel& parallel) {
     const SignedMatrix& matrix = s.matrix;
-    const size_t n = matrix.n;
+    const SweepMatrix& sweeps = level_[0].matrix;
+    const double *const b = s.b, *const x = s.x;
+    const float *const scale = level_[0].scale.data(), *const row_scale = s.options.row_scale;
+    float* const g = level_[0].b.data();
+    const bool any_held = s.options.fixed_count > 0;
+    const bool from_zero = s.result.iterations == 0 && is_zero(x, matrix.n, parallel);
+    ResidualNorms norms = parallel.sum_blocks<ResidualNorms>(matrix.n, [=, &sweeps](size_t begin, size_t end) {
+        ResidualNorms sum;
+        for (size_t i = begin; i < end; ++i) {
+            double r = b[i];
+            if (!from_zero) {
+                r -= matrix.diagonal[i] * x[i];
+                for (uint32_t t = matrix.offset[i], last = matrix.offset[i + 1]; t < last; ++t)
+                    r -= matrix.entry[t] * x[matrix.column[t]];
+            }
+            const uint32_t k = sweeps.number(i);
+            double own = static_cast<double>(scale[i]) * r * per_unit;
+            if (any_held && held[k] < 0) own = r = 0;
+            g[k] = static_cast<float>(own) + floor_value;
+            sum.squares += own * own;
+            if (!row_scale) continue;
+            const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
+            if (row > sum.largest_row) sum.largest_row = row;
+        }
+        return sum;
+    });
+    norms.largest_row *= per_unit;
+    return norms;
+}
+
+// Steps that need no product with the matrix, from the true residual to a share of it, and again from there.
+// False: that is not precise enough, which shows where the true residual is not what the steps have told.
+bool SignedMultigrid::search_in_single(Search& s, Call& call) {
+    constexpr double share = 1e-4, least_gain = 0.1, most_drift = 1.25, none = 1e300;
+    const size_t n = s.matrix.n;
     MultigridLevel& level = level_[0];
     const float* const scale = level.scale.data();
     float *const g = level.b.data(), *const x = level.x.data();
@@ -435,46 +468,21 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
         }
     });
     for (size_t k = 0; k < options.fixed_count; ++k) v.row_scale[sweeps.number(options.fixed[k])] = -1;
-    const double* const b = s.b;
     double* const solution = s.x;
-    const float* const row_scale = options.row_scale;
-    const bool any_held = options.fixed_count > 0;
-    double unit = s.reference, before = 1e300, pq = 0; // 0: no direction yet
+    double unit = s.reference, before = none, pq = 0; // 0: no direction yet
     bool broken = false;
     for (;;) {
-        // The true residual; what 1 means in single precision is its norm, or nearly so.
-        const double inverse = 1 / unit;
-        const bool from_zero = s.result.iterations == 0 && is_zero(solution, n, parallel);
+        // What 1 means in single precision is the norm of the residual, or nearly so.
         parallel.for_blocks(
             n, [=](size_t begin, size_t end) { std::memset(&v.solution[begin], 0, (end - begin) * sizeof(float)); });
-        ResidualNorms norms = parallel.sum_blocks<ResidualNorms>(n, [=, &sweeps](size_t begin, size_t end) {
-            ResidualNorms sum;
-            for (size_t i = begin; i < end; ++i) {
-                double r = b[i];
-                if (!from_zero) {
-                    r -= matrix.diagonal[i] * solution[i];
-                    for (uint32_t t = matrix.offset[i], last = matrix.offset[i + 1]; t < last; ++t)
-                        r -= matrix.entry[t] * solution[matrix.column[t]];
-                }
-                const uint32_t k = sweeps.number(i);
-                double own = static_cast<double>(scale[i]) * r * inverse;
-                if (any_held && v.row_scale[k] < 0) own = r = 0;
-                g[k] = static_cast<float>(own) + floor_value;
-                sum.squares += own * own;
-                if (!row_scale) continue;
-                const double row = static_cast<double>(row_scale[i]) * std::fabs(r);
-                if (row > sum.largest_row) sum.largest_row = row;
-            }
-            return sum;
-        });
+        ResidualNorms norms = find_residual(s, 1 / unit, v.row_scale, parallel);
         const auto norm = [&] { return std::sqrt(norms.squares) * unit; };
-        norms.largest_row *= inverse;
         const auto row = [&] { return norms.largest_row * unit; };
         s.tell(norm(), row());
         s.result.converged = norm() < 1e300 && s.is_small(norm(), row());
         s.ended |= s.result.converged || s.result.iterations >= s.limit;
         if (s.ended) return true;
-        if (broken || !(norm() < least_gain * before) || norm() > most_drift * unit) return false;
+        if (broken || !(norm() < least_gain * before) || (before < none && norm() > most_drift * unit)) return false;
         before = norm();
         const double enough = share * norm();
         // The direction goes on; what the true residual has along it is no longer 0.

@@ -10,8 +10,10 @@
 // are flipped.  Near a tripod it does not: the foliation turns by half there.
 // Nothing here needs a global choice of signs, each aggregate has its own.
 //
-// The preconditioner works in single precision on the matrix scaled to unit
-// diagonal, so weights from 1e-9 to 1e6 fit; conjugate gradients in double.
+// Sweeps work in single precision on the matrix scaled to unit diagonal, so weights
+// from 1e-9 to 1e6 fit, and steps of conjugate gradients with them (sweep_matrix.hpp): the
+// residual is taken in double, they make 1e-4 of it, and it is taken again.  Where that is
+// not precise enough the steps are made in double, and only the preconditioner is not.
 #pragma once
 
 #include "prolongation.hpp"
@@ -89,6 +91,7 @@ private:
     struct Search;
     void search_in_double(Search& search, Call& call);
     bool search_in_single(Search& search, Call& call);
+    ResidualNorms find_residual(const Search& search, double per_unit, const float* held, const Parallel& parallel);
 
     static constexpr uint32_t dense_limit = 300;
     MultigridLevel level_[max_levels];
