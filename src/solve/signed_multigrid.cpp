@@ -450,7 +450,7 @@ ResidualNorms SignedMultigrid::find_residual(const Search& s, double per_unit, c
 // Steps that need no product with the matrix, from the true residual to a share of it, and again from there.
 // False: that is not precise enough, which shows where the true residual is not what the steps have told.
 bool SignedMultigrid::search_in_single(Search& s, Call& call) {
-    constexpr double share = 1e-4, least_gain = 0.1, most_drift = 1.25, none = 1e300;
+    constexpr double share = 1e-3, least_gain = 0.1, some_drift = 1.01, most_drift = 1.25, none = 1e300;
     const size_t n = s.matrix.n;
     MultigridLevel& level = level_[0];
     const float* const scale = level.scale.data();
@@ -485,7 +485,8 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
         if (broken || !(norm() < least_gain * before) || (before < none && norm() > most_drift * unit)) return false;
         before = norm();
         const double enough = share * norm();
-        // The direction goes on; what the true residual has along it is no longer 0.
+        // The direction goes on, unless A p is not known so well; what the true residual has along it is no longer 0.
+        if (norm() > some_drift * unit) pq = 0;
         double pr = parallel.sum_blocks<double>(n, [=](size_t begin, size_t end) {
             double sum = 0;
             for (size_t k = begin; k < end; ++k) sum += static_cast<double>(v.direction[k] * g[k]);

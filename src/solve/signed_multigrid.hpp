@@ -12,7 +12,7 @@
 //
 // Sweeps work in single precision on the matrix scaled to unit diagonal, so weights
 // from 1e-9 to 1e6 fit, and steps of conjugate gradients with them (sweep_matrix.hpp): the
-// residual is taken in double, they make 1e-4 of it, and it is taken again.  Where that is
+// residual is taken in double, they make 1e-3 of it, and it is taken again.  Where that is
 // not precise enough the steps are made in double, and only the preconditioner is not.
 #pragma once
 
