@@ -20,7 +20,7 @@ namespace hmf {
 
 namespace {
 
-constexpr int ROUNDS = 3; // of reaching and snapping; from the first on pegasus' greatest distance is 1.4, 1.1, 0.8
+constexpr int ROUNDS = 5;                                 // of reaching and snapping
 constexpr double TOO_FLAT = 0.3;                          // sine of a corner of a quad on a sharp edge
 constexpr int STEPS_ON_FINER = 4, STEPS_AFTER_TURNS = 20; // of relaxation
 constexpr int SWEEPS = 8, SWEEPS_ON_FINER = 4;            // to make corners square

@@ -7,10 +7,12 @@
 
 namespace hmf {
 
-// A vertex at the tip of a limb, where it stays; one of the boundary of the surface, which slides along it; one that
-// slides along a sharp edge; and those at a corner of the boundary, or where sharp edges meet, which stay.
-constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, AT_SHARP_CORNER = 5;
+// A vertex at the tip of a limb, or on the way to it, where it stays; one of the boundary of the surface, which slides
+// along it; one that slides along a sharp edge; and those at a corner of the boundary, or where sharp edges meet, which
+// stay.
+constexpr uint8_t AT_TIP = 1, AT_BOUNDARY = 2, ON_CREASE = 3, AT_CORNER = 4, AT_SHARP_CORNER = 5, ON_WAY_TO_TIP = 6;
 inline bool is_at_boundary(uint8_t held) { return held == AT_BOUNDARY || held == AT_CORNER; }
+inline bool is_for_tip(uint8_t held) { return held == AT_TIP || held == ON_WAY_TO_TIP; }
 inline bool can_slide(uint8_t held) { return held == AT_BOUNDARY || held == ON_CREASE; }
 
 struct QuadMesh {

@@ -5,6 +5,8 @@
 //      o-------o    ->    o  |  o      the corner of its nearest quad goes there whose
 //     /         \        /   |   \        quads stay best
 //
+// Where it would have to go too far, it goes some way along the edges there; the next time the quads have followed.
+//
 // Each vertex of the surface belongs to the vertex of the quads that is nearest
 // along edges, and is compared with the quads round that.
 #include "reach_tips.hpp"
@@ -52,18 +54,21 @@ private:
         NearestFirst heap;
         Array<double> distance;
         heap.start(call_.memory);
-        if (!distance.allocate_filled(call_.memory, n, HUGE_VAL) || !owner_.allocate_filled(call_.memory, n, NONE))
+        if (!distance.allocate_filled(call_.memory, n, HUGE_VAL) || !owner_.allocate_filled(call_.memory, n, NONE)
+            || !before_.allocate_filled(call_.memory, n, NONE))
             return false;
-        const auto offer = [&](uint32_t x, double d, uint32_t v) -> Done {
+        const auto offer = [&](uint32_t x, double d, uint32_t v, uint32_t from) -> Done {
             if (!(d < distance[x])) return true;
             distance[x] = d;
             owner_[x] = v;
+            before_[x] = from;
             return heap.push({d, x});
         };
         for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
             uint32_t h = quads_.sides[v];
             for (int k = 0; k < 3; ++k, h = mesh_.next[h])
-                if (!offer(mesh_.origin[h], length(at(quads_, v) - point(position_, mesh_.origin[h])), v)) return false;
+                if (!offer(mesh_.origin[h], length(at(quads_, v) - point(position_, mesh_.origin[h])), v, NONE))
+                    return false;
         }
         for (size_t i = 0; !heap.empty(); ++i) {
             if (i % 16384 == 0 && !call_.tick(0)) return false;
@@ -73,7 +78,7 @@ private:
             for (const uint32_t h : mesh_.around(x)) {
                 const uint32_t y = mesh_.target(h);
                 const double d = top.distance + length(point(position_, x) - point(position_, y));
-                if (is_in_front(h) && !offer(y, d, owner_[x])) return false;
+                if (is_in_front(h) && !offer(y, d, owner_[x], x)) return false;
             }
         }
         return true;
@@ -84,9 +89,9 @@ private:
         double sides = 0;
         for (size_t i = 0; i < quads_.quads.size(); ++i)
             sides += length(at(quads_, quads_.quads[i]) - at(quads_, quads_.quads[i / 4 * 4 + (i + 1) % 4]));
-        const double least = FAR * sides / static_cast<double>(quads_.quads.size());
+        least_ = FAR * sides / static_cast<double>(quads_.quads.size());
         Array<FarVertex> farthest;
-        if (!farthest.allocate_filled(call_.memory, quads_.vertex_count(), FarVertex{NONE, NONE, least * least}))
+        if (!farthest.allocate_filled(call_.memory, quads_.vertex_count(), FarVertex{NONE, NONE, least_ * least_}))
             return false;
         for (uint32_t x = 0; x < mesh_.vertex_count; ++x) {
             if (x % 4096 == 0 && !call_.tick(0)) return false;
@@ -133,24 +138,45 @@ private:
         if (!near.allocate_filled(call_.memory, quads_.vertex_count(), uint8_t{0})) return false;
         for (const FarVertex& tip : tips_) {
             if (!call_.tick(0)) return false;
-            uint32_t best = NONE;
-            double best_corner = LEAST_CORNER;
-            for (size_t k = 0; k < 4; ++k) {
-                const uint32_t v = quads_.quads[4 * size_t{tip.quad} + k];
-                if ((quads_.held[v] && quads_.held[v] != ON_CREASE) || near[v]) continue;
-                const double worst = worst_after(v, tip.vertex);
-                if (!(worst > best_corner)) continue;
-                best_corner = worst;
-                best = v;
+            // The tip itself, or as far on the way to it as quads stay good.
+            uint32_t best = NONE, to = tip.vertex;
+            for (; to != NONE && !(is_near(tip.quad, to)); to = before_[to]) {
+                best = mover(tip.quad, to, near);
+                if (best != NONE) break;
             }
             if (best == NONE) continue;
-            quads_.put(best, position_ + size_t{3} * tip.vertex, side_at(tip.vertex));
-            quads_.held[best] = is_sharp_corner(mesh_, position_, tip.vertex) ? AT_SHARP_CORNER : AT_TIP;
+            quads_.put(best, position_ + size_t{3} * to, side_at(to));
+            quads_.held[best] = to != tip.vertex                      ? ON_WAY_TO_TIP
+                              : is_sharp_corner(mesh_, position_, to) ? AT_SHARP_CORNER
+                                                                      : AT_TIP;
             ++moved;
             for (const uint32_t* q = stars_.begin(best); q != stars_.end(best); ++q)
                 for (size_t k = 0; k < 4; ++k) near[quads_.quads[4 * size_t{*q} + k]] = 1;
         }
         return true;
+    }
+
+    // A corner of the quad is where it is not worth the while.
+    bool is_near(uint32_t q, uint32_t x) const {
+        for (size_t k = 0; k < 4; ++k)
+            if (length(at(quads_, quads_.quads[4 * size_t{q} + k]) - point(position_, x)) < least_) return true;
+        return false;
+    }
+
+    // The corner of a quad that best goes to the vertex x of the surface; NONE: none can.
+    uint32_t mover(uint32_t q, uint32_t x, const Array<uint8_t>& near) {
+        uint32_t best = NONE;
+        double best_corner = LEAST_CORNER;
+        for (size_t k = 0; k < 4; ++k) {
+            const uint32_t v = quads_.quads[4 * size_t{q} + k];
+            const uint8_t held = quads_.held[v];
+            if ((held && held != ON_CREASE && held != ON_WAY_TO_TIP) || near[v]) continue;
+            const double worst = worst_after(v, x);
+            if (!(worst > best_corner)) continue;
+            best_corner = worst;
+            best = v;
+        }
+        return best;
     }
 
     // The worst corner if v went to the vertex x of the surface; 0 if a side got far too long.
@@ -189,8 +215,10 @@ private:
     QuadMesh& quads_;
     Call& call_;
     QuadStars stars_;
-    Array<uint32_t> owner_; // per vertex of the surface; NONE: not in front
+    // Per vertex of the surface: that of the quads, NONE if it is not in front; and the one before on the way from it.
+    Array<uint32_t> owner_, before_;
     Array<FarVertex> tips_;
+    double least_ = 0; // distance of what is far
 };
 
 } // namespace

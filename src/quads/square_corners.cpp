@@ -88,7 +88,7 @@ private:
                 const uint32_t v = corner(q, k);
                 uint8_t& held = quads_.held[v];
                 if (held == ON_CREASE || (on_leash_[v] && worst < sine - MUCH)) held = 0;
-                on_leash_[v] = held == AT_TIP;
+                on_leash_[v] = is_for_tip(held);
             }
         }
     }
