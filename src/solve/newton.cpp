@@ -175,6 +175,7 @@ private:
         if (!go_on()) return false;
         part_step_ = effort.part;
         if (part_step_) {
+            multigrid_.release_vectors();
             if (!part_.take(model_, distance_, w_.call)) return false;
         } else {
             ++w_.statistics.linear_solves;
@@ -350,10 +351,12 @@ private:
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     Done solve_linear(double accuracy, double residual) {
         if (part_step_) return part_.solve(model_, accuracy, w_.call);
+        part_.release(); // which may have been most of the mesh
         const SignedMatrix matrix = model_.matrix();
         LinearOptions options = stop_at(residual);
         if (multigrid_ready_ && !has_changed_much()) {
             options.hopeless_ends = true;
+            if (!multigrid_.claim_vectors(w_.call.memory)) return false;
             multigrid_.refresh(matrix, model_.changed.data(), w_.call.parallel);
             model_.forget_changes(w_.call.parallel);
             const LinearResult result = multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,

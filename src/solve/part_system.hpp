@@ -13,6 +13,9 @@ public:
     // Goes on from what it found last, at first from 0, and sets model.d of the unknowns.
     Done solve(TwistedModel& model, double accuracy, Call& call);
 
+    // Gives back what it holds.
+    void release() { *this = PartSystem(); }
+
 private:
     Done list_unknowns(const TwistedModel& model, Array<uint32_t>& number, Memory& memory);
     SignedMatrix matrix() const {

@@ -27,6 +27,8 @@ constexpr double dense_shift = 1e-3;
 
 Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
     for (MultigridLevel& level : level_) level = MultigridLevel{};
+    room_.release();
+    coarse_room_.release();
     level_count_ = 0;
     dense_n_ = 0;
     single_is_enough_ = true;
@@ -76,6 +78,19 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     // Last, when what the setup needed for itself is gone.
     return (level_count_ < 2 || coarse_room_.allocate(memory, 2 * size_t{level_[1].n}))
         && room_.allocate(memory, 3 * n);
+}
+
+void SignedMultigrid::release_vectors() {
+    MultigridLevel& level = level_[0];
+    for (Array<float>* const vector : {&level.b, &level.x, &level.r}) vector->release();
+    room_.release();
+}
+
+Done SignedMultigrid::claim_vectors(Memory& memory) {
+    MultigridLevel& level = level_[0];
+    if (!room_.empty()) return true;
+    return level.b.allocate(memory, level.n) && level.x.allocate(memory, level.n) && level.r.allocate(memory, level.n)
+        && room_.allocate(memory, 3 * size_t{level_count_ ? level.n : dense_n_});
 }
 
 void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {

@@ -76,6 +76,10 @@ public:
     LinearResult solve(const SignedMatrix& matrix, const double* b, double* x, double relative_tolerance,
                        uint32_t iteration_limit, Call& call, const LinearOptions& options = {});
 
+    // The vectors of level 0, for which there may be another use between two solves, are given back, and taken again.
+    void release_vectors();
+    Done claim_vectors(Memory& memory);
+
     uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
     double operator_complexity() const; // stored entries of all sparse levels / of the finest
 
