@@ -324,9 +324,8 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         if (!pulled.start(call_.memory) || (!last && !curve.allocate(mesh, call_.memory))) return false;
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
-            // Elsewhere it starts from a curve that is the shortest but for small bumps.
-            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), carrier.level() == level_, c))
-                return false;
+            // It starts from a curve that is the shortest but for small bumps.
+            if (!pull(geodesic, mesh, position, loops.loop(k), loops.length(k), false, c)) return false;
             if (last) continue;
             bool simple = false;
             if (!pulled.add(loop_) || !disjoint(mesh, pulled, k, k + 1, curve, nullptr, call_.memory, simple))

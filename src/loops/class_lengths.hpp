@@ -10,8 +10,8 @@
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
 // that are close even there are measured on the mesh of the caller.  A surface with
 // bumps has several closed geodesics in a class: on the level where a loop was found
-// and on the first one to measure on, those beside it are tried (closed_geodesic.hpp),
-// in classes that may be the shortest of those to choose from.
+// those beside it are tried (closed_geodesic.hpp), in classes that may be the shortest
+// of those to choose from.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
