@@ -12,7 +12,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t MEASURED_VERTICES = 10000;
+constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
 constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8; // of a class
 constexpr double SAME = 1e-4;                             // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
@@ -28,6 +28,8 @@ ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& c
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
     call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call) {
     while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
+    finest_ = level_;
+    while (finest_ > 0 && hierarchy.levels[finest_].mesh.vertex_count < FINEST_VERTICES) --finest_;
 }
 
 ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
@@ -297,8 +299,8 @@ Done ClassLengths::measure(bool& changed) {
 
 // Those that are at a stage, for the next one.
 Done ClassLengths::measure_stage(Stage stage, bool& changed) {
-    const size_t finest = stage == Stage::found ? level_ : 0;
-    const Stage reached = finest == 0 ? Stage::done : Stage::measured;
+    const size_t finest = stage == Stage::found ? level_ : finest_;
+    const Stage reached = finest == finest_ ? Stage::done : Stage::measured;
     Loops loops;
     Array<uint32_t> ids;
     ids.start(call_.memory);

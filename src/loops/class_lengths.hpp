@@ -8,10 +8,10 @@
 //     found on a coarse level -> carried (carry_loops.hpp) -> pulled straight
 //
 // The first level to measure on is the coarsest that has 10 000 vertices; classes
-// that are close even there are measured on the mesh of the caller.  A surface with
-// bumps has several closed geodesics in a class: on the level where a loop was found
-// those beside it are tried (closed_geodesic.hpp), in classes that may be the shortest
-// of those to choose from.
+// that are close even there are measured on the coarsest one that has 100 000, or
+// else on the mesh of the caller.  A surface with bumps has several closed geodesics
+// in a class: on the level where a loop was found those beside it are tried
+// (closed_geodesic.hpp), in classes that may be the shortest of those to choose from.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
@@ -55,7 +55,7 @@ public:
     Done measure(bool& changed);
 
 private:
-    enum Stage : uint8_t { found, measured, done }; // where: level_, the finest
+    enum Stage : uint8_t { found, measured, done }; // where: level_, finest_
     struct Class {
         uint64_t key;
         uint64_t first, end; // its loop in crossings_, see pulled()
@@ -72,7 +72,7 @@ private:
         uint32_t before;
     };
     Stage stage_where_found() const {
-        return found_ == 0 ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
+        return found_ == finest_ ? Stage::done : level_ == found_ ? Stage::measured : Stage::found;
     }
     Done start();
     void measure_extent();
@@ -89,7 +89,7 @@ private:
     const double* position_;
     Call& call_;
     LoopCare care_ = LoopCare::shortest;
-    size_t found_ = 0, level_ = 0; // where loops are found, and measured
+    size_t found_ = 0, level_ = 0, finest_ = 0; // where loops are found, and measured
     bool started_ = false;
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     EdgeWords words_;
