@@ -88,7 +88,11 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     const int again = leave_sharp_edges(quads) ? steps : 0;
     if (untangle(mesh, position, again, std::min(steps, STEPS_AFTER_TURNS), as.outwards, quads, inverted, call))
         return call.status();
-    if (square_corners(mesh, position, std::min(steps, SWEEPS), 0, quads, call)) return call.status();
+    // What was turned out may have left its sharp edge without need.
+    size_t snapped = 0;
+    if ((as.to_sharp_edges && steps > 0 && snap_to_sharp_edges(mesh, position, front, quads, snapped, call))
+        || square_corners(mesh, position, std::min(steps, SWEEPS), 0, quads, call))
+        return call.status();
     for (; halvings > 0; --halvings) {
         if (refine_quads(mesh, position, quads, call)
             || untangle(mesh, position, std::min(steps, STEPS_ON_FINER), 0, as.outwards, quads, inverted, call)
