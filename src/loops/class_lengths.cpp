@@ -13,8 +13,8 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
-constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8; // of a class
-constexpr double SAME = 1e-4;                             // shorter by less: one curve
+constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8;               // of a class
+constexpr double SAME = 1e-4;                                           // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;

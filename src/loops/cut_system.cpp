@@ -17,9 +17,9 @@
 //  4. The others serve for the next loops as well: a batch.  It ends where the class
 //     that comes next is that of a strip through a face of a loop of the batch; for
 //     those the surface is cut first, and searched again.
-//  5. Classes that come close are measured on a finer level, and the batch is chosen again.
-//  6. Once the system is complete those that are close even there are measured on the finest
-//     level, and from the first choice that was wrong on it is made again.
+//  5. Classes that come close are measured on finer levels, and the batch is chosen again.
+//  6. Once the system is complete, likewise what came close in batches of one loop: from the first choice
+//     that was wrong on it is made again.
 #include "class_lengths.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
