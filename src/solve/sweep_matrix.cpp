@@ -500,22 +500,33 @@ void SweepMatrix::backward(const float* b, float* x, const Parallel& parallel) c
 
 namespace {
 
-// Of the segments of all parts, added in their order.
-template <class Sums, uint32_t count>
-Sums total(const Sums (&of)[count], uint32_t used) {
-    Sums sum;
-    for (uint32_t k = 0; k < used; ++k) sum += of[k];
-    return sum;
-}
+// Sums of the segments of all parts, which are added in their order; room for most, of which nothing is set before.
+template <class Sums, uint32_t most>
+class OfSegments {
+public:
+    void set(uint32_t k, const Sums& sums) { std::memcpy(room_ + k * sizeof(Sums), &sums, sizeof(Sums)); }
+    Sums total(uint32_t count) const {
+        Sums sum;
+        for (uint32_t k = 0; k < count; ++k) {
+            Sums part;
+            std::memcpy(&part, room_ + k * sizeof(Sums), sizeof(Sums));
+            sum += part;
+        }
+        return sum;
+    }
+
+private:
+    unsigned char room_[most * sizeof(Sums)];
+};
 
 } // namespace
 
 StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVectors& v, const Parallel& parallel) const {
-    StepSums of[kinds * most_parts];
+    OfSegments<StepSums, kinds * most_parts> of;
     const float *const product = v.product, *const row_scale = v.row_scale;
     float* const difference = v.difference;
     backward_by(parallel, [&](uint32_t part, Kind kind) {
-        StepSums& out = of[kinds * part + kind];
+        StepSums out;
         for_kind(part, kind, [=, &out](const Segment& s, const auto& groups, uint32_t first_column) {
             const float* const columns = x + first_column;
             auto* low = groups.lower.data() + s.lower_end;
@@ -542,17 +553,18 @@ StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVecto
             sums.zAz = sums.zr - dz;
             out = sums;
         });
+        of.set(kinds * part + kind, out);
     });
-    return total(of, kinds * parts_);
+    return of.total(kinds * parts_);
 }
 
 ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float* x, const StepVectors& v,
                                         const Parallel& parallel) const {
-    ResidualNorms of[kinds * most_parts];
+    OfSegments<ResidualNorms, kinds * most_parts> of;
     float *const product = v.product, *const direction = v.direction, *const solution = v.solution;
     const float *const difference = v.difference, *const row_scale = v.row_scale;
     forward_by(parallel, [&](uint32_t part, Kind kind) {
-        ResidualNorms& out = of[kinds * part + kind];
+        ResidualNorms out;
         for_kind(part, kind, [=, &out](const Segment& s, const auto& groups, uint32_t first_column) {
             const float *const columns = x + first_column, *const differences = difference + first_column;
             auto* at = groups.lower.data() + s.lower;
@@ -583,8 +595,9 @@ ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float
             norms.largest_row = static_cast<double>(largest);
             out = norms;
         });
+        of.set(kinds * part + kind, out);
     });
-    return total(of, kinds * parts_);
+    return of.total(kinds * parts_);
 }
 
 } // namespace hmf

@@ -119,7 +119,7 @@ private:
     // have to be enough parts for the threads, and a part takes 5 times as long as waking a thread.
     static constexpr uint32_t part_bits = 14, small_part_bits = 13, small_part = 1 << small_part_bits;
     static constexpr uint32_t narrow_bits = 15; // of the columns of a part, beside the mark
-    static constexpr uint32_t enough_parts = 32, most_parts = 1023;
+    static constexpr uint32_t enough_parts = 32, most_parts = 255;
 
     enum Kind : uint32_t { inner, fringe, border, kinds };
     // Rows of one kind in one part, one after the other.
