@@ -26,7 +26,7 @@ format        layout of the C and C++ sources; src/README.md names what is there
 header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
 abi           the interface against the recorded one; what breaks programs is seen (docs/abi.md)
-plain         compiles without a build system; same bits with each compiler and optimisation
+plain         compiles without a build system; same bits with both compilers, without and with optimisation
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
 packages      one version everywhere, manifests; with HMF_PACKAGES=1 wheels, Debian, Conan, vcpkg, conda
 bindings      tests of the packages for other languages; the same bits from each
@@ -39,7 +39,8 @@ debug         all tests but UniqueLong, assertions on (not in the default run: a
 corpus-large  all real meshes (long; not in the default run)
 campaign      2 000 random problems with three hierarchies each, 500 surfaces with random holes, 500 with random marked
               vertices (long; not in the default run; samples are in release)
-machines      the same bits on other processors, systems and with other flags (long; not in the default run)
+machines      the same bits on other processors, systems and with other flags, and plain with each compiler and
+              optimisation (long; not in the default run)
 static        clang-tidy, cppcheck, gcc's analyzer, and the stack: frames, recursion, depth (not in the default run)
 tsan          threads under the thread sanitizer (minutes; not in the default run)
 coverage      lines of the core that tests and fuzz corpora reach: at least 97.5 % (long)
@@ -367,6 +368,7 @@ variant_machines() {
     install_if_possible qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
         g++-mingw-w64-x86-64-posix wine wine64
     run_check machines tests/check_machines.sh build/machines
+    HMF_PLAIN_ALL=1 run_check plain-all tests/check_plain.sh build/plain
 }
 variant_coverage() {
     install_if_possible clang llvm
