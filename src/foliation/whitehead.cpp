@@ -302,7 +302,7 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
         f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(second >> t & 1);
     const double step = static_cast<double>(mu);
     result.energy_change += step * (step * weight_sum - 2 * excess);
-    ++result.moves;
+    result.add_move(excess, pull);
     return lands ? Outcome::lands : Outcome::moves;
 }
 
@@ -340,7 +340,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
         if (self_edge || (star.has_zero && !f.pushed.empty())) {
             bool lands = false;
             if (!move_together(f, side, weight, star, lands, result.energy_change)) return moved;
-            ++result.moves;
+            result.add_move(excess, star.pull);
             moved = true;
             if (!lands) return true;
             continue;
@@ -360,7 +360,7 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
             f.value[edge_of(side[t].half_edge)] = star.group[t] == star.best ? star.F[t] - mu : star.F[t] + mu;
         const double step = static_cast<double>(mu);
         result.energy_change += step * (step * rings.weight_sum[v] - 2 * excess);
-        ++result.moves;
+        result.add_move(excess, star.pull);
         moved = true;
         if (!lands) return true;
     }

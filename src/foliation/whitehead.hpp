@@ -100,11 +100,17 @@ struct SweepResult {
     double energy_change = 0; // in squared units, <= 0
     uint64_t moves = 0;
     uint64_t blocked = 0; // vertices that want to move but must wait
+    double largest = 0;   // excess by pull of a vertex that moved: its residual before
 
+    void add_move(double excess, double pull) {
+        ++moves;
+        if (excess > largest * pull) largest = excess / pull;
+    }
     void operator+=(const SweepResult& part) {
         energy_change += part.energy_change;
         moves += part.moves;
         blocked += part.blocked;
+        largest = std::max(largest, part.largest);
     }
 };
 

@@ -106,10 +106,22 @@ public:
                          && static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
         const size_t passes = zeros_everywhere_ ? steering::least_passes
                                                 : std::min(wanted, std::max(size_t{steering::least_passes}, most));
-        SweepResult result;
-        for (size_t pass = 0; pass < passes && go_on(); ++pass)
-            for (size_t i = 0; i < picked_.size(); ++i)
-                relax_vertex(f_, w_.rings, weight_, picked_[pass % 2 ? picked_.size() - 1 - i : i], w_.star, result);
+        // The last pass in which a vertex has a reason to move; NONE: not picked.
+        Array<uint32_t>& due = distance_;
+        for (uint32_t v : picked_) due[v] = 0;
+        const double at_rest = steering::share_at_rest * model_.residual_max;
+        for (uint32_t pass = 0; pass < passes && go_on(); ++pass)
+            for (size_t i = 0; i < picked_.size(); ++i) {
+                const uint32_t v = picked_[pass % 2 ? picked_.size() - 1 - i : i];
+                if (due[v] < pass) continue;
+                SweepResult result;
+                if (!relax_vertex(f_, w_.rings, weight_, v, w_.star, result) || result.largest <= at_rest) continue;
+                due[v] = pass + 1;
+                for (uint32_t t = w_.rings.offset[v]; t < w_.rings.offset[v + 1]; ++t) {
+                    uint32_t& neighbour = due[w_.rings.neighbour[t]];
+                    if (neighbour != NONE) neighbour = pass + 1;
+                }
+            }
     }
 
     // Most vertices are near a zero; as of the last relax_after_step.

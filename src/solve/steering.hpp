@@ -96,6 +96,8 @@ constexpr uint32_t rounds_for_extrema = 8;
 constexpr uint32_t near_rings = 3, near_passes = 20;
 constexpr uint32_t far_rings = 6, far_passes = 40;
 constexpr uint32_t far_after = 2; // rounds
+// After the first pass a vertex has a reason to move if it or a neighbour did by more than this share of the residual.
+constexpr double share_at_rest = 1e-3;
 // Where zeros are nearly everywhere: not more than so many moves for each vertex of the level, or so many passes.
 constexpr uint32_t moves_per_vertex = 8, least_passes = 4;
 constexpr double everywhere = 0.75; // of the vertices are picked: least_passes
@@ -106,13 +108,14 @@ constexpr uint32_t late_after = 1, late_after_tight = 3; // rounds
 
 // Where only a part of the mesh is left with more than this share of the largest residual, it is solved for alone, with
 // some rings round it: a part of the vertices up to part_share, in early rounds a smaller one.  Again as long as
-// the residual falls by part_gain, and no more after so many such steps that had to be shortened.
+// the residual falls by part_gain, else it is what the border of the part holds back, and no more after so many such
+// steps that had to be shortened.
 constexpr double part_residual = 1e-3;
 constexpr uint32_t part_rings = 4;
 constexpr double part_share = 0.6, early_part_share = 0.15;
 constexpr uint32_t early_part_rounds = 3;
 constexpr double part_accuracy = 1e-6;
-constexpr double part_gain = 0.5;
+constexpr double part_gain = 0.1;
 constexpr uint32_t parts_in_a_row = 20; // guard
 constexpr uint32_t parts_shortened = 2;
 
