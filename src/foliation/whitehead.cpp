@@ -306,6 +306,65 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
     return lands ? Outcome::lands : Outcome::moves;
 }
 
+// The same on the rim of a cluster: one row of zero edges and at most one closed corner beside it, as most vertices
+// have after a split.  So there are one or two directions, and the cluster stays in one piece without the vertex.
+Outcome relax_rim_vertex(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight,
+                         double weight_sum, SweepResult& result) {
+    if (degree > 64) return Outcome::undecided;
+    constexpr uint32_t most_runs = 3; // with that which goes on at side 0
+    struct Run {
+        double pull = 0;
+        int64_t room = INT64_MAX;
+        uint64_t sides = 0;
+    } run[most_runs];
+    double pull = 0;
+    const uint32_t v = f.mesh.origin[side[0].half_edge];
+    const int64_t first = f.value[edge_of(side[0].half_edge)];
+    int64_t here = first;
+    uint32_t last = 0, rows = 0, closed = 0;
+    bool goes_on = false; // the last run at side 0
+    for (uint32_t t = 0; t < degree; ++t) {
+        const uint32_t h = side[t].half_edge;
+        const int64_t ahead = t + 1 < degree ? f.value[edge_of(side[t + 1].half_edge)] : first;
+        if (here == 0) {
+            if (f.mesh.target(h) == v) return Outcome::undecided;
+        } else {
+            if (last == most_runs) return Outcome::undecided;
+            Run& own = run[last];
+            const double p = weight[edge_of(h)] * static_cast<double>(here);
+            pull += p;
+            own.pull += p;
+            own.room = std::min(own.room, here);
+            own.sides |= uint64_t{1} << t;
+            const int64_t corner2 = here + ahead - f.value[side[t].opposite];
+            goes_on = ahead != 0 && corner2 > 0;
+            if (goes_on) own.room = std::min(own.room, corner2 / 2);
+            else ++(ahead != 0 ? closed : rows), ++last;
+        }
+        here = ahead;
+    }
+    if (rows != 1 || closed > 1) return Outcome::undecided;
+    if (goes_on && first != 0 && last > 0) {
+        run[0].pull += run[last].pull;
+        run[0].room = std::min(run[0].room, run[last].room);
+        run[0].sides |= run[last].sides;
+        run[last].pull = 0;
+    }
+    const Run* best = &run[0];
+    for (const Run& other : run)
+        if (other.pull > best->pull) best = &other;
+    const double excess = 2 * best->pull - pull, distance = excess / weight_sum;
+    if (!(distance >= 1)) return Outcome::rests;
+    const bool lands = distance >= static_cast<double>(best->room);
+    const int64_t mu = lands ? best->room : static_cast<int64_t>(distance);
+    for (uint32_t t = 0; t < degree; ++t)
+        f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(best->sides >> t & 1);
+    const double step = static_cast<double>(mu);
+    result.energy_change += step * (step * weight_sum - 2 * excess);
+    ++result.moves;
+    return lands ? Outcome::lands : Outcome::moves;
+}
+
 } // namespace
 
 bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32_t v, Star& star, SweepResult& result) {
@@ -322,7 +381,9 @@ bool relax_vertex(Foliation& f, const Rings& rings, const double* weight, uint32
     // Each round lands on a branch or a neighbour and looks on from there.
     for (uint32_t round = 0; round < 4; ++round) {
         if (!rings.is(v, Monogons::SELF_EDGE)) {
-            const Outcome outcome = relax_plain_vertex(f, side, degree, weight, rings.weight_sum[v], result);
+            Outcome outcome = relax_plain_vertex(f, side, degree, weight, rings.weight_sum[v], result);
+            if (outcome == Outcome::undecided)
+                outcome = relax_rim_vertex(f, side, degree, weight, rings.weight_sum[v], result);
             moved |= outcome >= Outcome::moves;
             if (outcome == Outcome::lands) continue;
             if (outcome != Outcome::undecided) return moved;

@@ -37,18 +37,18 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
                                         double floor, Kind kind, Residuals& residuals) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    double pull_of_first = 0, pull_of_second = 0, agreement = 0;
-    uint32_t tripods = 0;
-    uint64_t second = 0;
+    double pull_of_first = 0, pull_of_second = 0;
+    int64_t tripods = 0; // 0: none
+    uint64_t second = 0; // of the last 64 sides, the last one lowest
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
-            const uint32_t h = side[t].half_edge;
-            const double p = weight[edge_of(h)] * static_cast<double>(here), q = p * static_cast<double>(direction);
+            const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here),
+                         q = p * static_cast<double>(direction);
             pull_of_first += p - q;
             pull_of_second += q;
-            agreement += sign[h] * (p - 2 * q);
-            second |= uint64_t{direction} << t % 64; // of the first 64 sides
-            tripods += (here + ahead != opposite) & (here - ahead != opposite) & (ahead - here != opposite);
+            second = 2 * second + direction;
+            const int64_t longest = std::max(std::max(here, ahead), opposite);
+            tripods |= here + ahead + opposite - 2 * longest;
         });
     if (closed == NONE) return false;
     const bool marked = f.mesh.is_marked(v);
@@ -57,7 +57,7 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
     if (marked && closed == 1) {
         hold(rings, v);
     } else if (closed == 2 && !marked) {
-        const bool turned = agreement < 0;
+        const bool turned = set_signs(f, side, degree, weight, second);
         // To the bit the residual that read_star gives.
         const bool to_second = pull_of_second > pull_of_first;
         const double pull = pull_of_first + pull_of_second, scale = pull > floor ? pull : floor;
@@ -67,19 +67,50 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
         rests[v] = 0;
         right[v] = turned ? -excess : excess;
         row_scale[v] = static_cast<float>(1 / scale);
-        const int8_t of_direction[2] = {static_cast<int8_t>(turned ? -1 : 1), static_cast<int8_t>(turned ? 1 : -1)};
-        if (degree <= 64) {
-            for (uint32_t t = 0; t < degree; ++t) sign[side[t].half_edge] = of_direction[second >> t & 1];
-        } else {
-            walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t, int64_t, int64_t) {
-                sign[side[t].half_edge] = of_direction[direction];
-            });
-        }
     } else {
         set_at_rest(rings, v);
         special_.add(v);
     }
     return true;
+}
+
+// Of a regular star: as they were, as far as its pulls agree.  second: its sides in the second direction, of
+// the last 64, the last one lowest.  True: the first direction is -.
+bool TwistedModel::set_signs(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight,
+                             uint64_t second) {
+    uint64_t minus = 0;
+    int8_t any = 0, all = 1;
+    for (uint32_t t = 0; t < degree; ++t) {
+        const int8_t s = sign[side[t].half_edge];
+        minus = 2 * minus + (s < 0);
+        any |= s;
+        all &= s;
+    }
+    const bool none = any == 0, each = all != 0;
+    bool turned = false;
+    if (degree <= 64 && each) { // mostly all are as they were
+        const uint64_t others = second ^ minus;
+        turned = others != 0;
+        if (!turned || others == ~uint64_t{0} >> (64 - degree)) return turned;
+    }
+    if (!none) {
+        double agreement = 0;
+        walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t, int64_t) {
+            const uint32_t h = side[t].half_edge;
+            const double p = weight[edge_of(h)] * static_cast<double>(here);
+            agreement += sign[h] * (direction ? -p : p);
+        });
+        turned = agreement < 0;
+    }
+    const auto sign_of = [=](bool in_second) { return static_cast<int8_t>(in_second == turned ? 1 : -1); };
+    if (degree <= 64) {
+        for (uint32_t t = degree; t-- > 0; second >>= 1) sign[side[t].half_edge] = sign_of(second & 1);
+    } else {
+        walk_plain_star(f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t, int64_t, int64_t) {
+            sign[side[t].half_edge] = sign_of(direction);
+        });
+    }
+    return turned;
 }
 
 void TwistedModel::set_at_rest(const Rings& rings, uint32_t v) {
