@@ -23,6 +23,7 @@
 #include "simplify.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace hmf {
 
@@ -326,14 +327,19 @@ hmf_status Builder::number() {
     Array<double> copy;
     const size_t largest = metric_.square.empty() ? edge_count_ : 2 * size_t{edge_count_};
     if (!copy.allocate(h_.memory, largest)) return call_.out_of_memory();
-    // width values for each element
-    const auto permute = [&](double* value, size_t count, size_t width, const uint32_t* number) {
+    // Some values for each element, as a std::integral_constant.
+    const auto permute = [&](double* value, size_t count, auto values, const uint32_t* number) {
+        constexpr size_t width = values;
         call_.parallel.copy(copy.data(), value, width * count);
-        call_.parallel.for_blocks(count, [&](size_t begin, size_t end) {
+        const double* const from = copy.data();
+        call_.parallel.for_blocks(count, [=](size_t begin, size_t end) {
             for (size_t x = begin; x < end; ++x)
-                for (size_t c = 0; c < width; ++c) value[width * number[x] + c] = copy[width * x + c];
+                for (size_t c = 0; c < width; ++c) value[width * number[x] + c] = from[width * x + c];
         });
     };
+    constexpr std::integral_constant<size_t, 1> one;
+    constexpr std::integral_constant<size_t, 2> two;
+    constexpr std::integral_constant<size_t, 3> three;
     for (size_t k = h_.level_count - 1; k-- > 0;) {
         const Level& level = h_.levels[k];
         const Numbering& numbers = numberings_[k];
@@ -347,15 +353,15 @@ hmf_status Builder::number() {
         renumber_collapses(h_.collapses + level.collapse_begin, level.collapse_end - level.collapse_begin, numbers,
                            call_.parallel);
         if (!call_.tick(0.65 - 0.05 * level.mesh.edge_count / edge_count_)) return HMF_CANCELLED;
-        permute(level.weight, level.mesh.edge_count, 1, numbers.edge);
-        if (k > 0) permute(level.position, level.mesh.vertex_count, 3, numbers.vertex);
+        permute(level.weight, level.mesh.edge_count, one, numbers.edge);
+        if (k > 0) permute(level.position, level.mesh.vertex_count, three, numbers.vertex);
     }
     const Numbering& finest = numberings_[0];
     if (!is_delaunay_) {
-        permute(metric_.length.data(), edge_count_, 1, finest.edge);
-        permute(metric_.four_areas.data(), face_count_, 1, finest.face);
+        permute(metric_.length.data(), edge_count_, one, finest.edge);
+        permute(metric_.four_areas.data(), face_count_, one, finest.face);
         const auto permute_fine = [&](Array<TwoDoubles>& value, const uint32_t* number) {
-            if (!value.empty()) permute(&value.data()->high, value.size(), 2, number);
+            if (!value.empty()) permute(&value.data()->high, value.size(), two, number);
         };
         permute_fine(metric_.square, finest.edge);
         permute_fine(metric_.fine_area, finest.face);

@@ -16,6 +16,14 @@ uint32_t choose(uint32_t mask, uint32_t ones, uint32_t zeros) { return (ones & m
 
 template <class Removed>
 void number_elements(uint32_t count, uint32_t kept, uint32_t* number, Removed removed, const Parallel& parallel) {
+    const auto number_block = [=](size_t begin, size_t end, uint32_t survivors) {
+        for (uint32_t x = static_cast<uint32_t>(begin); x < end; ++x) {
+            const uint32_t gone = removed(x);
+            number[x] = choose(0 - gone, kept + x - survivors, survivors);
+            survivors += 1 - gone;
+        }
+    };
+    if (parallel.slots() == 1) return number_block(0, count, 0);
     // Survivors of each block, then of all blocks before it.
     const size_t size = Parallel::pass_block(count);
     uint32_t before[Parallel::most_parts], sum = 0;
@@ -29,14 +37,7 @@ void number_elements(uint32_t count, uint32_t kept, uint32_t* number, Removed re
         before[k] = sum;
         sum += here;
     }
-    parallel.for_blocks(count, size, [&](size_t begin, size_t end) {
-        uint32_t survivors = before[begin / size];
-        for (uint32_t x = static_cast<uint32_t>(begin); x < end; ++x) {
-            const uint32_t gone = removed(x);
-            number[x] = choose(0 - gone, kept + x - survivors, survivors);
-            survivors += 1 - gone;
-        }
-    });
+    parallel.for_blocks(count, size, [&](size_t begin, size_t end) { number_block(begin, end, before[begin / size]); });
 }
 
 void compose_elements(uint32_t count, uint32_t kept, uint32_t* number, const uint32_t* coarser,

@@ -271,7 +271,8 @@ Done WorkMesh::allocate(Memory& memory, const Mesh& all, bool with_quadrics) {
     face_end = all.face_count;
     find_blocks();
     // Coarser levels may have more blocks than this one, or none.
-    for (uint32_t k = 0; k <= (block_count > 0 ? most_blocks : 0); ++k)
+    const uint32_t most = std::min(most_blocks, (vertex_end >> smallest_block_shift) + 1);
+    for (uint32_t k = 0; k <= (block_count > 0 ? most : 0); ++k)
         if (!queue[k].allocate(memory)) return false;
     return degree.allocate(memory, vertex_end) && link.allocate(memory, std::max(vertex_end, edge_end))
         && marks.allocate_filled(memory, vertex_end, 0) && at_border.allocate(memory, vertex_end)
@@ -358,54 +359,57 @@ private:
     bool is_in_two_blocks(uint32_t v, uint32_t w) const { return (v ^ w) >> work_.block_shift != 0; }
 
     Done fill_queues() {
-        const uint32_t end = work_.edge_end;
-        const auto find_buckets = [&](size_t begin, size_t stop) {
-            for (uint32_t e = static_cast<uint32_t>(begin); e < stop; ++e)
-                if (!work_.removed(e))
-                    work_.bucket[e] = static_cast<uint16_t>(BucketQueue::bucket(place(work_, strategy_, 2 * e).cost));
-        };
-        if (!call_.pass(end, from_, find_buckets)) return false;
-        if (work_.block_count > 0) {
-            mark_borders();
-            return share_edges();
-        }
-        for (uint32_t v = 0; v < work_.vertex_end; ++v) work_.at_border[v] = 1;
+        mark_borders();
+        if (work_.block_count > 0 && call_.parallel.slots() > 1) return fill_in_blocks();
         // Backwards: lists give the latest first, so each is taken in order.
-        for (uint32_t e = end; e-- > 0;)
-            if (!work_.removed(e)) border_queue().put(e, work_.bucket[e], work_.link);
+        for (uint32_t e = work_.edge_end; e-- > 0;) {
+            if (e % 16384 == 0 && !call_.tick(from_)) return false;
+            if (!work_.removed(e)) work_.queue[queue_of(e)].put(e, bucket_of(e), work_.link);
+        }
         return true;
     }
+    uint32_t queue_of(uint32_t e) const {
+        return touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
+    }
+    uint32_t bucket_of(uint32_t e) const { return BucketQueue::bucket(place(work_, strategy_, 2 * e).cost); }
 
     void mark_borders() {
         const Parallel& parallel = call_.parallel;
+        const uint8_t all = work_.block_count == 0;
         parallel.for_blocks(work_.vertex_end,
-                            [&](size_t begin, size_t end) { std::memset(&work_.at_border[begin], 0, end - begin); });
+                            [&](size_t begin, size_t end) { std::memset(&work_.at_border[begin], all, end - begin); });
+        if (all) return;
         // Edges between two blocks, listed where they are.
         const size_t size = Parallel::pass_block(work_.edge_end);
         uint32_t listed[Parallel::most_parts];
         parallel.for_blocks(work_.edge_end, size, [&](size_t begin, size_t end) {
+            const uint32_t *const origin = mesh_.origin, shift = work_.block_shift;
+            uint32_t* const list = &work_.link[begin];
             uint32_t count = 0;
-            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
-                work_.link[begin + count] = e;
-                count += !work_.removed(e) && is_in_two_blocks(mesh_.origin[2 * e], mesh_.origin[2 * e + 1]);
+            for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) { // removed ones have their origins
+                list[count] = e;
+                count += (origin[2 * e] ^ origin[2 * e + 1]) >> shift != 0;
             }
             listed[begin / size] = count;
         });
         for (size_t begin = 0; begin < work_.edge_end; begin += size)
             for (uint32_t n = 0; n < listed[begin / size]; ++n) {
                 const uint32_t e = work_.link[begin + n];
-                work_.at_border[mesh_.origin[2 * e]] = work_.at_border[mesh_.origin[2 * e + 1]] = 1;
+                if (!work_.removed(e))
+                    work_.at_border[mesh_.origin[2 * e]] = work_.at_border[mesh_.origin[2 * e + 1]] = 1;
             }
     }
 
-    // Sorted by queue; then each queue takes its own, all at the same time.
-    Done share_edges() {
+    // Sorted by queue; then each queue takes its own, all at the same time, in the same order.
+    Done fill_in_blocks() {
         constexpr uint32_t none = WorkMesh::most_blocks + 1; // of removed edges
         uint32_t begin_of[none + 2];
         const auto find_queues = [&](size_t begin, size_t end) {
             for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
-                const uint32_t k = touches_border(e) ? work_.block_count : mesh_.origin[2 * e] >> work_.block_shift;
-                work_.link[e] = work_.removed(e) ? none : k;
+                work_.link[e] = none;
+                if (work_.removed(e)) continue;
+                work_.link[e] = queue_of(e);
+                work_.bucket[e] = static_cast<uint16_t>(bucket_of(e));
             }
         };
         if (!call_.pass(work_.edge_end, from_, find_queues)
@@ -414,7 +418,6 @@ private:
                 call_.memory))
             return false;
         call_.parallel.for_each(work_.block_count + 1, [&](uint32_t k, uint32_t) {
-            // Backwards: lists give the latest first, so each is taken in order.
             for (uint32_t n = begin_of[k + 1]; n-- > begin_of[k];)
                 work_.queue[k].put(list_[n], work_.bucket[list_[n]], work_.link);
         });
@@ -546,7 +549,7 @@ private:
             Collapse& record = log_[log_count_];
             if (take(queue, now, false, record) != Fate::collapsed) continue;
             count_collapses(1);
-            mark_border(mesh_.origin[record.il]);
+            if (work_.block_count > 0) mark_border(mesh_.origin[record.il]);
         }
         return true;
     }

@@ -47,41 +47,58 @@ struct DoubleKeys {
 // Room for the largest bucket.
 struct Bucket {
     static constexpr uint32_t few = 32; // sides that are compared with each other, without sorting
-    uint32_t *key, *place, *other;      // other: the side in it that a side belongs to, or NONE
-    uint64_t* order;
-    uint32_t size;
+    uint32_t *key, *place;
+    uint64_t* pair; // the second side of an edge, and below it the first one, by their numbers in it
+    uint32_t size, pairs;
 
     void add(uint32_t side_key, uint32_t side_place) {
         key[size] = side_key;
-        place[size] = side_place;
-        other[size++] = NONE;
+        place[size++] = side_place;
     }
-    // The first side that is a third one, or NONE.
+    // Pairs in the order of their second sides.  Returns the first side that is a third one, or NONE.
     uint32_t match() {
+        pairs = 0;
         if (size > few) return match_sorted();
-        for (uint32_t n = 1; n < size; ++n) {
-            uint32_t same = NONE;
+        // Which sides are second ones cannot be predicted, so no branch depends on it: what is written for
+        // the others is overwritten.
+        uint8_t is_second[few + 1]; // and a place for a side that is alone so far
+        is_second[few] = 0;
+        uint32_t third = NONE;
+        for (uint32_t n = 0; n < size; ++n) {
+            uint32_t same = few;
             for (uint32_t m = 0; m < n; ++m) same = key[m] == key[n] ? m : same;
-            if (same == NONE) continue;
-            if (other[same] != NONE) return n;
-            other[same] = n;
-            other[n] = same;
+            if (is_second[same]) third = std::min(third, n);
+            is_second[n] = same != few;
+            pair[pairs] = uint64_t{n} << 32 | same;
+            pairs += same != few;
         }
-        return NONE;
+        return third;
+    }
+    // Sides without another one, in order; the keys are gone then.
+    template <class Visit>
+    void for_each_alone(Visit visit) {
+        if (2 * pairs == size) return;
+        for (uint32_t n = 0; n < size; ++n) key[n] = 1;
+        for (uint32_t k = 0; k < pairs; ++k) key[pair[k] >> 32] = key[static_cast<uint32_t>(pair[k])] = 0;
+        for (uint32_t n = 0; n < size; ++n)
+            if (key[n]) visit(n);
     }
 
 private:
     uint32_t match_sorted() {
-        for (uint32_t n = 0; n < size; ++n) order[n] = uint64_t{key[n]} << 32 | n;
-        heap_sort(order, size, [](uint64_t a, uint64_t b) { return a < b; });
+        const auto lower = [](uint64_t a, uint64_t b) { return a < b; };
+        for (uint32_t n = 0; n < size; ++n) pair[n] = uint64_t{key[n]} << 32 | n;
+        heap_sort(pair, size, lower);
         uint32_t third = NONE;
-        for (uint32_t n = 1; n < size; ++n) {
-            if (order[n] >> 32 != order[n - 1] >> 32) continue;
-            const uint32_t here = static_cast<uint32_t>(order[n]), before = static_cast<uint32_t>(order[n - 1]);
-            if (other[before] != NONE) third = std::min(third, here);
-            other[before] = here;
-            other[here] = before;
+        bool after_second = false;
+        for (uint32_t n = 1; n < size; ++n) { // pairs are written over what has been read
+            const bool same = pair[n] >> 32 == pair[n - 1] >> 32;
+            const uint32_t here = static_cast<uint32_t>(pair[n]);
+            if (same && after_second) third = std::min(third, here);
+            else if (same) pair[pairs++] = uint64_t{here} << 32 | static_cast<uint32_t>(pair[n - 1]);
+            after_second = same;
         }
+        heap_sort(pair, pairs, lower);
         return third;
     }
 };
@@ -162,7 +179,8 @@ private:
     uint32_t vertex_end(uint32_t k) const { return k + 1 == block_count_ ? mesh_.vertex_count : first_vertex(k + 1); }
 
     void cut() {
-        shift_ = smallest_shift;
+        // One thread needs no blocks.
+        shift_ = call_.parallel.slots() > 1 ? smallest_shift : 31;
         while ((mesh_.vertex_count - 1) >> shift_ >= most_blocks) ++shift_;
         block_count_ = ((mesh_.vertex_count - 1) >> shift_) + 1;
         uint32_t face = 0;
@@ -242,13 +260,13 @@ private:
                                        .degree};
         const Parallel parallel = room <= 2 * largest_shared ? call_.parallel : Parallel();
         Array<uint32_t> sides;
-        Array<uint64_t> order;
-        if (!sides.allocate(call_.memory, 3 * room * parallel.slots())
-            || !order.allocate(call_.memory, room * parallel.slots()))
+        Array<uint64_t> pairs;
+        if (!sides.allocate(call_.memory, 2 * room * parallel.slots())
+            || !pairs.allocate(call_.memory, (room + 1) * parallel.slots()))
             return call_.out_of_memory();
         parallel.for_each(block_count_, [&](uint32_t k, uint32_t slot) {
-            uint32_t* const first = sides.data() + 3 * room * slot;
-            Bucket bucket = {first, first + room, first + 2 * room, order.data() + room * slot, 0};
+            uint32_t* const first = sides.data() + 2 * room * slot;
+            Bucket bucket = {first, first + room, pairs.data() + (room + 1) * slot, 0, 0};
             match_block(k, keys, bucket);
         });
         return HMF_OK;
@@ -289,19 +307,17 @@ private:
                 block.third = bucket.place[third];
                 return;
             }
-            for (uint32_t n = 0; n < bucket.size; ++n) {
-                const uint32_t other = bucket.other[n];
-                if (other == NONE) mesh_.origin[--end] = bucket.place[n];
-                else if (other < n) {
-                    const uint32_t a = bucket.place[other], b = bucket.place[n];
-                    if (words_[a] == words_[b]) {
-                        block.turned[0] = a;
-                        block.turned[1] = b;
-                    }
-                    make_half_edge(a);
-                    make_half_edge(b);
+            for (uint32_t n = 0; n < bucket.pairs; ++n) {
+                const uint64_t pair = bucket.pair[n];
+                const uint32_t a = bucket.place[static_cast<uint32_t>(pair)], b = bucket.place[pair >> 32];
+                if (words_[a] == words_[b]) {
+                    block.turned[0] = a;
+                    block.turned[1] = b;
                 }
+                make_half_edge(a);
+                make_half_edge(b);
             }
+            bucket.for_each_alone([&](uint32_t n) { mesh_.origin[--end] = bucket.place[n]; });
             if (block.turned[0] != block.turned[1]) return;
         }
         block.unmatched = block.half_edge + block.sides - end;

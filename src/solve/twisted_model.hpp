@@ -93,8 +93,7 @@ private:
     enum class Kind : uint8_t { regular, any };
     bool look_at_plain_vertex(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor,
                               Kind kind, Residuals& residuals);
-    bool set_signs(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight,
-                   uint64_t second);
+    bool set_signs(const Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight, uint64_t second);
     Done look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor);
     Done find_tripods(Foliation& f, const Rings& rings, uint32_t v);
     void hold(const Rings& rings, uint32_t v);
