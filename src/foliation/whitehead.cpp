@@ -361,7 +361,7 @@ Outcome relax_rim_vertex(Foliation& f, const Rings::Side* side, uint32_t degree,
         f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(best->sides >> t & 1);
     const double step = static_cast<double>(mu);
     result.energy_change += step * (step * weight_sum - 2 * excess);
-    ++result.moves;
+    result.add_move(excess, pull);
     return lands ? Outcome::lands : Outcome::moves;
 }
 

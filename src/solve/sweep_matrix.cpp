@@ -84,7 +84,8 @@ void SweepMatrix::set_kinds(const SignedMatrix& matrix, Order& order, const Para
         for (uint32_t i = static_cast<uint32_t>(begin); i < end; ++i) {
             const uint32_t own = code[i] >> shift;
             uint32_t outside = 0, before = 0;
-            for (uint32_t t = offset[i], last = offset[i + size_t{1}]; t < last; ++t) {
+            // In one part there is nothing outside.
+            for (uint32_t t = offset[i], last = parts_ > 1 ? offset[i + size_t{1}] : t; t < last; ++t) {
                 const uint32_t part = code[matrix.column[t]] >> shift;
                 outside |= part ^ own;
                 before |= part < own;

@@ -37,15 +37,12 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
                                         double floor, Kind kind, Residuals& residuals) {
     const Rings::Side* side = &rings.side[rings.offset[v]];
     const uint32_t degree = rings.offset[v + 1] - rings.offset[v];
-    double pull_of_first = 0, pull_of_second = 0;
+    double pull_of[2] = {0, 0};
     int64_t tripods = 0; // 0: none
     uint64_t second = 0; // of the last 64 sides, the last one lowest
     const uint32_t closed = walk_plain_star(
         f.value, side, degree, [&](uint32_t t, uint32_t direction, int64_t here, int64_t ahead, int64_t opposite) {
-            const double p = weight[edge_of(side[t].half_edge)] * static_cast<double>(here),
-                         q = p * static_cast<double>(direction);
-            pull_of_first += p - q;
-            pull_of_second += q;
+            pull_of[direction] += weight[edge_of(side[t].half_edge)] * static_cast<double>(here);
             second = 2 * second + direction;
             const int64_t longest = std::max(std::max(here, ahead), opposite);
             tripods |= here + ahead + opposite - 2 * longest;
@@ -59,9 +56,9 @@ bool TwistedModel::look_at_plain_vertex(const Foliation& f, const Rings& rings, 
     } else if (closed == 2 && !marked) {
         const bool turned = set_signs(f, side, degree, weight, second);
         // To the bit the residual that read_star gives.
-        const bool to_second = pull_of_second > pull_of_first;
-        const double pull = pull_of_first + pull_of_second, scale = pull > floor ? pull : floor;
-        const double size = 2 * (to_second ? pull_of_second : pull_of_first) - pull;
+        const bool to_second = pull_of[1] > pull_of[0];
+        const double pull = pull_of[0] + pull_of[1], scale = pull > floor ? pull : floor;
+        const double size = 2 * pull_of[to_second] - pull;
         const double excess = to_second ? -size : size;
         residuals.add(size > 0 ? size / scale : 0);
         rests[v] = 0;
