@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "../src/base/cyclic.hpp"
 #include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/closed_geodesic.hpp"
 #include "../src/loops/cut_surface.hpp"

@@ -12,9 +12,9 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
-constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8;               // of a class
-constexpr double SAME = 1e-4;                                           // shorter by less: one curve
+constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000;               // at least, if there are so many
+constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8, MOST_STARTS_ON_SPHERE = 64; // of a class
+constexpr double SAME = 1e-4;                                                         // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
@@ -48,11 +48,14 @@ Done ClassLengths::start() {
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
     if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
-    const bool sphere = int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2;
-    if (!sphere && !words_.start(mesh_, mesh_.edge_count, call_)) return false;
-    if (mesh_.marked_count == 0) return true;
-    // Each edge of a tree gets the words of the marked vertices behind it, so that a loop adds up to the
-    // words of those on one side of it, if it has two.
+    if (is_sphere()) return mesh_.marked_count == 0 || sphere_.start(mesh_, memory);
+    return words_.start(mesh_, mesh_.edge_count, call_) && (mesh_.marked_count == 0 || mark_sides());
+}
+
+// Each edge of a tree gets the words of the marked vertices behind it, so that a loop adds up to the words of
+// those on one side of it, if it has two.
+Done ClassLengths::mark_sides() {
+    Memory& memory = call_.memory;
     Array<uint32_t> reached, queue;
     Array<uint64_t> behind;
     if (!mark_word_.allocate_filled(memory, mesh_.edge_count, uint64_t{0})
@@ -96,6 +99,7 @@ Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
     if (!mark_word_.empty())
         for (size_t i = 0; i < n; ++i) marks ^= mark_word_[edge_of(crossings[i])];
     walk_.clear();
+    if (!sphere_.empty() && !sphere_.canonical(crossings, n, walk_)) return false;
     if (words_.quads().size() > 0) {
         // The path of edges on the left of the loop.
         for (size_t i = 0; i < n; ++i) {
@@ -104,7 +108,7 @@ Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
         }
         if (!words_.quads().canonical(walk_, call_.memory)) return false;
     }
-    key = walk_.size() ^ marks;
+    key = marks ^ (walk_.size() + 1) * 0xbf58476d1ce4e5b9u; // not small, as the numbers that follow are
     for (const uint32_t spoke : walk_) {
         key = (key ^ spoke) * 0x9e3779b97f4a7c15u;
         key ^= key >> 29;
@@ -183,7 +187,10 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         starts += c.starts;
         size_t met = 0;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
-        is_known |= starts >= (has_pulled() ? MOST_STARTS : MOST_MARKED_STARTS) || 2 * met >= n;
+        is_known |= starts >= (mesh_.marked_count == 0 ? MOST_STARTS
+                               : is_sphere()           ? MOST_STARTS_ON_SPHERE
+                                                       : MOST_MARKED_STARTS)
+                 || 2 * met >= n;
         if (is_known && !has_pulled()) return true;
     }
     if (is_known) {

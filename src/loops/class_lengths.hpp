@@ -2,7 +2,7 @@
 //
 // A loop on the level where it was found is as long as its strip there;
 // what counts is the closed geodesic of its class on the surface.  So each class,
-// known by its canonical walk (quad_system.hpp), has its length, first as pulled
+// known by its canonical walk (quad_system.hpp; sphere_words.hpp), has its length, first as pulled
 // straight where it was found, and once it matters as measured on a fine level:
 //
 //     found on a coarse level -> carried (carry_loops.hpp) -> pulled straight
@@ -21,6 +21,7 @@
 
 #include "../hierarchy/hierarchy.hpp"
 #include "../homotopy/edge_words.hpp"
+#include "../homotopy/sphere_words.hpp"
 #include "closed_geodesic.hpp"
 #include "loops.hpp"
 #include "multicurve.hpp"
@@ -33,8 +34,8 @@ public:
     ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
-    // The number of a loop's class: of the shortest curve of the class so far.  With marked vertices strips of a class
-    // that lie elsewhere have numbers of their own.
+    // The number of a loop's class: of the shortest curve of the class so far.  With handles and marked vertices strips
+    // of a class that lie elsewhere have numbers of their own.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Looks on both sides of the curves that may be the shortest of these, for a shorter one of the class.
@@ -45,11 +46,12 @@ public:
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
     // A simple strip of it, pulled straight where it was found if that is simple; it may meet other loops.
-    // Not with marked vertices: what is known of a class does not tell on which side of them all it runs.
-    bool has_pulled() const { return care_ == LoopCare::shortest && mesh_.marked_count == 0; }
+    // Not with handles and marked vertices: what is known of a class does not tell on which side of them all it runs.
+    bool has_pulled() const { return care_ == LoopCare::shortest && (mesh_.marked_count == 0 || is_sphere()); }
     const uint32_t* pulled(uint32_t id) const { return crossings_.data() + classes_[id].first; }
     size_t pulled_size(uint32_t id) const { return static_cast<size_t>(classes_[id].end - classes_[id].first); }
     LoopCare care() const { return care_; }
+    bool is_sphere() const { return int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2; }
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
@@ -76,6 +78,7 @@ private:
     }
     Done start();
     void measure_extent();
+    Done mark_sides();
     Done measure_stage(Stage stage, bool& changed);
     Done key_of(const uint32_t* crossings, size_t n, uint64_t& key);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
@@ -93,7 +96,8 @@ private:
     bool started_ = false;
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     EdgeWords words_;
-    Array<uint64_t> mark_word_; // per edge, with marked vertices: which of them a loop goes round
+    SphereWords sphere_;        // instead, on a sphere
+    Array<uint64_t> mark_word_; // per edge, with handles and marked vertices: which of them a loop goes round
     ClosedGeodesic geodesic_;
     Array<Class> classes_;
     Array<Curve> curves_;

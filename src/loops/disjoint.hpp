@@ -11,10 +11,4 @@ namespace hmf {
 Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, Multicurve& curves,
               Array<uint32_t>* loop_of, Memory& memory, bool& answer);
 
-// Where the least rotation of a cyclic sequence begins; linear time.
-size_t least_rotation(const uint32_t* sequence, size_t n);
-
-// Are two cyclic sequences of length n the same, wherever they begin?
-bool same_cycle(const uint32_t* a, const uint32_t* b, size_t n);
-
 } // namespace hmf

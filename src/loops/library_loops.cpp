@@ -3,9 +3,9 @@
 // triangles; carried loops are as short, as they are shortened on the way.
 #include "library_loops.hpp"
 
+#include "../base/cyclic.hpp"
 #include "carry_loops.hpp"
 #include "class_lengths.hpp"
-#include "disjoint.hpp"
 #include "dual_length.hpp"
 #include "handle_system.hpp"
 

@@ -19,6 +19,7 @@
 #include "linking.hpp"
 
 #include "disjoint.hpp"
+#include "../base/cyclic.hpp"
 #include "../base/heap_sort.hpp"
 
 #include <algorithm>

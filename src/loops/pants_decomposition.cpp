@@ -24,7 +24,8 @@
 // The cut system does not cross short necks of handles (necks.hpp), which would
 // be in no pants decomposition then.  Those that it leaves free are candidates.
 //
-// Joining nothing but marked vertices gives loops round pairs of them.
+// Joining nothing but marked vertices gives loops round pairs of them; cycles that go round
+// other holes are no candidates then.
 #include "../base/disjoint_sets.hpp"
 #include "../base/heap_sort.hpp"
 #include "../base/nearest_first.hpp"
@@ -44,6 +45,9 @@ namespace {
 
 constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
 constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.1; // see cut_system.cpp
+// On a sphere a class has many closed geodesics, some of which hang on marked vertices: more searches.
+constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
+constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops round pairs of them
 constexpr size_t MOST_CANDIDATES = 64;
 constexpr size_t MOST_WITH_NECKS = 16; // genus
 constexpr uint64_t MOST_STEPS = 100;   // as in cut_system.cpp
@@ -76,6 +80,7 @@ public:
         cycles_.start(memory_);
         hole_.start(memory_);
         cycle_.start(memory_);
+        mark_word_.start(memory_);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double budget = 5e6 + 12.0 * mesh_.face_count;
         uint64_t steps = 0;
@@ -325,7 +330,7 @@ private:
     // cut system (loop_search.hpp).
     Done find_cycles() {
         cycles_.clear();
-        if (marks_only_) return true;
+        if (marks_only_ && mesh_.marked_count > MOST_PAIRED_MARKS) return true;
         hole_.clear();
         for (uint32_t v = 0; v < mesh_.marked_count; ++v)
             if (!hole_.push(v)) return false;
@@ -333,18 +338,23 @@ private:
             if (!hole_.push(p)) return false;
         if (!signatures_.build_holes(cut_, hole_, call_) || !search_.prepare(signatures_, 1)) return false;
         search_.raise_bounds(face_bound_);
-        double best = candidates_[0].length; // a loop round two holes is not longer than its estimate
+        if (marks_only_ && !find_mark_words()) return false;
+        const bool sphere = lengths_.is_sphere();
+        const double roots = sphere ? ROOTS_OF_SPHERE : ROOTS, apart = sphere ? APART_ON_SPHERE : APART;
+        double best = HUGE_VAL;
+        if (!shortest_strip(best)) return false;
         uint32_t done = NONE;
         for (uint32_t s = 0; s < cut_.segment_count; ++s) {
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut_.region[2 * size_t{s}];
-            if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= ROOTS * best
-                || search_.nearest_root(r) < APART * best)
+            if (r == done || holes_[find_root(piece_.data(), r)] <= 3 || search_.bound(r) >= roots * best
+                || search_.nearest_root(r) < apart * best)
                 continue;
             if (static_cast<double>(search_.work()) >= allowed_) break;
             done = r;
             if (!search_.search(r, SLACK * best)) return false;
             for (size_t i = 0; i < search_.count(); ++i) {
+                if (marks_only_ && !is_round_pair(search_.signature(i))) continue;
                 if (!search_.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
@@ -360,6 +370,39 @@ private:
         heap_sort(cycles_.data(), cycles_.size(), [](const Cycle& a, const Cycle& b) {
             return a.length < b.length || (a.length == b.length && a.first < b.first);
         });
+        return true;
+    }
+
+    // Of each marked vertex, the sum of the signatures round it: a cycle adds up to those on one side of it.
+    Done find_mark_words() {
+        mark_word_.clear();
+        for (uint32_t v = 0; v < mesh_.marked_count; ++v) {
+            uint64_t word = 0;
+            for (const uint32_t h : mesh_.around(v)) {
+                const uint32_t e = edge_of(h);
+                word ^= signatures_.of[cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0)];
+            }
+            if (!mark_word_.push(word)) return false;
+        }
+        return true;
+    }
+    bool is_round_pair(uint64_t signature) const {
+        for (size_t i = 0; i < mark_word_.size(); ++i)
+            for (size_t k = 0; k < i; ++k)
+                if ((mark_word_[i] ^ mark_word_[k]) == signature) return true;
+        return false;
+    }
+
+    // Of the candidates.  Round marked vertices a strip is longer than the estimate.
+    Done shortest_strip(double& shortest) {
+        const size_t begin = strips_.size();
+        for (size_t i = 0; i < candidates_.size() && i < MOST_CANDIDATES && candidates_[i].length < shortest; ++i) {
+            if (!join(candidates_[i])) return false;
+            if (strips_.size() == begin) continue;
+            double length = 0;
+            for (; strips_.size() > begin; strips_.pop()) length += length_[edge_of(strips_.back())];
+            shortest = std::min(shortest, length);
+        }
         return true;
     }
 
@@ -496,6 +539,7 @@ private:
     Array<uint32_t> seed_, from_;
     NearestFirst heap_;
     Array<Candidate> candidates_; // for the next loop
+    Array<uint64_t> mark_word_;
     Array<uint32_t> strips_, ids_;
     Array<Strip> strip_; // per id
     Array<Choice> choice_;

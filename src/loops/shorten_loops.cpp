@@ -1,5 +1,6 @@
 // Shorter loops in the same classes.  One after another, each as short as it
 // gets in a strip round it that the others do not enter (annulus.hpp).
+#include "../base/cyclic.hpp"
 #include "annulus.hpp"
 #include "disjoint.hpp"
 
