@@ -1,6 +1,7 @@
 // Walks in the system of quads: the canonical walk is the same for all walks
 // of a free homotopy class, and for no other.
 #include "../src/homotopy/edge_words.hpp"
+#include "../src/homotopy/sphere_words.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meshes.hpp"
 
@@ -114,6 +115,89 @@ std::vector<int> homology(const Path& walk, const std::vector<uint32_t>& twin) {
     return std::max(sum, negative);
 }
 
+std::vector<uint32_t> permutation(uint32_t n, Random& random) {
+    std::vector<uint32_t> out(n);
+    for (uint32_t v = 0; v < n; ++v) out[v] = v;
+    for (size_t v = n - 1; v > 0; --v) std::swap(out[v], out[random.below(v + 1)]);
+    return out;
+}
+
+// Its first vertices are marked.
+struct MarkedSphere {
+    // number: of each vertex of the mesh here.
+    MarkedSphere(const Triangles& mesh, const std::vector<uint32_t>& number, uint32_t marks) :
+        memory(nullptr, nullptr, nullptr, 0) {
+        Triangles t;
+        t.positions.resize(mesh.positions.size());
+        for (const uint32_t v : mesh.triangles) t.triangles.push_back(number[v]);
+        made = MadeMesh(t);
+        m = made.mesh();
+        m.marked_count = marks;
+        EXPECT_TRUE(words.start(m, memory));
+    }
+    uint32_t half_edge(uint32_t a, uint32_t b) const {
+        for (const uint32_t h : m.around(a))
+            if (m.target(h) == b) return h;
+        return hmf::NONE;
+    }
+    Path canonical(const Path& crossings) {
+        hmf::Array<uint32_t> word;
+        word.start(memory);
+        EXPECT_TRUE(words.canonical(crossings.data(), crossings.size(), word));
+        return Path(word.begin(), word.end());
+    }
+    // Round a vertex, from one of its faces.
+    Path round(uint32_t half_edge) const {
+        Path path;
+        for (const uint32_t h : m.clockwise_from(half_edge)) path.push_back(h);
+        return path;
+    }
+    // Closed, through about so many faces at random.
+    Path random_loop(size_t length, Random& random) const {
+        const uint32_t start = static_cast<uint32_t>(random.below(m.face_count));
+        Path path, side(m.face_count, hmf::NONE), queue(1, start);
+        std::vector<uint32_t> of_face(m.face_count);
+        for (uint32_t h = 0; h < 2 * m.edge_count; ++h) of_face[m.face[h]] = h;
+        uint32_t f = start;
+        const auto turn = [&](uint32_t face, size_t k) {
+            uint32_t h = of_face[face];
+            for (; k > 0; --k) h = m.next[h];
+            return h;
+        };
+        for (size_t k = 0; k < length; ++k) {
+            path.push_back(turn(f, random.below(3)));
+            f = m.face[hmf::twin(path.back())];
+        }
+        for (size_t i = 0; i < queue.size(); ++i) // the shortest way back
+            for (size_t k = 0; k < 3; ++k) {
+                const uint32_t h = turn(queue[i], k), to = m.face[hmf::twin(h)];
+                if (to == start || side[to] != hmf::NONE) continue;
+                side[to] = hmf::twin(h);
+                queue.push_back(to);
+            }
+        for (; f != start; f = m.face[hmf::twin(path.back())]) path.push_back(side[f]);
+        return path;
+    }
+    MadeMesh made;
+    hmf::Mesh m;
+    hmf::Memory memory;
+    hmf::SphereWords words;
+};
+
+// Somewhere on the way there and back again, or once round a vertex that is not marked.
+void deform(const MarkedSphere& sphere, Path& loop, Random& random) {
+    const size_t at = random.below(loop.size());
+    uint32_t h = loop[at]; // of the face before it
+    if (random.below(2)) h = sphere.m.next[h];
+    if (random.below(3) == 0) {
+        const Path there = {h, hmf::twin(h)};
+        loop.insert(loop.begin() + static_cast<long>(at), there.begin(), there.end());
+    } else if (!sphere.m.is_marked(sphere.m.origin[h])) {
+        const Path round = sphere.round(h);
+        loop.insert(loop.begin() + static_cast<long>(at), round.begin(), round.end());
+    }
+}
+
 // A short walk, and the same one pushed about by deformations that keep it short.
 void push_about(Path& walk, const std::vector<uint32_t>& twin, Random& random) {
     for (size_t k = 0; k < 60; ++k) deform(walk, twin, random);
@@ -139,6 +223,69 @@ TEST(Homotopy, CanonicalWalkOfShortLoops) {
                         }
                     }
         }
+}
+
+TEST(Homotopy, WordOnASphereIsTheSameInAClass) {
+    Random random(5);
+    const Triangles mesh = voxels(2, 2, 2, std::vector<char>(8, 1), 2);
+    const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
+    for (const uint32_t marks : {1u, 2u, 3u, 4u, 9u}) {
+        MarkedSphere sphere(mesh, number, marks);
+        size_t letters = 0;
+        for (size_t problem = 0; problem < 200; ++problem) {
+            Path loop = sphere.random_loop(1 + random.below(60), random);
+            const Path expected = sphere.canonical(loop);
+            letters += expected.size();
+            for (size_t k = 0; k < 100; ++k) deform(sphere, loop, random);
+            std::rotate(loop.begin(), loop.begin() + static_cast<long>(random.below(loop.size())), loop.end());
+            if (random.below(2)) {
+                std::reverse(loop.begin(), loop.end());
+                for (uint32_t& h : loop) h = hmf::twin(h);
+            }
+            ASSERT_EQ(sphere.canonical(loop), expected) << marks << " marks, problem " << problem;
+        }
+        EXPECT_EQ(letters > 0, marks > 1);
+    }
+}
+
+// Whether two curves are in one class depends on no tree, and not on the order of the marked vertices.
+TEST(Homotopy, ClassesOnASphereDependOnNoTree) {
+    Random random(6);
+    const Triangles mesh = voxels(2, 2, 2, std::vector<char>(8, 1), 2);
+    const uint32_t marks = 5;
+    const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
+    // In b the marked vertices are those of a, and all have other numbers.
+    std::vector<uint32_t> other = permutation(mesh.vertex_count(), random);
+    for (uint32_t v = 0; v < marks; ++v) std::swap(other[v], *std::find(other.begin(), other.end(), marks - 1 - v));
+    std::vector<uint32_t> in_other(number.size());
+    for (size_t v = 0; v < number.size(); ++v) in_other[v] = other[number[v]];
+    MarkedSphere a(mesh, number, marks), b(mesh, in_other, marks);
+    const auto seen_in_b = [&](const Path& loop) {
+        Path path;
+        for (const uint32_t h : loop) path.push_back(b.half_edge(other[a.m.origin[h]], other[a.m.target(h)]));
+        return path;
+    };
+    std::vector<Path> in_a, in_b;
+    // Round one marked vertex, round a vertex, and short loops, of which many are in one class.
+    for (uint32_t v = 0; v < 2 * marks; ++v) {
+        const Path round = a.round(a.m.out[v]);
+        in_a.push_back(a.canonical(round));
+        in_b.push_back(b.canonical(seen_in_b(round)));
+        EXPECT_EQ(in_a.back().empty(), v >= marks);
+    }
+    for (size_t k = 0; k < 400; ++k) {
+        const Path loop = a.random_loop(100 + random.below(200), random);
+        in_a.push_back(a.canonical(loop));
+        in_b.push_back(b.canonical(seen_in_b(loop)));
+    }
+    size_t same = 0;
+    for (size_t i = 0; i < in_a.size(); ++i)
+        for (size_t k = 0; k < i; ++k) {
+            ASSERT_EQ(in_a[i] == in_a[k], in_b[i] == in_b[k]) << i << " " << k;
+            same += in_a[i] == in_a[k];
+        }
+    EXPECT_GT(same, 100u);
+    EXPECT_LT(same, in_a.size() * (in_a.size() - 1) / 4);
 }
 
 TEST(Homotopy, CanonicalWalkIsTheSameInAClass) {

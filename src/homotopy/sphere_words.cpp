@@ -20,36 +20,33 @@ Done append(uint32_t letter, Array<uint32_t>& word) {
 
 Done SphereWords::start(const Mesh& mesh, Memory& memory) {
     Array<uint8_t> in_tree; // per edge
-    Array<uint8_t> passed;  // per vertex
+    Array<uint8_t> reached; // per vertex
     Array<uint32_t> queue;
     if (!gap_.allocate_filled(memory, 2 * size_t{mesh.edge_count}, 0u)
         || !in_tree.allocate_filled(memory, mesh.edge_count, uint8_t{0})
-        || !passed.allocate_filled(memory, mesh.vertex_count, uint8_t{0}) || !queue.allocate(memory, mesh.vertex_count))
+        || !reached.allocate_filled(memory, mesh.vertex_count, uint8_t{0})
+        || !queue.allocate(memory, mesh.vertex_count))
         return false;
     size_t begin = 0, end = 0;
     queue[end++] = 0;
-    passed[0] = 1;
+    reached[0] = 1;
     while (begin < end)
         for (const uint32_t h : mesh.around(queue[begin++])) {
             const uint32_t v = mesh.target(h);
-            if (passed[v]) continue;
-            passed[v] = in_tree[edge_of(h)] = 1;
+            if (reached[v]) continue;
+            reached[v] = in_tree[edge_of(h)] = 1;
             queue[end++] = v;
         }
     if (end < 2) return true;
-    for (size_t v = 0; v < mesh.vertex_count; ++v) passed[v] = 0;
     const auto next_in_tree = [&](uint32_t h) { // clockwise from h round its origin, h itself last
         do h = mesh.next[twin(h)];
         while (!in_tree[edge_of(h)]);
         return h;
     };
-    passed[0] = 1;
     uint32_t gap = 0, h = next_in_tree(mesh.out[0]);
     for (size_t side = 0; side < 2 * (end - 1); ++side) {
         gap_[h] = gap;
-        const uint32_t v = mesh.target(h);
-        gap += mesh.is_marked(v) && !passed[v];
-        passed[v] = 1;
+        gap += mesh.is_marked(mesh.target(h));
         h = next_in_tree(twin(h));
     }
     return true;

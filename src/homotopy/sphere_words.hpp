@@ -2,18 +2,19 @@
 // exactly and in linear time.
 //
 // A tree of edges through all vertices cuts the sphere into a disk.  A walk round the
-// tree, with it on the right, passes the marked vertices in an order; each side of an
-// edge has the number of them that came before.
+// tree, with it on the right, comes to marked vertices; each side of an edge has the
+// number of times that it did before.
 //
-//            *2          numbers of the sides: a curve that crosses an edge of the tree
-//          1 | 2         from a side with number a to one with number b leaves the disk
-//      0     |    2      in gap a and enters it in gap b.  As a word that is a^-1 b; the
-//    0*------+------*3   gaps 1 .. marked_count - 1 generate a free group, gap 0 is its 1.
-//         3     3        Other edges, and branches without marked vertices, have one
-//                        number on both sides, and give nothing.
+//            *           numbers of the sides: a curve that crosses an edge of the tree
+//          0 | 1         from a side with number a to one with number b leaves the disk
+//      0     |    1      in gap a and enters it in gap b.  As a word that is a^-1 b; the
+//     *------+------*    gaps generate a free group, gap 0 is its 1.  Other edges, and
+//         2     2        branches without marked vertices, have one number on both sides,
+//                        and give nothing.
 //
-// In a free group two closed words are conjugate if they are the same once all pairs
-// x x^-1 are gone, up to a rotation.
+// A marked vertex where the walk comes by twice counts as two beside each other, between
+// which no curve goes.  In a free group two closed words are conjugate if they are the
+// same once all pairs x x^-1 are gone, up to a rotation.
 #pragma once
 
 #include "../base/memory.hpp"
