@@ -379,6 +379,7 @@ TEST(LoopClasses, CorpusUnderRefinement) {
         }
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
             if (found[kind].empty()) continue;
+            std::printf("%s %s: total lengths", path.c_str(), NAMES[kind]);
             double tie = 0; // of the first choices that differ
             std::vector<double> totals;
             for (const Reference::Classes& classes : found[kind]) {
@@ -406,6 +407,7 @@ TEST(LoopClasses, Corpus) {
             std::vector<double> totals;
             for (const auto& set : found.lengths) totals.push_back(std::accumulate(set.begin(), set.end(), 0.0));
             const auto ends = std::minmax_element(totals.begin(), totals.end());
+            std::printf("%s %s: %zu sets, total lengths %.6g to %.6g\n", path.c_str(), NAMES[kind], totals.size(),
                         *ends.first, *ends.second);
             std::fflush(stdout);
             EXPECT_LE(*ends.second, 1.01 * *ends.first) << path << " " << NAMES[kind];
