@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -24,6 +25,7 @@
 #include "../src/homotopy/edge_words.hpp"
 #include "../src/homotopy/sphere_words.hpp"
 #include "../src/loops/closed_geodesic.hpp"
+#include "../src/loops/library_loops.hpp"
 
 using namespace test;
 
@@ -209,18 +211,33 @@ Loops seen_on_coarse(const Loops& fine, uint32_t parts) {
     return seen;
 }
 
-// A body with a head, two ears, four legs and a tail, no two alike.
-TriMesh animal() {
-    const auto filled = [](size_t x, size_t y, size_t z) {
-        if (x >= 1 && x <= 5 && z >= 2 && z <= 3) return true;                // body
-        if (x == 0) return y == 1 && z == 3;                                  // tail
-        if (z < 2) return (x == 1 || x == 5) && y != 1 && (z == 1 || x == 5); // legs
-        if (x >= 6) return y == 1 && (z == 3 || (x == 7 && z > 1));           // head
-        return z == 4 && x == 5 && y != 1;                                    // ears
-    };
-    TriMesh mesh = voxel_surface({0, 0.8, 1.7, 2.9, 4, 4.7, 5.6, 6.3, 7.1}, {0, 0.6, 1.5, 2.2},
-                                 {0, 0.5, 1.4, 2, 2.8, 3.9}, filled);
+// A sphere with horns.
+TriMesh horned_sphere(uint32_t seed) {
+    TriMesh mesh = voxel_surface({-1, 0, 1}, {-1, 0, 1}, {-1, 0, 1}, [](size_t, size_t, size_t) { return true; });
     for (int k = 0; k < 3; ++k) mesh = refined(mesh);
+    std::mt19937 random(seed);
+    std::vector<std::array<double, 3>> horns;
+    for (size_t k = 0; k < 14; ++k) {
+        std::array<double, 3> at{};
+        double square = 0;
+        for (double& x : at) {
+            x = static_cast<double>(random() % 2001) / 1000 - 1;
+            square += x * x;
+        }
+        for (double& x : at) x /= std::sqrt(square);
+        horns.push_back(at);
+    }
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+        double* const p = &mesh.positions[3 * v];
+        const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        double size = 1;
+        for (size_t k = 0; k < horns.size(); ++k) {
+            double dot = 0;
+            for (size_t a = 0; a < 3; ++a) dot += p[a] / norm * horns[k][a];
+            size += (0.4 + 0.1 * static_cast<double>(k)) * std::exp(30 * (dot - 1));
+        }
+        for (size_t a = 0; a < 3; ++a) p[a] *= size / norm;
+    }
     return uneven(mesh);
 }
 
@@ -241,6 +258,27 @@ std::vector<uint32_t> spread_marks(const TriMesh& mesh, size_t count) {
         next = static_cast<uint32_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
     }
     return marks;
+}
+
+// As the library finds them with this very hierarchy; hmf_loops takes another one if ratio or collapse are not its own.
+Loops found_here(const Hierarchy& hierarchy, int32_t kind) {
+    const hmf_hierarchy& h = *hierarchy.get();
+    hmf_error error{};
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    hmf::Loops loops;
+    EXPECT_FALSE(hmf::library_loops(h, 0, kind, call, loops)) << error.message;
+    hmf::Array<uint32_t> internal;
+    EXPECT_FALSE(hmf::caller_faces(h, internal, call));
+    std::vector<uint32_t> caller(internal.size());
+    for (uint32_t t = 0; t < caller.size(); ++t) caller[internal[t]] = t;
+    Loops found;
+    for (size_t c = 0; c < loops.count(); ++c) {
+        std::vector<uint32_t> triangles;
+        for (size_t i = 0; i < loops.length(c); ++i) triangles.push_back(caller[h.input.face[loops.loop(c)[i]]]);
+        found.add(triangles);
+    }
+    return found;
 }
 
 bool has_corpus() { return std::getenv("HMF_MESHES") && std::getenv("HMF_LOOP_CLASSES"); }
@@ -276,22 +314,30 @@ TEST(LoopClasses, BelongToTheSurface) {
         }
 }
 
+// Not by the choice of one hierarchy for all: the loops that three hierarchies find are the same.
 TEST(LoopClasses, RoundMarkedVerticesBelongToTheSurface) {
-    const TriMesh mesh = animal();
-    ASSERT_EQ(mesh_defect(mesh), "");
-    std::vector<uint32_t> same(mesh.triangle_count());
-    std::iota(same.begin(), same.end(), 0u);
-    for (const size_t count : {5, 8, 12}) {
-        const std::vector<uint32_t> marks = spread_marks(mesh, count);
+    for (uint32_t seed = 8; seed <= 12; ++seed) {
+        const TriMesh mesh = horned_sphere(seed);
+        ASSERT_EQ(mesh_defect(mesh), "");
+        std::vector<uint32_t> same(mesh.triangle_count());
+        std::iota(same.begin(), same.end(), 0u);
+        std::vector<uint32_t> marks = spread_marks(mesh, 6);
+        if (seed == 8) { // anywhere
+            std::mt19937 random(seed);
+            for (uint32_t& m : marks) m = static_cast<uint32_t>(random() % mesh.vertex_count());
+        }
         Reference reference(mesh, marks);
         for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
             std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets;
-            for (const double ratio : {0.25, 0.4, 0.5, 0.6, 0.75}) {
+            for (const double ratio : {0.25, 0.5, 0.75}) {
                 const Hierarchy hierarchy(mesh, marked(marks, ratio));
-                const Reference::Classes classes = reference.of(library_loops(hierarchy, 0, kind), same);
+                const Reference::Classes classes = reference.of(found_here(hierarchy, kind), same);
+                EXPECT_EQ(classes.walks.size(), 3u);
                 sets.emplace(classes.walks, classes.lengths);
             }
-            EXPECT_EQ(sets.size(), 1u) << count << " marks, " << NAMES[kind];
+            EXPECT_EQ(sets.size(), 1u) << seed << " " << NAMES[kind];
+            for (const auto& set : sets)
+                if (sets.size() > 1) ADD_FAILURE() << testing::PrintToString(set.second);
         }
     }
 }

@@ -173,12 +173,16 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     made.starts = 1;
     if (!key_of(crossings, n, made.key)) return false;
     size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
-    // Another strip of a class may lead to another of its geodesics, unless it is half the same.
+    // Another strip of a class may lead to another of its geodesics, unless it is half the same; on a sphere, where it
+    // may hang on marked vertices, unless it is all the same.
     ++visit_;
     for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
     size_t starts = 0;
     uint32_t shortest = NONE; // so far
     bool is_known = false;
+    const size_t most_starts = is_sphere()             ? MOST_STARTS_ON_SPHERE
+                             : mesh_.marked_count == 0 ? MOST_STARTS
+                                                       : MOST_MARKED_STARTS;
     for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
         const Class& c = classes_[table_[i]];
         if (c.key != made.key) continue;
@@ -187,10 +191,7 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         starts += c.starts;
         size_t met = 0;
         for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
-        is_known |= starts >= (mesh_.marked_count == 0 ? MOST_STARTS
-                               : is_sphere()           ? MOST_STARTS_ON_SPHERE
-                                                       : MOST_MARKED_STARTS)
-                 || 2 * met >= n;
+        is_known |= starts >= most_starts || (is_sphere() ? met == n : 2 * met >= n);
         if (is_known && !has_pulled()) return true;
     }
     if (is_known) {
