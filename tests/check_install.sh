@@ -1,17 +1,17 @@
 #!/bin/sh
-# check_install.sh WORK_FOLDER [BUILD]
+# check_install.sh WORK_FOLDER [STATIC SHARED]
 #
 # Installs the library, moves the tree, and uses it from there in each way:
 # find_package, pkg-config, cc alone, and add_subdirectory; static and shared.
 # The examples of the README and of bindings/ are built and run as well.
-# BUILD-ON, BUILD-OFF: where the library is built, or has been already (default: in WORK_FOLDER).
+# STATIC, SHARED: folders where the library has been built (default: it is built in WORK_FOLDER).
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
 work=$(cd "$1" && pwd)
 failed=0
 rm -rf "${work:?}"/*
-builds=${2:-$work/build}
+built_static=${2:-} built_shared=${3:-}
 
 check() { # name, then the command
     name=$1
@@ -26,10 +26,14 @@ check() { # name, then the command
 }
 
 install_and_move() { # ON or OFF, target folder
-    cmake -S "$root" -B "$builds-$1" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF \
-        -DCMAKE_INSTALL_PREFIX="$work/first" &&
-        cmake --build "$builds-$1" -j "${JOBS:-2}" &&
-        cmake --install "$builds-$1" &&
+    built=$built_static
+    [ "$1" = OFF ] || built=$built_shared
+    if [ -z "$built" ]; then
+        built=$work/build-$1
+        cmake -S "$root" -B "$built" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS="$1" -DHMF_BUILD_CLI=OFF &&
+            cmake --build "$built" -j "${JOBS:-2}" || return 1
+    fi
+    cmake --install "$built" --prefix "$work/first" &&
         ! grep -rqF -e "$work" -e "$root" "$work/first/lib"*/cmake "$work/first/lib"*/pkgconfig "$work/first/include" &&
         mv "$work/first" "$2"
 }

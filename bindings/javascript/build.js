@@ -7,14 +7,19 @@
 // that the same clang compiles for the same target, so neither can differ from
 // the module.
 //
+// Each source is compiled by itself, as many at a time as there are processors (JOBS: another number).
+// HMF_WASM_OBJECTS: a folder that keeps the objects, under the hash of all that they are made of.
+//
 // Compiler: WASI_SDK_PATH/bin/clang++ if that is set, else clang++ of the
 // system with wasi-libc (on Debian: clang lld wasi-libc
 // libclang-rt-14-dev-wasm32 libc++-14-dev-wasm32 libc++abi-14-dev-wasm32).
-import { execFileSync } from 'node:child_process';
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { execFile, execFileSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { availableParallelism, tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
 const root = join(here, '..', '..');
@@ -29,14 +34,40 @@ const TARGET = [...(command === 'types' ? [] : ['--target=wasm32-wasi']), '-I', 
 const CODE = ['-std=c++17', '-O3', '-DNDEBUG', '-ffp-contract=off', '-fno-exceptions', '-fno-rtti', '-fvisibility=hidden',
     '-mbulk-memory', '-mnontrapping-fptoint', '-msign-ext'];
 
+function failure(error) {
+    if (error.code === 'ENOENT')
+        return new Error(`${compiler} is not there. Install clang, lld and wasi-libc (see the top of build.js), or set WASI_SDK_PATH.`);
+    return new Error(`${compiler} failed:\n${error.stderr ?? error.message}`);
+}
+
 function compile(parameters) {
     try {
         return execFileSync(compiler, [...TARGET, ...parameters], { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'pipe'] });
     } catch (error) {
-        if (error.code === 'ENOENT')
-            throw new Error(`${compiler} is not there. Install clang, lld and wasi-libc (see the top of build.js), or set WASI_SDK_PATH.`);
-        throw new Error(`${compiler} failed:\n${error.stderr ?? error.message}`);
+        throw failure(error);
     }
+}
+
+/** Objects of the sources in a folder, some compiled at a time; those that are there are taken. */
+async function compileEach(sources, headers, folder) {
+    const common = createHash('sha256').update(JSON.stringify([compile(['--version']), TARGET[0], CODE]));
+    for (const name of headers) common.update(name.slice(root.length)).update(readFileSync(name));
+    const objects = sources.map(source =>
+        join(folder, `${common.copy().update(source.slice(root.length)).update(readFileSync(source)).digest('hex')}.o`));
+    const waiting = [...sources.keys()].filter(i => !existsSync(objects[i]));
+    const run = promisify(execFile);
+    const worker = async () => {
+        for (let i; (i = waiting.shift()) !== undefined;) {
+            const made = `${objects[i]}.${process.pid}`; // whole or not there
+            await run(compiler, [...TARGET, ...CODE, '-c', sources[i], '-o', made], { maxBuffer: 1 << 28 }).catch(error => {
+                waiting.length = 0;
+                throw failure(error);
+            });
+            renameSync(made, objects[i]);
+        }
+    };
+    await Promise.all(Array.from({ length: Number(process.env.JOBS) || availableParallelism() }, worker));
+    return objects;
 }
 
 /** Functions, structures with typed fields, and constants of both headers. */
@@ -134,12 +165,21 @@ writeFileSync(join(here, 'dist', 'options.d.ts'), optionTypes(options));
 // npm takes the licence only from the folder of the package.
 copyFileSync(join(root, 'LICENSE'), join(here, 'LICENSE'));
 
-const core = readdirSync(join(root, 'src'), { withFileTypes: true })
+const files = readdirSync(join(root, 'src'), { withFileTypes: true })
     .filter(entry => entry.isDirectory())
-    .flatMap(entry => readdirSync(join(root, 'src', entry.name)).filter(name => name.endsWith('.cpp')).map(name => join(root, 'src', entry.name, name)))
+    .flatMap(entry => readdirSync(join(root, 'src', entry.name)).map(name => join(root, 'src', entry.name, name)))
     .sort();
+const sources = [...files.filter(name => name.endsWith('.cpp')), join(here, 'src', 'glue.cpp')];
+const headers = [...files.filter(name => /\.h(pp)?$/.test(name)), ...readdirSync(join(include, 'hmf')).sort().map(name => join(include, 'hmf', name))];
+const kept = process.env.HMF_WASM_OBJECTS, folder = kept ?? mkdtempSync(join(tmpdir(), 'hmf-objects-'));
 const output = join(here, 'dist', 'hmf.wasm');
-// The stack lies first, so that an overflow traps instead of overwriting data.
-compile(['-mexec-model=reactor', ...CODE, ...core, join(here, 'src', 'glue.cpp'),
-    ...functions.map(name => `-Wl,--export=${name}`), '-Wl,--strip-all', '-Wl,--stack-first', '-Wl,-z,stack-size=1048576', '-o', output]);
+try {
+    mkdirSync(folder, { recursive: true });
+    const objects = await compileEach(sources, headers, folder);
+    // The stack lies first, so that an overflow traps instead of overwriting data.
+    compile(['-mexec-model=reactor', ...CODE, ...objects,
+        ...functions.map(name => `-Wl,--export=${name}`), '-Wl,--strip-all', '-Wl,--stack-first', '-Wl,-z,stack-size=1048576', '-o', output]);
+} finally {
+    if (!kept) rmSync(folder, { recursive: true });
+}
 console.log(`dist/hmf.wasm: ${statSync(output).size} bytes, ${functions.length} functions`);

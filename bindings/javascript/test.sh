@@ -9,6 +9,8 @@ cd "$(dirname "$0")"
 only=${1:-}
 work=${HMF_BINDING_WORK:-$(mktemp -d)}
 export HMF_BINDING_WORK=$work
+# The clean clone and the package have the same sources: what is compiled of the same bytes is compiled once.
+export HMF_WASM_OBJECTS=$work/objects
 
 # Debian packages for the WebAssembly target of the clang that is installed.
 ensure_debian() { # package ...
