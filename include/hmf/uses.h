@@ -243,7 +243,7 @@ typedef struct hmf_quad_mesh {
     uint32_t reserved;           /* 0 */
     uint64_t vertex_count;
     uint64_t quad_count;
-    const double *positions;     /* vertex_count x 3; points of the surface */
+    const double *positions;     /* vertex_count x 3; points of the surface, but see relax */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
     uint64_t irregular_count;    /* vertices with another number of edges than 4, on the boundary than 3 */
     uint64_t inverted_count;     /* quads with a corner of 180 degrees or more, seen along the normal of the quad */
@@ -274,7 +274,8 @@ typedef struct hmf_quad_mesh {
  * runs along edges sharper than 40 degrees, its vertices move onto them and slide
  * along them from then on, the vertex nearest to a corner of such edges goes there,
  * and where the surface sticks out of the quads by half a side or more, a vertex
- * reaches for its tip.
+ * reaches for its tip.  Only where quads would stay inverted do the vertices round them
+ * leave the surface, or its boundary, by less than the longest side.
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
  * row by row where leaves run along it, and where they meet it column by column;
