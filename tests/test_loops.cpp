@@ -735,6 +735,31 @@ TEST(ShortenLoops, AWanderingLoopBecomesARing) {
     EXPECT_LE(measured[1], measured[0] * (1 + 1e-9));
 }
 
+// Against all loops at once.
+TEST(Disjoint, TheLastOneAlone) {
+    test::MadeMesh made(test::plate(3, 3, 2));
+    const Mesh mesh = made.mesh();
+    Context c;
+    Loops cut, others;
+    ASSERT_EQ(cut_system(mesh, made.positions.data(), c.call, cut), HMF_OK);
+    ASSERT_EQ(hmf::partner_loops(mesh, cut, c.call, others), HMF_OK); // each crosses one
+    for (size_t k = 0; k < cut.count(); ++k) ASSERT_TRUE(others.add(cut, k)); // beside themselves
+    Multicurve curves;
+    ASSERT_TRUE(curves.allocate(mesh, c.memory));
+    size_t yes = 0;
+    for (size_t k = 0; k < others.count(); ++k) {
+        ASSERT_TRUE(cut.add(others, k));
+        bool all = false, last = false;
+        ASSERT_TRUE(hmf::disjoint(mesh, cut, 0, cut.count(), curves, nullptr, c.memory, all));
+        ASSERT_TRUE(hmf::last_is_disjoint(mesh, cut, curves, c.memory, last));
+        EXPECT_EQ(last, all) << k;
+        yes += all;
+        cut.keep_first(cut.count() - 1);
+    }
+    EXPECT_GE(yes, cut.count());
+    EXPECT_LT(yes, others.count());
+}
+
 TEST(Cycles, AreTheSameFromEachStart) {
     const std::vector<uint32_t> a = {3, 1, 4, 1, 5, 9, 2, 6};
     for (size_t turn = 0; turn < a.size(); ++turn) {

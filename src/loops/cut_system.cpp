@@ -307,7 +307,7 @@ private:
         if (lengths_.has_pulled()) {
             bool are_disjoint = false;
             if (!out_->add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id))
-                || !disjoint(mesh_, *out_, 0, out_->count(), test_, nullptr, memory_, are_disjoint))
+                || !last_is_disjoint(mesh_, *out_, test_, memory_, are_disjoint))
                 return false;
             if (are_disjoint) return curves_.add(lengths_.pulled(taken.id), lengths_.pulled_size(taken.id));
             out_->keep_first(out_->count() - 1);

@@ -92,4 +92,17 @@ Done disjoint(const Mesh& mesh, const Loops& loops, size_t first, size_t last, M
     return answer = true;
 }
 
+Done last_is_disjoint(const Mesh& mesh, const Loops& loops, Multicurve& curves, Memory& memory, bool& answer) {
+    const size_t last = loops.count() - 1;
+    Loops near;
+    curves.clear();
+    if (!near.start(memory) || !curves.add(loops.loop(last), loops.length(last))) return false;
+    for (size_t c = 0; c <= last; ++c) {
+        bool meets = c == last;
+        for (size_t i = 0; i < loops.length(c) && !meets; ++i) meets = curves.count[edge_of(loops.loop(c)[i])] > 0;
+        if (meets && !near.add(loops, c)) return false;
+    }
+    return disjoint(mesh, near, 0, near.count(), curves, nullptr, memory, answer);
+}
+
 } // namespace hmf

@@ -141,7 +141,7 @@ private:
     Done meets_loops(const Neck& neck, Loops& loops, bool& answer) {
         bool are_disjoint = false;
         if (!loops.add(lengths_.pulled(neck.id), lengths_.pulled_size(neck.id))
-            || !disjoint(mesh_, loops, 0, loops.count(), all_, nullptr, memory_, are_disjoint))
+            || !last_is_disjoint(mesh_, loops, all_, memory_, are_disjoint))
             return false;
         answer = !are_disjoint;
         return true;

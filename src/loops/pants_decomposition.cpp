@@ -422,8 +422,7 @@ private:
             const Strip strip = {strips_.size(), necks_->length(c)};
             for (size_t k = 0; k < strip.size; ++k)
                 if (!strips_.push(necks_->loop(c)[k])) return false;
-            if (!loops_.add(*necks_, c)
-                || !disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_, are_disjoint))
+            if (!loops_.add(*necks_, c) || !last_is_disjoint(mesh_, loops_, curves_, memory_, are_disjoint))
                 return false;
             loops_.keep_first(loops_.count() - 1);
             if (are_disjoint && !offer(first, strip, added)) return false;
@@ -467,7 +466,7 @@ private:
         if (lengths_.has_pulled()) {
             const uint32_t id = ids_[at];
             if (!loops_.add(lengths_.pulled(id), lengths_.pulled_size(id))
-                || !disjoint(mesh_, loops_, 0, loops_.count(), curves_, nullptr, memory_, are_disjoint))
+                || !last_is_disjoint(mesh_, loops_, curves_, memory_, are_disjoint))
                 return call_.out_of_memory();
             if (!are_disjoint) loops_.keep_first(loops_.count() - 1);
         }
