@@ -23,7 +23,7 @@ constexpr uint32_t finest_rounds = 60; // guard
 constexpr uint32_t coarsest_rounds = 40;
 constexpr uint32_t middle_rounds = 3;
 // Sweeps of single moves before the first model.
-constexpr uint32_t coarsest_sweeps = 10;
+constexpr uint32_t coarsest_sweeps = 3;
 constexpr uint32_t finer_sweeps = 1;
 // What a coarser level got wrong are short waves, which the smoother takes out.  Long
 // ones add up over the levels: on every third one they are solved for, too.
