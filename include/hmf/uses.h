@@ -274,8 +274,8 @@ typedef struct hmf_quad_mesh {
  * runs along edges sharper than 40 degrees, its vertices move onto them and slide
  * along them from then on, the vertex nearest to a corner of such edges goes there,
  * and where the surface sticks out of the quads by half a side or more, a vertex
- * reaches for its tip.  Only where quads would stay inverted do the vertices round them
- * leave the surface, or its boundary, by less than the longest side.
+ * reaches for its tip.  Only where quads would stay inverted do vertices inside leave the
+ * surface.
  *
  * With boundary (level 0): the boundary of the quads lies on that of the surface,
  * row by row where leaves run along it, and where they meet it column by column;

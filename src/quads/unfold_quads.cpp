@@ -31,8 +31,8 @@ constexpr double SIZE = 0.5;    // weight of sizes beside shapes
 constexpr int RINGS = 2;        // round bad quads, in the first round; in each further one twice as many
 constexpr int ROUNDS = 4, SWEEPS = 60, EVEN = 6;
 // Off the surface: as many rings more in each round, the weight of the pull and how it changes, and ways back.  From
-// those rounds on corners slide along the boundary, and vertices of the boundary leave it.
-constexpr int ROUNDS_OFF = 5, WAYS_BACK = 8, CORNERS_SLIDE = 1, BOUNDARY_LEAVES = 3;
+// that round on corners slide along the boundary, which no vertex of it leaves.
+constexpr int ROUNDS_OFF = 5, WAYS_BACK = 8, CORNERS_SLIDE = 1;
 constexpr uint64_t MORE_OFF = 4; // times as many moves
 constexpr double PULL = 10, WEAKER = 0.3;
 constexpr uint64_t MOVES = 200000, MOVES_EACH = 20; // after which no other round begins; and for each quad
@@ -125,7 +125,7 @@ private:
                     uint8_t& held = quads_.held[v];
                     if ((leaves_ || round > 0) && !is_at_boundary(held)) held = 0; // with them it did not help
                     if (leaves_ && round >= CORNERS_SLIDE && held == AT_CORNER) held = AT_BOUNDARY;
-                    if (leaves_ && (!held || round >= BOUNDARY_LEAVES)) left_[v] = 1;
+                    if (leaves_ && !held) left_[v] = 1;
                     if ((!held || held == AT_BOUNDARY) && !moving_.push(v)) return call_.out_of_memory();
                     for (const uint32_t* q = stars_.begin(v); q != stars_.end(v); ++q)
                         if (!add(*q)) return call_.out_of_memory();

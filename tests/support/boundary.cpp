@@ -210,7 +210,7 @@ hmf_quad_options quad_options(uint64_t count, bool merge, uint64_t relax) {
     return options;
 }
 
-void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus, double most_off) {
+void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus) {
     std::map<std::pair<uint32_t, uint32_t>, int> sides;
     for (size_t i = 0; i < 4 * quads.quad_count; ++i) ++sides[{quads.quads[i], quads.quads[i / 4 * 4 + (i + 1) % 4]}];
     std::map<uint32_t, uint32_t> next;
@@ -243,7 +243,7 @@ void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64
                                                             &mesh.positions[3 * size_t{side.second}]));
         worst = std::max(worst, nearest);
     }
-    EXPECT_LE(worst, std::max(most_off, 1e-9 * size));
+    EXPECT_LE(worst, 1e-9 * size);
     int64_t curves = 0;
     while (!next.empty()) {
         ++curves;

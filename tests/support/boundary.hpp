@@ -60,8 +60,7 @@ Owned<hmf_quad_mesh> quads_of(const Solution& s, const hmf_quad_options& options
 
 hmf_quad_options quad_options(uint64_t count, bool merge = false, uint64_t relax = 0);
 
-// An oriented manifold of the same genus and with as many boundary curves, which lie on those of the
-// surface, or at most so far off.
-void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus, double most_off = 0);
+// An oriented manifold of the same genus and with as many boundary curves, which lie on those of the surface.
+void expect_quads_conform(const TriMesh& mesh, const hmf_quad_mesh& quads, int64_t genus);
 
 } // namespace test
