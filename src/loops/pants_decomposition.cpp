@@ -180,11 +180,17 @@ private:
         return true;
     }
 
+    // Of its edge, the one where the half-edge begins.
+    uint32_t segment_at_origin(uint32_t h) const {
+        const uint32_t e = edge_of(h);
+        return cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
+    }
+
     // The regions round a marked vertex.
     Done seed_mark(uint32_t v) {
         bool counted = false;
         for (const uint32_t h : mesh_.around(v)) {
-            const uint32_t e = edge_of(h), segment = cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0);
+            const uint32_t segment = segment_at_origin(h);
             const uint32_t side = 2 * static_cast<uint32_t>(curves_.components.count()) + v;
             if (!add_seed(side, h, cut_.region[2 * size_t{segment} + (h & 1u)], counted)) return false;
         }
@@ -378,10 +384,7 @@ private:
         mark_word_.clear();
         for (uint32_t v = 0; v < mesh_.marked_count; ++v) {
             uint64_t word = 0;
-            for (const uint32_t h : mesh_.around(v)) {
-                const uint32_t e = edge_of(h);
-                word ^= signatures_.of[cut_.segment_first[e] + (h & 1u ? curves_.count[e] : 0)];
-            }
+            for (const uint32_t h : mesh_.around(v)) word ^= signatures_.of[segment_at_origin(h)];
             if (!mark_word_.push(word)) return false;
         }
         return true;

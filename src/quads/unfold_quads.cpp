@@ -31,7 +31,7 @@ constexpr double SIZE = 0.5;    // weight of sizes beside shapes
 constexpr int RINGS = 2;        // round bad quads, in the first round; in each further one twice as many
 constexpr int ROUNDS = 4, SWEEPS = 60, EVEN = 6;
 // Off the surface: as many rings more in each round, the weight of the pull and how it changes, and ways back.  From
-// that round on corners slide along the boundary, which no vertex of it leaves.
+// round CORNERS_SLIDE on corners slide along the boundary, which no vertex of it leaves.
 constexpr int ROUNDS_OFF = 5, WAYS_BACK = 8, CORNERS_SLIDE = 1;
 constexpr uint64_t MORE_OFF = 4; // times as many moves
 constexpr double PULL = 10, WEAKER = 0.3;
