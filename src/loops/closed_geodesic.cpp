@@ -1,6 +1,7 @@
 #include "closed_geodesic.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace hmf {
@@ -155,6 +156,7 @@ void ClosedGeodesic::read_shares(Point from, size_t portal, Point to, size_t n) 
 // Through three periods of the strip; a bend of the one in the middle is a
 // point of the closed curve, or close to it.
 Done ClosedGeodesic::length_in_strip(const uint32_t* loop, size_t n, double& length) {
+    assert(n > 0);
     if (!unfold(loop, n, 3 * n + 1)) return false;
     const auto middle = [&](size_t i) {
         return Point{(portal_[i].left.x + portal_[i].right.x) / 2, (portal_[i].left.y + portal_[i].right.y) / 2};

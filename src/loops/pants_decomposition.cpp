@@ -564,8 +564,9 @@ private:
 // The first loops after the others.
 static hmf_status put_last(const Loops& loops, size_t first, Call& call, Loops& out) {
     if (!out.start(call.memory)) return call.out_of_memory();
-    for (size_t c = 0; c < loops.count(); ++c)
-        if (!out.add(loops, (c + first) % loops.count())) return call.out_of_memory();
+    const size_t count = loops.count();
+    for (size_t c = 0; c < count; ++c)
+        if (!out.add(loops, (c + first) % count)) return call.out_of_memory();
     return HMF_OK;
 }
 

@@ -19,6 +19,8 @@
 #include "prolongation.hpp"
 #include "sweep_matrix.hpp"
 
+#include <array>
+
 namespace hmf {
 
 // What a solve may be told beside the matrix and the right side; all optional.
@@ -98,7 +100,7 @@ private:
     ResidualNorms find_residual(const Search& search, double per_unit, const float* held, const Parallel& parallel);
 
     static constexpr uint32_t dense_limit = 300;
-    MultigridLevel level_[max_levels];
+    std::array<MultigridLevel, max_levels> level_;
     uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
     bool single_is_enough_ = true; // of products by the sweeps
     uint32_t dense_n_ = 0;         // unknowns of the coarsest level
