@@ -230,8 +230,8 @@ struct SweepMatrix::Side {
     Group<Column>* at;
     uint32_t used = 0;
     Column mark = 0;
-    Column column[more + 2 * group_size];
-    float entry[more + 2 * group_size];
+    Column column[more + 2 * group_size] = {};
+    float entry[more + 2 * group_size] = {};
 
     explicit Side(Group<Column>* begin) : at(begin) {}
     void begin_row() {
