@@ -24,6 +24,8 @@ BOUNDED = [
     ("__merge_without_buffer", 64, "std::stable_sort: log2 n deep"),
     ("hmf::Memory::take(", 8, "an account in the account of a call: a hierarchy that a call makes for itself"),
     ("hmf::Memory::give(", 8, "likewise"),
+    ("hmf::Memory::take_array(", 8, "likewise"),
+    ("hmf::Memory::give_array(", 8, "likewise"),
     ("hmf::Charts::glued(", 2, "once more with both parts exchanged"),
     ("hmf::read_loop_set(", 2, "without loops once more, with those of the library"),
 ]

@@ -648,6 +648,8 @@ TEST(SweepMatrix, StepsWithoutAProduct) {
             v.solution = solution.data();
             v.difference = difference.data();
             v.row_scale = held ? row_scale.data() : nullptr;
+            std::vector<hmf::StepSums> of_segments(matrix.segments());
+            v.sums = of_segments.data();
             std::vector<float> z = x;
             const hmf::StepSums sums = matrix.backward_to_step(rest.data(), z.data(), v, {});
             if (!held) {

@@ -11,7 +11,10 @@
 // conjugate gradients allow for those.
 #include "signed_multigrid.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <new>
+#include <utility>
 
 #include "signed_aggregation.hpp"
 
@@ -25,13 +28,41 @@ constexpr double dense_shift = 1e-3;
 
 } // namespace
 
+// --- Levels ------------------------------------------------------------------
+
+MultigridLevels::~MultigridLevels() {
+    if (!level_) return;
+    for (uint32_t l = 0; l < most; ++l) level_[l].~MultigridLevel();
+    memory_->give(level_, most * sizeof(MultigridLevel));
+}
+
+MultigridLevels& MultigridLevels::operator=(MultigridLevels&& other) noexcept {
+    std::swap(level_, other.level_);
+    std::swap(memory_, other.memory_);
+    return *this;
+}
+
+Done MultigridLevels::start(Memory& memory) {
+    if (level_) {
+        for (uint32_t l = 0; l < most; ++l) level_[l] = MultigridLevel{};
+        return true;
+    }
+    void* const block = memory.take(most * sizeof(MultigridLevel));
+    if (!block) return false;
+    level_ = static_cast<MultigridLevel*>(block);
+    memory_ = &memory;
+    for (uint32_t l = 0; l < most; ++l) new (level_ + l) MultigridLevel;
+    return true;
+}
+
 Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* call, uint32_t depth) {
-    for (MultigridLevel& level : level_) level = MultigridLevel{};
     room_.release();
     coarse_room_.release();
+    sums_.release();
     level_count_ = 0;
     dense_n_ = 0;
     single_is_enough_ = true;
+    if (!level_.start(memory)) return false;
     const Parallel parallel = call ? call->parallel : Parallel();
     const size_t n = matrix.n;
     double largest = 0;
@@ -76,19 +107,23 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     near_kernel.release();
     storage = CoarseMatrix{};
     // Last, when what the setup needed for itself is gone.
-    return (level_count_ < 2 || coarse_room_.allocate(memory, 2 * size_t{level_[1].n}))
+    uint32_t segments = 0;
+    for (uint32_t l = 0; l < level_count_ && l < 2; ++l) segments = std::max(segments, level_[l].matrix.segments());
+    return sums_.allocate(memory, segments)
+        && (level_count_ < 2 || coarse_room_.allocate(memory, 2 * size_t{level_[1].n}))
         && room_.allocate(memory, 3 * n);
 }
 
 void SignedMultigrid::release_vectors() {
+    if (level_.empty()) return;
     MultigridLevel& level = level_[0];
     for (Array<float>* const vector : {&level.b, &level.x, &level.r}) vector->release();
     room_.release();
 }
 
 Done SignedMultigrid::claim_vectors(Memory& memory) {
-    MultigridLevel& level = level_[0];
     if (!room_.empty()) return true;
+    MultigridLevel& level = level_[0];
     return level.b.allocate(memory, level.n) && level.x.allocate(memory, level.n) && level.r.allocate(memory, level.n)
         && room_.allocate(memory, 3 * size_t{level_count_ ? level.n : dense_n_});
 }
@@ -164,40 +199,64 @@ const float* SignedMultigrid::next_solution(uint32_t l) const {
     return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
 }
 
-// Between the sweeps of a level: the next one solves for what the forward sweep has left, and its correction is added.
-void SignedMultigrid::correct(uint32_t l, const Parallel& parallel, const LinearOptions* held) {
-    MultigridLevel& level = level_[l];
-    if (level.prolongation.empty()) return;
-    const auto leave_out = [&](Array<float>& vector) {
-        for (size_t k = 0; held && k < held->fixed_count; ++k) vector[level.matrix.number(held->fixed[k])] = 0;
-    };
-    level.matrix.find_rest(level.x.data(), level.r.data(), parallel);
-    leave_out(level.r);
-    const SweepMatrix* const next = l + 1 < level_count_ ? &level_[l + 1].matrix : nullptr;
-    level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, next, parallel);
-    if (l == 0 && level_count_ > 1) k_cycle(parallel);
-    else v_cycle(l + 1, parallel);
-    level.prolongation.add_to(level.x.data(), next_solution(l), next, parallel);
-    leave_out(level.x);
+void SignedMultigrid::leave_out(const LinearOptions* held, const MultigridLevel& level, Array<float>& vector) {
+    for (size_t k = 0; held && k < held->fixed_count; ++k) vector[level.matrix.number(held->fixed[k])] = 0;
 }
 
-void SignedMultigrid::v_cycle(uint32_t l, const Parallel& parallel) {
-    if (l == level_count_) {
-        solve_dense(dense_b_.data());
-        return;
-    }
+// Between the sweeps of a level: the next one is given what the forward sweep has left, and its solution is added.
+void SignedMultigrid::descend(uint32_t l, const Parallel& parallel, const LinearOptions* held) {
     MultigridLevel& level = level_[l];
+    if (level.prolongation.empty()) return;
+    level.matrix.find_rest(level.x.data(), level.r.data(), parallel);
+    leave_out(held, level, level.r);
+    const SweepMatrix* const next = l + 1 < level_count_ ? &level_[l + 1].matrix : nullptr;
+    level.prolongation.restrict_to(next_right(l), level.r.data(), floor_value, next, parallel);
+}
+
+void SignedMultigrid::ascend(uint32_t l, const Parallel& parallel, const LinearOptions* held) {
+    MultigridLevel& level = level_[l];
+    if (level.prolongation.empty()) return;
+    const SweepMatrix* const next = l + 1 < level_count_ ? &level_[l + 1].matrix : nullptr;
+    level.prolongation.add_to(level.x.data(), next_solution(l), next, parallel);
+    leave_out(held, level, level.x);
+}
+
+// Only the last level may have no next one: then there is no factor, and dense_n_ is 0.
+void SignedMultigrid::v_cycle(uint32_t l, const Parallel& parallel) {
+    for (uint32_t m = l; m < level_count_; ++m) {
+        level_[m].matrix.forward(level_[m].b.data(), level_[m].x.data(), parallel);
+        descend(m, parallel);
+    }
+    solve_dense(dense_b_.data());
+    for (uint32_t m = level_count_; m-- > l;) {
+        ascend(m, parallel);
+        level_[m].matrix.backward(level_[m].b.data(), level_[m].x.data(), parallel);
+    }
+}
+
+// On level 0.
+void SignedMultigrid::correct(const Parallel& parallel, const LinearOptions* held) {
+    descend(0, parallel, held);
+    if (level_count_ > 1) k_cycle(parallel);
+    else v_cycle(1, parallel);
+    ascend(0, parallel, held);
+}
+
+void SignedMultigrid::cycle(const Parallel& parallel) {
+    if (level_count_ == 0) return solve_dense(dense_b_.data());
+    MultigridLevel& level = level_[0];
     level.matrix.forward(level.b.data(), level.x.data(), parallel);
-    correct(l, parallel);
+    correct(parallel, nullptr);
     level.matrix.backward(level.b.data(), level.x.data(), parallel);
 }
 
-StepVectors SignedMultigrid::step_vectors(Array<double>& room, uint32_t l) const {
+StepVectors SignedMultigrid::step_vectors(Array<double>& room, uint32_t l) {
     const size_t n = level_[l].n;
     float* const first = reinterpret_cast<float*>(room.data());
     StepVectors v;
     float** const vectors[] = {&v.product, &v.direction, &v.solution, &v.difference};
     for (size_t k = 0; k < 4; ++k) *vectors[k] = first + k * n;
+    v.sums = sums_.data();
     return v;
 }
 
@@ -207,13 +266,18 @@ void SignedMultigrid::k_cycle(const Parallel& parallel) {
     const size_t n = level.n;
     const StepVectors v = step_vectors(coarse_room_, 1);
     float *const g = level.b.data(), *const x = level.x.data();
+    const auto correct_level_1 = [&] {
+        descend(1, parallel);
+        v_cycle(2, parallel);
+        ascend(1, parallel);
+    };
     std::memset(v.solution, 0, n * sizeof(float));
     level.matrix.forward(g, x, parallel);
-    correct(1, parallel);
+    correct_level_1();
     const StepSums first = level.matrix.backward_to_step(g, x, v, parallel);
     if (!(first.zAz > 0)) return;
     level.matrix.step_forward(static_cast<float>(first.zr / first.zAz), 0, g, x, v, parallel);
-    correct(1, parallel);
+    correct_level_1();
     const StepSums second = level.matrix.backward_to_step(g, x, v, parallel);
     // What is left of the second direction once it is conjugate to the first.
     const double beta = -second.zq / first.zAz, rest = second.zAz + beta * second.zq;
@@ -382,7 +446,7 @@ void SignedMultigrid::search_in_double(Search& s, Call& call) {
     const auto apply = [&] {
         MultigridLevel& level = level_[0];
         for (size_t i = 0; i < level.n; ++i) level.b[level.matrix.number(i)] = input[i];
-        v_cycle(0, parallel);
+        cycle(parallel);
         for (size_t i = 0; i < level.n; ++i) output[i] = level.x[level.matrix.number(i)];
     };
     const auto leave_out = [&](auto* vector) {
@@ -513,7 +577,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
                 s.ended = true;
                 break;
             }
-            correct(0, parallel, &options);
+            correct(parallel, &options);
             const StepSums sums = sweeps.backward_to_step(g, x, v, parallel);
             const double beta = pq > 0 ? -sums.zq / pq : 0;
             pq = sums.zAz + beta * sums.zq;

@@ -19,8 +19,6 @@
 #include "prolongation.hpp"
 #include "sweep_matrix.hpp"
 
-#include <array>
-
 namespace hmf {
 
 // What a solve may be told beside the matrix and the right side; all optional.
@@ -56,9 +54,35 @@ struct MultigridLevel {
     Array<float> b, x, r;      // n, by the numbers of the matrix
 };
 
+// Room for all levels there may be, in the memory of the call: several multigrids lie on one stack.
+class MultigridLevels {
+public:
+    static constexpr uint32_t most = 24;
+    MultigridLevels() = default;
+    ~MultigridLevels();
+    MultigridLevels(const MultigridLevels&) = delete;
+    MultigridLevels& operator=(const MultigridLevels&) = delete;
+    MultigridLevels& operator=(MultigridLevels&& other) noexcept;
+
+    Done start(Memory& memory); // all of them empty
+    bool empty() const { return !level_; }
+    MultigridLevel& operator[](uint32_t l) {
+        assert(level_ && l < most);
+        return level_[l];
+    }
+    const MultigridLevel& operator[](uint32_t l) const {
+        assert(level_ && l < most);
+        return level_[l];
+    }
+
+private:
+    MultigridLevel* level_ = nullptr;
+    Memory* memory_ = nullptr;
+};
+
 class SignedMultigrid {
 public:
-    static constexpr uint32_t max_levels = 24;
+    static constexpr uint32_t max_levels = MultigridLevels::most;
 
     // Builds the preconditioner.  Not done also if the call (may be null) was told
     // to finish.  The matrix is not kept.  depth: largest number of sparse
@@ -91,26 +115,31 @@ private:
     float* next_right(uint32_t level);
     const float* next_solution(uint32_t level) const;
     // held: has the fixed unknowns, which the correction leaves out.
-    void correct(uint32_t level, const Parallel& parallel, const LinearOptions* held = nullptr);
-    void v_cycle(uint32_t level, const Parallel& parallel);
+    void descend(uint32_t level, const Parallel& parallel, const LinearOptions* held = nullptr);
+    void ascend(uint32_t level, const Parallel& parallel, const LinearOptions* held = nullptr);
+    static void leave_out(const LinearOptions* held, const MultigridLevel& level, Array<float>& vector);
+    void correct(const Parallel& parallel, const LinearOptions* held);
+    void cycle(const Parallel& parallel); // of all levels
     void k_cycle(const Parallel& parallel);
+    void v_cycle(uint32_t level, const Parallel& parallel);
     struct Search;
     void search_in_double(Search& search, Call& call);
     bool search_in_single(Search& search, Call& call);
     ResidualNorms find_residual(const Search& search, double per_unit, const float* held, const Parallel& parallel);
 
     static constexpr uint32_t dense_limit = 300;
-    std::array<MultigridLevel, max_levels> level_;
+    MultigridLevels level_;
     uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
     bool single_is_enough_ = true; // of products by the sweeps
     uint32_t dense_n_ = 0;         // unknowns of the coarsest level
     Array<float> dense_;           // Cholesky factor L below the diagonal by columns, its transpose above
     Array<float> dense_inverse_;   // 1 / diagonal of L
     Array<float> dense_b_;
-    StepVectors step_vectors(Array<double>& room, uint32_t level) const;
+    StepVectors step_vectors(Array<double>& room, uint32_t level);
     // Conjugate gradients: three vectors in double, or those of steps in single precision.
     Array<double> room_;
     Array<double> coarse_room_; // for the steps of the K-cycle, on level 1
+    Array<StepSums> sums_;      // of the segments of level 0 or 1
 };
 
 } // namespace hmf

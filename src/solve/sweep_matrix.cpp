@@ -523,7 +523,6 @@ private:
 } // namespace
 
 StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVectors& v, const Parallel& parallel) const {
-    OfSegments<StepSums, kinds * most_parts> of;
     const float *const product = v.product, *const row_scale = v.row_scale;
     float* const difference = v.difference;
     backward_by(parallel, [&](uint32_t part, Kind kind) {
@@ -554,9 +553,11 @@ StepSums SweepMatrix::backward_to_step(const float* g, float* x, const StepVecto
             sums.zAz = sums.zr - dz;
             out = sums;
         });
-        of.set(kinds * part + kind, out);
+        v.sums[kinds * part + kind] = out;
     });
-    return of.total(kinds * parts_);
+    StepSums sum;
+    for (uint32_t k = 0; k < segments(); ++k) sum += v.sums[k];
+    return sum;
 }
 
 ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float* x, const StepVectors& v,
@@ -598,7 +599,7 @@ ResidualNorms SweepMatrix::step_forward(float alpha, float beta, float* g, float
         });
         of.set(kinds * part + kind, out);
     });
-    return of.total(kinds * parts_);
+    return of.total(segments());
 }
 
 } // namespace hmf

@@ -34,16 +34,6 @@ namespace hmf {
 // numbers, which are slow.
 constexpr float floor_value = 1e-25f;
 
-// Vectors of conjugate gradients beside the residual g, which is the right side of the sweeps, and their x.
-struct StepVectors {
-    float* product = nullptr;    // A p
-    float* direction = nullptr;  // p
-    float* solution = nullptr;   // the sum of the steps
-    float* difference = nullptr; // x before the backward sweep - x after it
-    // Of a residual, for the largest row; negative: the unknown is held.  Null: neither is asked for.
-    float* row_scale = nullptr;
-};
-
 // z: x after the backward sweep.
 struct StepSums {
     double zr = 0, zAz = 0, zq = 0; // z * g, z * A z, z * A p
@@ -52,6 +42,18 @@ struct StepSums {
         zAz += other.zAz;
         zq += other.zq;
     }
+};
+
+// Vectors of conjugate gradients beside the residual g, which is the right side of the sweeps, and their x.
+struct StepVectors {
+    float* product = nullptr;    // A p
+    float* direction = nullptr;  // p
+    float* solution = nullptr;   // the sum of the steps
+    float* difference = nullptr; // x before the backward sweep - x after it
+    // Of a residual, for the largest row; negative: the unknown is held.  Null: neither is asked for.
+    float* row_scale = nullptr;
+    // Room for those of each segment of the matrix: too much for the stack.
+    StepSums* sums = nullptr;
 };
 
 // Of a residual: the square of its 2-norm, and the largest row with its scale.
@@ -85,6 +87,7 @@ public:
     ResidualNorms step_forward(float alpha, float beta, float* g, float* x, const StepVectors& v,
                                const Parallel& parallel) const;
 
+    uint32_t segments() const { return kinds * parts_; }
     double stored_entries() const {
         return static_cast<double>(narrow_.lower.size() + narrow_.upper.size() + wide_.lower.size()
                                    + wide_.upper.size())
