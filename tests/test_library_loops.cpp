@@ -1,5 +1,6 @@
 // Loops that the library makes: handle and tunnel loops against linking
 // integrals, lengths against a search on the level itself.
+#include "support/implicit_surface.hpp"
 #include "support/read_obj.hpp"
 #include "support/surface.hpp"
 
@@ -7,6 +8,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/cut_surface.hpp"
@@ -346,6 +348,65 @@ TEST(PantsLoops, Plates) {
     for (size_t g : {2, 3, 6}) expect_pants(plate(g));
     expect_pants(pretzel(3, 2));
     expect_pants(joined_tori(24, 12, 8, 10));
+}
+
+// A ring with a small handle on it where it is narrowest, one foot on either side of that place: the
+// shortest loop round the ring passes under the handle.
+TriMesh ring_with_handle() {
+    return implicit_surface(64, 0.1, [](double x, double y, double z) {
+        const double u = x - 0.5, v = y - 0.5, w = z - 0.5, around = std::sqrt(u * u + v * v);
+        const double narrow = around > 0 ? u / around : 0; // 1: in the middle between the feet
+        const double ring = 0.12 - 0.04 * narrow - std::hypot(around - 0.3, w);
+        const double handle = 0.022 - std::hypot(std::hypot(v, w - 0.08) - 0.055, u - 0.3);
+        return std::max(ring, handle);
+    });
+}
+
+// Does a loop of triangles cut the surface in two?  Then the vertices have two colours, which change at the
+// edges that it crosses.
+bool separates(const TriMesh& mesh, const uint32_t* loop, size_t n) {
+    std::map<std::pair<uint32_t, uint32_t>, bool> crossed;
+    std::vector<std::vector<uint32_t>> beside(mesh.vertex_count());
+    for (size_t t = 0; t < mesh.triangles.size(); t += 3)
+        for (size_t s = 0; s < 3; ++s) beside[mesh.triangles[t + s]].push_back(mesh.triangles[t + (s + 1) % 3]);
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t *const a = &mesh.triangles[3 * loop[i]], *const b = &mesh.triangles[3 * loop[(i + 1) % n]];
+        for (size_t s = 0; s < 3; ++s)
+            for (size_t r = 0; r < 3; ++r)
+                if (a[s] == b[(r + 1) % 3] && a[(s + 1) % 3] == b[r]) {
+                    bool& odd = crossed[std::minmax(a[s], a[(s + 1) % 3])];
+                    odd = !odd;
+                }
+    }
+    std::vector<int> colour(mesh.vertex_count(), -1);
+    std::vector<uint32_t> stack{0};
+    colour[0] = 0;
+    while (!stack.empty()) {
+        const uint32_t v = stack.back();
+        stack.pop_back();
+        for (const uint32_t w : beside[v]) {
+            const auto found = crossed.find(std::minmax(v, w));
+            const int expected = colour[v] ^ (found != crossed.end() && found->second ? 1 : 0);
+            if (colour[w] == -1) stack.push_back(w);
+            else if (colour[w] != expected) return false;
+            colour[w] = expected;
+        }
+    }
+    return true;
+}
+
+// The cut system crosses the neck of the handle, and pants have it all the same.
+TEST(PantsLoops, NeckOfAHandleThatACutLoopPassesUnder) {
+    const TriMesh mesh = ring_with_handle();
+    ASSERT_EQ(mesh_defect(mesh), "");
+    ASSERT_EQ(mesh.genus, 2u);
+    expect_pants(mesh);
+    const Hierarchy hierarchy(mesh);
+    const Loops loops = library_loops(hierarchy, 0, HMF_LOOPS_PANTS);
+    size_t necks = 0;
+    for (size_t c = 0; c + 1 < loops.offsets.size(); ++c)
+        necks += separates(mesh, &loops.elements[loops.offsets[c]], loops.offsets[c + 1] - loops.offsets[c]);
+    EXPECT_EQ(necks, 1u);
 }
 
 // A finger of a triangle loop: over a side of one of its triangles, round the
