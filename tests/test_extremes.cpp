@@ -9,6 +9,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <numeric>
 
 #include "../src/api/foliation_object.hpp"
 #include "../src/foliation/coarser_unit.hpp"
@@ -274,6 +276,68 @@ TEST(CoarserUnit, RoundsPlacesAndNotValues) {
         EXPECT_EQ(count.broken_triangles, 0u);
         EXPECT_EQ(count.poles, 0u);
         EXPECT_EQ(count.index_sum, 4 - 4 * static_cast<int64_t>(mesh.genus));
+    }
+}
+
+// Moves each zero at a vertex into triangles beside it: the vertex goes by `step` along one of the branches of the
+// tree that meet there.
+void move_zeros_into_triangles(hmf::Foliation& f, int64_t step) {
+    const hmf::Mesh& mesh = f.mesh;
+    const std::vector<int64_t> before(f.value, f.value + mesh.edge_count);
+    std::vector<int64_t> after = before;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        std::vector<uint32_t> out;
+        for (const uint32_t h : mesh.around(v)) out.push_back(h);
+        // The branch of each neighbour: two beside each other are on the same one if their corner is not 0.
+        std::map<uint32_t, size_t> place;
+        for (size_t i = 0; i < out.size(); ++i) place[out[i]] = i;
+        std::vector<size_t> branch(out.size());
+        std::iota(branch.begin(), branch.end(), size_t{0});
+        size_t branches = out.size();
+        for (const uint32_t h : out) {
+            const size_t a = branch[place[h]], b = branch[place[hmf::twin(mesh.prev(h))]];
+            if (f.corner2(h) == 0 || a == b) continue;
+            std::replace(branch.begin(), branch.end(), b, a);
+            --branches;
+        }
+        if (branches < 3) continue;
+        for (size_t i = 0; i < out.size(); ++i) after[hmf::edge_of(out[i])] += branch[i] == branch[0] ? -step : step;
+    }
+    std::copy(after.begin(), after.end(), f.value);
+}
+
+// Values that are multiples of the unit already stay what they are, wherever the walk over the mesh begins: at a
+// vertex that is a zero, or in a triangle where no vertex is one.
+TEST(CoarserUnit, MultiplesStay) {
+    constexpr uint32_t bits = 5;
+    for (const double stretch : {1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4}) {
+        SCOPED_TRACE(stretch);
+        const Hierarchy hierarchy(transformed(pretzel(2, 2), {stretch, 0, 0, 0, 1, 0, 0, 0, 1}), 0.5, 200);
+        const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-6));
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf_error error{};
+        hmf::Call call(memory, &error, nullptr, nullptr);
+        hmf::State state;
+        double unit = 1;
+        ASSERT_EQ(hmf::load_solved(*solution.foliation, state, unit, call), HMF_OK);
+        hmf::Foliation& f = state.foliation;
+        for (const bool in_triangles : {false, true}) {
+            SCOPED_TRACE(in_triangles);
+            for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] *= 8;
+            if (in_triangles) {
+                move_zeros_into_triangles(f, 1);
+                size_t corners = 0;
+                for (uint32_t h = 0; h < 2 * f.mesh.edge_count; ++h)
+                    corners += f.corner2(h) != 0 && f.corner2(f.mesh.next[h]) != 0 && f.corner2(f.mesh.prev(h)) != 0;
+                ASSERT_EQ(corners, 3u * 4) << "one zero in a triangle for each of the index -4";
+            }
+            const std::vector<int64_t> before(f.value, f.value + f.mesh.edge_count);
+            for (uint32_t e = 0; e < f.mesh.edge_count; ++e) f.value[e] <<= bits;
+            bool exact = false;
+            ASSERT_TRUE(hmf::to_coarser_unit(f, bits, memory, exact));
+            EXPECT_TRUE(exact);
+            EXPECT_EQ(std::vector<int64_t>(f.value, f.value + f.mesh.edge_count), before);
+        }
     }
 }
 
