@@ -369,7 +369,7 @@ uint64_t TwistedModel::project(const Foliation& f, const Rings& rings, Array<uin
     patch.clear();
     for (uint32_t k = 0; k < count; ++k) distance[k] = NONE;
     for (uint32_t k : bounded)
-        if (clip(k)) {
+        if (clip(k) && !rests[k]) { // of one that rests it is what the solver adds to right sides
             distance[k] = 0;
             patch.add(k);
         }
