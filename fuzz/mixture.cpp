@@ -85,7 +85,8 @@ private:
         done.collapse = {2 * mesh.edge_count, 2 * mesh.edge_count + 2, 2 * mesh.edge_count + 4, twin(ik), il,
                          mesh.vertex_count,   mesh.face_count,         mesh.face_count + 1};
         count(1);
-        split_foliation(f_, done.collapse);
+        hmf::split(f_.mesh, done.collapse);
+        split_values(f_.value, done.collapse);
         log_.push_back(done);
     }
 

@@ -33,7 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         mesh.vertex_count += 1;
         mesh.edge_count += 3;
         mesh.face_count += 2;
-        split_foliation(f, c);
+        split(f.mesh, c);
+        split_values(f.value, c);
         FUZZ_ASSERT(check(mesh) == nullptr);
         random.assert_valid();
         log.push_back(c);

@@ -79,8 +79,8 @@ TEST(Reuse, HierarchyIsNotWritten) {
     }
 }
 
-// Down to the coarsest level and back, the half-edges are those of the hierarchy again, array by array: the ground on
-// which it is shared.
+// The log backwards from the coarsest level gives the half-edges of each level, array by array: the ground on which a
+// solve, loops and classes take them from the hierarchy.
 TEST(Reuse, ReplayGivesTheHalfEdgesOfTheHierarchy) {
     const TriMesh meshes[] = {pretzel(2, 3), with_bad_triangles(pretzel(2, 3), 300, 0.01, 4),
                               with_random_flips(pretzel(2, 3), 80000, -1, 3), with_holes(pretzel(2, 2), 3, 2, 5)};
@@ -88,29 +88,55 @@ TEST(Reuse, ReplayGivesTheHalfEdgesOfTheHierarchy) {
         const Hierarchy hierarchy(mesh, 0.5, 150);
         ASSERT_TRUE(hierarchy);
         const hmf_hierarchy& h = *hierarchy.get();
+        ASSERT_GT(h.level_count, 1u);
         hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-        hmf::Call call(memory, nullptr, nullptr, nullptr);
-        hmf::State state;
-        ASSERT_TRUE(state.allocate(h, 0, memory));
-        state.load(0, hmf::Triangulation::input);
-        EXPECT_FALSE(state.is_own());
-        for (uint32_t e = 0; e < h.input.edge_count; ++e) state.foliation.value[e] = 0;
-        ASSERT_TRUE(state.go_to(h.level_count - 1, call));
-        ASSERT_TRUE(state.go_to(0, call));
-        ASSERT_TRUE(state.is_own());
+        hmf::MeshCopy copy;
+        ASSERT_TRUE(copy.allocate(h.input, memory));
+        hmf::Mesh found = copy.of(h.levels[h.level_count - 1].mesh);
         const auto expect_equal = [&](const hmf::Mesh& wanted) {
-            const hmf::Mesh& found = state.foliation.mesh;
-            ASSERT_EQ(found.edge_count, wanted.edge_count);
             const size_t bytes = size_t{2} * wanted.edge_count * sizeof(uint32_t);
             EXPECT_EQ(std::memcmp(found.origin, wanted.origin, bytes), 0);
             EXPECT_EQ(std::memcmp(found.next, wanted.next, bytes), 0);
             EXPECT_EQ(std::memcmp(found.face, wanted.face, bytes), 0);
         };
-        expect_equal(h.input);
-        for (size_t i = 0; i < h.intrinsic_flip_count; ++i)
-            hmf::flip_foliation(state.foliation, h.intrinsic_flips[i], false, state.statistics);
+        for (size_t level = h.level_count - 1; level-- > 0;) {
+            const hmf::Level& finer = h.levels[level];
+            for (size_t i = finer.flip_end; i-- > finer.flip_begin;) hmf::unflip(found, h.flips[i]);
+            for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) hmf::split(found, h.collapses[i]);
+            const hmf::Mesh& wanted = level == 0 ? h.input : finer.mesh;
+            expect_equal(wanted);
+            EXPECT_EQ(std::memcmp(found.out, wanted.out, wanted.vertex_count * sizeof(uint32_t)), 0);
+        }
+        for (size_t i = 0; i < h.intrinsic_flip_count; ++i) hmf::flip(found, h.intrinsic_flips[i]);
         expect_equal(h.levels[0].mesh);
     }
+}
+
+// Down to the coarsest level and back a state has copies only while it needs them.
+TEST(Reuse, AStateSharesTheHalfEdgesOfItsLevel) {
+    const Hierarchy hierarchy(with_random_flips(pretzel(2, 3), 80000, -1, 3), 0.5, 150);
+    ASSERT_TRUE(hierarchy);
+    const hmf_hierarchy& h = *hierarchy.get();
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::State state;
+    ASSERT_TRUE(state.allocate(h, 0, memory));
+    state.load(0, hmf::Triangulation::input);
+    EXPECT_FALSE(state.is_own());
+    for (uint32_t e = 0; e < h.input.edge_count; ++e) state.foliation.value[e] = 0;
+    ASSERT_TRUE(state.go_to(h.level_count - 1, call));
+    EXPECT_TRUE(state.is_own());
+    ASSERT_TRUE(state.go_to(0, call));
+    EXPECT_FALSE(state.is_own());
+    EXPECT_EQ(state.foliation.mesh.next, h.input.next);
+    EXPECT_EQ(std::memcmp(state.foliation.mesh.out, h.input.out, h.input.vertex_count * sizeof(uint32_t)), 0);
+    ASSERT_GT(h.intrinsic_flip_count, 0u);
+    ASSERT_TRUE(state.to_intrinsic(call));
+    EXPECT_EQ(state.foliation.mesh.next, h.levels[0].mesh.next);
+    ASSERT_TRUE(state.to_input(call));
+    EXPECT_TRUE(state.is_own());
+    const size_t bytes = size_t{2} * h.input.edge_count * sizeof(uint32_t);
+    EXPECT_EQ(std::memcmp(state.foliation.mesh.next, h.input.next, bytes), 0);
 }
 
 TEST(Reuse, OwnResult) {

@@ -174,8 +174,7 @@ void flip_foliation(Foliation& foliation, uint32_t edge, bool reverse, Transport
 // cause.
 bool settle_extremum(Foliation& foliation, uint32_t vertex);
 
-// Undoes a collapse on mesh and foliation: the new vertex starts where the
-// old one is.  The counts of foliation.mesh are the caller's business.
-void split_foliation(Foliation& foliation, const Collapse& c);
+// Values of the edges that come where a collapse is undone: the new vertex starts where the old one is.
+void split_values(int64_t* value, const Collapse& c);
 
 } // namespace hmf

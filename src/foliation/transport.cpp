@@ -138,11 +138,10 @@ void flip_foliation(Foliation& f, uint32_t edge, bool reverse, TransportStatisti
 //
 // The cluster of i and j has the boundary that i had: same directions, same
 // index.  Nothing has to be opened.
-void split_foliation(Foliation& f, const Collapse& c) {
-    split(f.mesh, c);
-    f.value[edge_of(c.h)] = 0;
-    f.value[edge_of(c.jk)] = f.at(c.ki);
-    f.value[edge_of(c.lj)] = f.at(c.il);
+void split_values(int64_t* value, const Collapse& c) {
+    value[edge_of(c.h)] = 0;
+    value[edge_of(c.jk)] = value[edge_of(c.ki)];
+    value[edge_of(c.lj)] = value[edge_of(c.il)];
 }
 
 } // namespace hmf

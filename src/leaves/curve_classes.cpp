@@ -30,13 +30,10 @@ hmf_status CurveClasses::refine(Call& call) {
         unflip(mesh_, hierarchy_->flips[i]);
         if (!words_.flipped(mesh_, hierarchy_->flips[i])) return call.out_of_memory();
     }
-    mesh_.vertex_count = finer.mesh.vertex_count;
-    mesh_.edge_count = finer.mesh.edge_count;
-    mesh_.face_count = finer.mesh.face_count;
+    // The hierarchy keeps what the splits make.
+    mesh_ = arrays_.of(level_ == 0 ? hierarchy_->input : finer.mesh);
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
-        prefetch_split(mesh_, hierarchy_->collapses, i, finer.collapse_begin);
-        split(mesh_, hierarchy_->collapses[i]);
         words_.was_split(hierarchy_->collapses[i]);
     }
     return HMF_OK;

@@ -10,13 +10,12 @@ Done LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t fine
                        Memory& memory) {
     hierarchy_ = &hierarchy;
     level_ = level;
-    const Mesh& from = level == 0 ? hierarchy.input : hierarchy.levels[level].mesh;
     const Mesh& room = hierarchy.levels[finest].mesh;
     entries_.start(memory);
     scratch_.start(memory);
     free_ = NONE;
     if (!copy_.allocate(room, memory) || !head_.allocate_filled(memory, room.edge_count, NONE)) return false;
-    mesh_ = copy_.of(from);
+    mesh_ = copy_.of(mesh_of(level));
     return replace(loops);
 }
 
@@ -123,11 +122,6 @@ Done LoopCarrier::refine(Call& call) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
         if (!unflip_edge(hierarchy_->flips[i])) return false;
     }
-    const auto undo = [&](size_t i, size_t begin) {
-        prefetch_split(mesh_, hierarchy_->collapses, i, begin);
-        split(mesh_, hierarchy_->collapses[i]);
-    };
-    if (!undo_collapses(*hierarchy_, finer, call, 0, true, undo)) return false;
     // The entries of the edges that have come, which had none; in order, as those of one come from another.
     for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
@@ -144,9 +138,7 @@ Done LoopCarrier::refine(Call& call) {
             return false;
     }
     --level_;
-    mesh_.vertex_count = finer.mesh.vertex_count;
-    mesh_.edge_count = finer.mesh.edge_count;
-    mesh_.face_count = finer.mesh.face_count;
+    mesh_ = copy_.of(mesh_of(level_)); // the hierarchy keeps what the splits make
     return true;
 }
 

@@ -41,6 +41,7 @@ private:
         uint32_t next;
     };
 
+    const Mesh& mesh_of(size_t level) const { return level == 0 ? hierarchy_->input : hierarchy_->levels[level].mesh; }
     Done add(uint32_t edge, uint32_t loop, uint32_t count, int32_t signed_count);
     const Entry* find(uint32_t edge, uint32_t loop) const;
     Done copy_edge(uint32_t from, uint32_t to, bool reversed);

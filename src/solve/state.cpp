@@ -2,11 +2,12 @@
 // backwards, restriction the log forwards, mesh and foliation together.
 #include "state.hpp"
 
+#include "../base/prefetch.hpp"
+
 namespace hmf {
 
 Done State::allocate(const hmf_hierarchy& h, size_t finest, Memory& memory) {
     hierarchy = &h;
-    finest_ = finest;
     copy_.release();
     const Mesh& mesh = h.levels[finest].mesh;
     return out_.allocate(memory, mesh.vertex_count) && value_.allocate(memory, mesh.edge_count)
@@ -26,46 +27,49 @@ void State::load(size_t at, Triangulation which) {
 
 Done State::own(Call& call) {
     if (is_own()) return true;
-    if (!copy_.allocate_sides(hierarchy->levels[finest_].mesh, call.memory)) return false;
+    if (!copy_.allocate_sides(foliation.mesh, call.memory)) return false;
     foliation.mesh = copy_.sides_of(foliation.mesh, call.parallel);
     return true;
 }
 
-// The half-edges are equal, array by array: flips and splits are exact reversals.
 void State::share(const Mesh& same) {
     Mesh& mesh = foliation.mesh;
-    assert(mesh.edge_count == same.edge_count);
-    const auto are_equal = [&](const uint32_t* a, const uint32_t* b) {
-        return std::memcmp(a, b, size_t{2} * same.edge_count * sizeof(uint32_t)) == 0;
-    };
-    (void)are_equal;
-    assert(are_equal(mesh.origin, same.origin) && are_equal(mesh.next, same.next) && are_equal(mesh.face, same.face));
+    mesh.vertex_count = same.vertex_count;
+    mesh.edge_count = same.edge_count;
+    mesh.face_count = same.face_count;
     mesh.origin = same.origin;
     mesh.next = same.next;
     mesh.face = same.face;
     copy_.release();
 }
 
+// Flips change values by the mesh, one after the other.  Splits ask for nothing but numbers of edges, so the mesh
+// after them is the one that the hierarchy keeps.
 Done State::refine(Call& call) {
-    if (!own(call)) return false;
     const Level& finer = hierarchy->levels[level - 1];
-    Mesh& mesh = foliation.mesh;
+    if (finer.flip_end > finer.flip_begin && !own(call)) return false;
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics, bad_flip);
-        if (words && !words->flipped(mesh, hierarchy->flips[i])) return false;
+        if (words && !words->flipped(foliation.mesh, hierarchy->flips[i])) return false;
     }
-    mesh.vertex_count = finer.mesh.vertex_count;
-    mesh.edge_count = finer.mesh.edge_count;
-    mesh.face_count = finer.mesh.face_count;
-    const auto undo = [&](size_t i, size_t begin) {
-        prefetch_split(mesh, hierarchy->collapses, i, begin);
-        split_foliation(foliation, hierarchy->collapses[i]);
+    const Mesh& split = level == 1 ? hierarchy->input : finer.mesh;
+    share(split);
+    call.parallel.copy(out_.data(), split.out, split.vertex_count);
+    int64_t* const value = foliation.value;
+    const Collapse* const log = hierarchy->collapses;
+    const auto undo = [=](size_t i, size_t begin) {
+        constexpr size_t ahead = 8;
+        if (i >= begin + ahead) {
+            const Collapse& soon = log[i - ahead];
+            for (const uint32_t h : {soon.h, soon.jk, soon.lj, soon.ki, soon.il}) prefetch(&value[edge_of(h)]);
+        }
+        split_values(value, log[i]);
     };
     if (!undo_collapses(*hierarchy, finer, call, 0, true, undo)) return false;
     for (size_t i = finer.collapse_end; words && i-- > finer.collapse_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
-        words->was_split(hierarchy->collapses[i]);
+        words->was_split(log[i]);
     }
     --level;
     triangulation = Triangulation::input;
@@ -115,7 +119,15 @@ Done State::to_intrinsic(Call& call) {
         if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i])) return false;
     }
     triangulation = Triangulation::intrinsic;
-    if (is_own()) share(hierarchy->levels[0].mesh);
+    // The half-edges are equal, array by array: flips are exact reversals.
+    const Mesh &mesh = foliation.mesh, &same = hierarchy->levels[0].mesh;
+    const auto are_equal = [&](const uint32_t* a, const uint32_t* b) {
+        return std::memcmp(a, b, size_t{2} * same.edge_count * sizeof(uint32_t)) == 0;
+    };
+    (void)are_equal;
+    assert(are_equal(mesh.origin, same.origin) && are_equal(mesh.next, same.next) && are_equal(mesh.face, same.face));
+    (void)mesh;
+    share(same);
     return true;
 }
 

@@ -1,5 +1,5 @@
-// Working state of a solve: a mesh that grows from level to level by replaying
-// the log of the hierarchy backwards, and the foliation on it.
+// Working state of a solve: the mesh of a level, and the foliation on it, which goes from level to level by
+// the log of the hierarchy.
 #pragma once
 
 #include "../foliation/restriction.hpp"
@@ -12,12 +12,12 @@ namespace hmf {
 // Which triangulation of a level: level 0 has two.
 enum class Triangulation : uint8_t { input, intrinsic };
 
-// Its half-edges are those of the hierarchy, which nobody may write, until a flip, a collapse or a split
-// is to come, and again once level 0 is reached, where it is solved: so no copy of them lies beside the solve.
+// Its half-edges are those of the hierarchy, which nobody may write, until a flip or a collapse is to come, and
+// again once a finer level or level 0 is reached, where it is solved: so no copy of them lies beside the solve.
 //
-//     load:  hierarchy   own():  a copy   to_intrinsic:  hierarchy   own():  a copy
+//     load:  hierarchy   own():  a copy   refine, to_intrinsic:  hierarchy   own():  a copy
 //
-// `out` is always its own: it decides the tree of walks, and after restriction it is another one.
+// `out` is always its own: it decides the tree of walks, and after restriction it is another one until refine.
 struct State {
     const hmf_hierarchy* hierarchy = nullptr;
     Foliation foliation;
@@ -49,7 +49,6 @@ struct State {
 private:
     void share(const Mesh& same);
     MeshCopy copy_; // empty: those of the hierarchy
-    size_t finest_ = 0;
     Array<uint32_t> out_;
     Array<int64_t> value_;
 };
