@@ -24,7 +24,7 @@ namespace {
 
 // Left-out components and orientable foliations make the matrix singular;
 // the shift keeps the kernel from being blown up.
-constexpr double dense_shift = 1e-3;
+constexpr float dense_shift = 1e-3f;
 
 } // namespace
 
@@ -143,34 +143,35 @@ double SignedMultigrid::operator_complexity() const {
 Done SignedMultigrid::factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
     const size_t n = matrix.n;
     dense_n_ = matrix.n;
-    Array<double> a;
+    // In single precision, as it is used: a preconditioner with a shift far above the rounding.
+    Array<float> a;
     if (!a.allocate_filled(memory, n * n, 0) || !dense_.allocate(memory, n * n) || !dense_inverse_.allocate(memory, n)
         || !dense_b_.allocate(memory, n))
         return false;
     for (size_t i = 0; i < n; ++i) {
         for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
             const size_t j = matrix.column[k];
-            a[i * n + j] += matrix.entry[k] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]);
+            a[i * n + j] +=
+                static_cast<float>(matrix.entry[k] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]));
         }
         a[i * n + i] = 1 + dense_shift;
     }
     // By columns, right-looking; column j of L is a[j * n + i], i >= j.
     for (size_t j = 0; j < n; ++j) {
-        double pivot = a[j * n + j];
-        if (pivot < 0.1 * dense_shift) pivot = 0.1 * dense_shift;
-        const double inverse = 1 / std::sqrt(pivot);
-        dense_inverse_[j] = static_cast<float>(inverse);
+        const float pivot = a[j * n + j], least = 0.1f * dense_shift;
+        const float inverse = 1 / std::sqrt(pivot > least ? pivot : least);
+        dense_inverse_[j] = inverse;
         for (size_t i = j + 1; i < n; ++i) a[j * n + i] *= inverse;
         for (size_t k = j + 1; k < n; ++k) {
-            const double factor = a[j * n + k];
+            const float factor = a[j * n + k];
             if (factor == 0) continue;
             for (size_t i = k; i < n; ++i) a[k * n + i] -= factor * a[j * n + i];
         }
     }
     for (size_t j = 0; j < n; ++j)
         for (size_t i = j + 1; i < n; ++i) {
-            const double value = a[j * n + i];
-            dense_[j * n + i] = dense_[i * n + j] = value > 1e-20 || value < -1e-20 ? static_cast<float>(value) : 0.0f;
+            const float value = a[j * n + i];
+            dense_[j * n + i] = dense_[i * n + j] = std::fabs(value) > 1e-20f ? value : 0.0f;
         }
     return true;
 }
