@@ -344,6 +344,7 @@ private:
 
     LinearOptions stop_at(double residual) const {
         LinearOptions options;
+        options.unchecked = true; // the next look tells what a step is worth
         if (residual > 0) options.row_scale = model_.row_scale.data();
         options.row_tolerance = residual;
         return options;

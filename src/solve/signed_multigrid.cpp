@@ -598,6 +598,7 @@ bool SignedMultigrid::search_in_single(Search& s, Call& call) {
             for (size_t i = begin; i < end; ++i)
                 solution[i] += static_cast<double>(scale[i]) * static_cast<double>(v.solution[sweeps.number(i)]) * unit;
         });
+        if (options.unchecked && !broken && s.is_small(norm(), row())) s.ended = s.result.converged = true;
         if (s.ended) return true;
         unit = norm();
     }

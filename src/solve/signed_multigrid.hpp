@@ -33,6 +33,9 @@ struct LinearOptions {
     size_t fixed_count = 0;
     // Gives up as soon as the pace of the last iterations does not reach the goal within the limit.
     bool hopeless_ends = false;
+    // The residual that the steps tell is believed at the end, which saves a product with A: for callers that
+    // look at what comes of x.  It is true to 1e-4 (bench/README.md).
+    bool unchecked = false;
     // A is not that of setup or of the last refresh: all products are taken with A itself.
     bool other_matrix = false;
 };
