@@ -199,7 +199,7 @@ private:
         uint64_t had = UINT64_MAX;
         for (double accuracy = tight ? effort.tight : effort.loose;; accuracy *= steering::continued) {
             if (!solve_linear(accuracy, effort.residual)) return false;
-            restore();
+            if (had != UINT64_MAX) restore(); // else they are there
             std::memcpy(unbounded_.data(), model_.d.data(), model_.count * sizeof(double));
             set_bounded_values();
             if (!go_on()) return false;
