@@ -211,8 +211,8 @@ TEST(ClassCertificate, SaysThatThereIsACylinderTooMany) {
     EXPECT_EQ(start.watch.result.loss, hmf::ClassLoss::leaves);
 }
 
-// With a marked vertex only the heights are compared; each counts once.
-TEST(ClassCertificate, ComparesHeightsWithMarkedVertices) {
+// With a marked vertex pants have a pair of loops that only the mark lies between.
+TEST(ClassCertificate, TellsLoopsOnBothSidesOfAMarkApart) {
     const uint32_t mark = 17;
     hmf_build_options options = Start::options_of(0.5);
     options.marked_vertices = &mark;
@@ -222,19 +222,30 @@ TEST(ClassCertificate, ComparesHeightsWithMarkedVertices) {
     const hmf::Array<int64_t> not_all;
     const auto expect = [&](const std::vector<int64_t>& weight, hmf::ClassState state, hmf::ClassLoss loss) {
         SCOPED_TRACE(testing::PrintToString(weight));
-        start.load(weight);
+        start.reload(weight);
         EXPECT_EQ(start.look().state, state);
         EXPECT_EQ(start.watch.result.loss, loss);
     };
     start.load({5, 3, 3});
     ASSERT_EQ(start.watch.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
     ASSERT_TRUE(start.watch.started);
-    expect({5, 3, 3}, hmf::ClassState::checked, hmf::ClassLoss::none);
-    expect({3, 5, 3}, hmf::ClassState::checked, hmf::ClassLoss::none);
+    expect({5, 3, 3}, hmf::ClassState::proven, hmf::ClassLoss::none);
     expect({5, 3, 2}, hmf::ClassState::lost, hmf::ClassLoss::height);
-    expect({5, 5, 3}, hmf::ClassState::lost, hmf::ClassLoss::height);
-    expect({5, 3, 0}, hmf::ClassState::lost, hmf::ClassLoss::height);
     expect({5, 3, 3, 1}, hmf::ClassState::lost, hmf::ClassLoss::leaves);
+    // Of the loops one is left out: all heights are right.
+    for (size_t without = 0; without < 4; ++without) {
+        std::vector<int64_t> weight(4, 2);
+        weight[without] = 0;
+        start.load(weight);
+        ASSERT_EQ(start.watch.start(start.state, 1, nullptr, not_all, start.call), HMF_OK);
+        expect(weight, hmf::ClassState::proven, hmf::ClassLoss::none);
+        for (size_t other = 0; other < 4; ++other) {
+            if (other == without) continue;
+            std::vector<int64_t> another(4, 2);
+            another[other] = 0;
+            expect(another, hmf::ClassState::lost, hmf::ClassLoss::core);
+        }
+    }
 }
 
 // All heights are right, one curve is another one.

@@ -1,13 +1,15 @@
-// Walks in the system of quads: the canonical walk is the same for all walks
-// of a free homotopy class, and for no other.
-#include "../src/homotopy/edge_words.hpp"
-#include "../src/homotopy/sphere_words.hpp"
+// Names of free homotopy classes: the same for all curves of a class, and for no
+// other.  Walks in the system of quads, and words where vertices are marked.
+#include "../src/hierarchy/hierarchy.hpp"
+#include "../src/leaves/curve_classes.hpp"
 #include "support/make_mesh.hpp"
 #include "support/meshes.hpp"
+#include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 
 using namespace test;
 
@@ -122,18 +124,63 @@ std::vector<uint32_t> permutation(uint32_t n, Random& random) {
     return out;
 }
 
+// Round a vertex, from one of its faces.
+Path round(const hmf::Mesh& m, uint32_t half_edge) {
+    Path path;
+    for (const uint32_t h : m.clockwise_from(half_edge)) path.push_back(h);
+    return path;
+}
+
+// Closed, through about so many faces at random.
+Path random_loop(const hmf::Mesh& m, size_t length, Random& random) {
+    const uint32_t start = static_cast<uint32_t>(random.below(m.face_count));
+    Path path, side(m.face_count, hmf::NONE), queue(1, start);
+    std::vector<uint32_t> of_face(m.face_count);
+    for (uint32_t h = 0; h < 2 * m.edge_count; ++h) of_face[m.face[h]] = h;
+    uint32_t f = start;
+    const auto turn = [&](uint32_t face, size_t k) {
+        uint32_t h = of_face[face];
+        for (; k > 0; --k) h = m.next[h];
+        return h;
+    };
+    for (size_t k = 0; k < length; ++k) {
+        path.push_back(turn(f, random.below(3)));
+        f = m.face[hmf::twin(path.back())];
+    }
+    for (size_t i = 0; i < queue.size(); ++i) // the shortest way back
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t h = turn(queue[i], k), to = m.face[hmf::twin(h)];
+            if (to == start || side[to] != hmf::NONE) continue;
+            side[to] = hmf::twin(h);
+            queue.push_back(to);
+        }
+    for (; f != start; f = m.face[hmf::twin(path.back())]) path.push_back(side[f]);
+    return path;
+}
+
+// Nowhere there and back again.
+Path without_spurs(const Path& loop) {
+    std::deque<uint32_t> path;
+    for (const uint32_t h : loop) {
+        if (!path.empty() && path.back() == hmf::twin(h)) path.pop_back();
+        else path.push_back(h);
+    }
+    for (; path.size() > 1 && path.front() == hmf::twin(path.back()); path.pop_front()) path.pop_back();
+    return Path(path.begin(), path.end());
+}
+
 // Its first vertices are marked.
-struct MarkedSphere {
+struct MarkedSurface {
     // number: of each vertex of the mesh here.
-    MarkedSphere(const Triangles& mesh, const std::vector<uint32_t>& number, uint32_t marks) :
-        memory(nullptr, nullptr, nullptr, 0) {
+    MarkedSurface(const Triangles& mesh, const std::vector<uint32_t>& number, uint32_t marks) :
+        memory(nullptr, nullptr, nullptr, 0), call(memory, &error, nullptr, nullptr) {
         Triangles t;
         t.positions.resize(mesh.positions.size());
         for (const uint32_t v : mesh.triangles) t.triangles.push_back(number[v]);
         made = MadeMesh(t);
         m = made.mesh();
         m.marked_count = marks;
-        EXPECT_TRUE(words.start(m, memory));
+        EXPECT_TRUE(words.start(m, m.edge_count, call));
     }
     uint32_t half_edge(uint32_t a, uint32_t b) const {
         for (const uint32_t h : m.around(a))
@@ -143,58 +190,28 @@ struct MarkedSphere {
     Path canonical(const Path& crossings) {
         hmf::Array<uint32_t> word;
         word.start(memory);
-        EXPECT_TRUE(words.canonical(crossings.data(), crossings.size(), word));
+        EXPECT_TRUE(words.name(m, 0, crossings.size(), [&](uint64_t i) { return crossings[i]; }, word));
         return Path(word.begin(), word.end());
-    }
-    // Round a vertex, from one of its faces.
-    Path round(uint32_t half_edge) const {
-        Path path;
-        for (const uint32_t h : m.clockwise_from(half_edge)) path.push_back(h);
-        return path;
-    }
-    // Closed, through about so many faces at random.
-    Path random_loop(size_t length, Random& random) const {
-        const uint32_t start = static_cast<uint32_t>(random.below(m.face_count));
-        Path path, side(m.face_count, hmf::NONE), queue(1, start);
-        std::vector<uint32_t> of_face(m.face_count);
-        for (uint32_t h = 0; h < 2 * m.edge_count; ++h) of_face[m.face[h]] = h;
-        uint32_t f = start;
-        const auto turn = [&](uint32_t face, size_t k) {
-            uint32_t h = of_face[face];
-            for (; k > 0; --k) h = m.next[h];
-            return h;
-        };
-        for (size_t k = 0; k < length; ++k) {
-            path.push_back(turn(f, random.below(3)));
-            f = m.face[hmf::twin(path.back())];
-        }
-        for (size_t i = 0; i < queue.size(); ++i) // the shortest way back
-            for (size_t k = 0; k < 3; ++k) {
-                const uint32_t h = turn(queue[i], k), to = m.face[hmf::twin(h)];
-                if (to == start || side[to] != hmf::NONE) continue;
-                side[to] = hmf::twin(h);
-                queue.push_back(to);
-            }
-        for (; f != start; f = m.face[hmf::twin(path.back())]) path.push_back(side[f]);
-        return path;
     }
     MadeMesh made;
     hmf::Mesh m;
     hmf::Memory memory;
-    hmf::SphereWords words;
+    hmf_error error{};
+    hmf::Call call;
+    hmf::CurveWords words;
 };
 
 // Somewhere on the way there and back again, or once round a vertex that is not marked.
-void deform(const MarkedSphere& sphere, Path& loop, Random& random) {
+void deform(const hmf::Mesh& m, Path& loop, Random& random) {
     const size_t at = random.below(loop.size());
     uint32_t h = loop[at]; // of the face before it
-    if (random.below(2)) h = sphere.m.next[h];
+    if (random.below(2)) h = m.next[h];
     if (random.below(3) == 0) {
         const Path there = {h, hmf::twin(h)};
         loop.insert(loop.begin() + static_cast<long>(at), there.begin(), there.end());
-    } else if (!sphere.m.is_marked(sphere.m.origin[h])) {
-        const Path round = sphere.round(h);
-        loop.insert(loop.begin() + static_cast<long>(at), round.begin(), round.end());
+    } else if (!m.is_marked(m.origin[h])) {
+        const Path path = round(m, h);
+        loop.insert(loop.begin() + static_cast<long>(at), path.begin(), path.end());
     }
 }
 
@@ -202,6 +219,9 @@ void deform(const MarkedSphere& sphere, Path& loop, Random& random) {
 void push_about(Path& walk, const std::vector<uint32_t>& twin, Random& random) {
     for (size_t k = 0; k < 60; ++k) deform(walk, twin, random);
 }
+
+// Genus 0, 1 and 2.
+std::vector<Triangles> few_genera() { return {voxels(2, 2, 2, std::vector<char>(8, 1), 2), plate(1, 1, 2), plate(2, 1)}; }
 
 } // namespace
 
@@ -225,67 +245,137 @@ TEST(Homotopy, CanonicalWalkOfShortLoops) {
         }
 }
 
-TEST(Homotopy, WordOnASphereIsTheSameInAClass) {
+TEST(Homotopy, WordIsTheSameInAClass) {
     Random random(5);
-    const Triangles mesh = voxels(2, 2, 2, std::vector<char>(8, 1), 2);
-    const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
-    for (const uint32_t marks : {1u, 2u, 3u, 4u, 9u}) {
-        MarkedSphere sphere(mesh, number, marks);
-        size_t letters = 0;
-        for (size_t problem = 0; problem < 200; ++problem) {
-            Path loop = sphere.random_loop(1 + random.below(60), random);
-            const Path expected = sphere.canonical(loop);
-            letters += expected.size();
-            for (size_t k = 0; k < 100; ++k) deform(sphere, loop, random);
-            std::rotate(loop.begin(), loop.begin() + static_cast<long>(random.below(loop.size())), loop.end());
-            if (random.below(2)) {
-                std::reverse(loop.begin(), loop.end());
-                for (uint32_t& h : loop) h = hmf::twin(h);
+    size_t genus = 0;
+    for (const Triangles& mesh : few_genera()) {
+        const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
+        for (const uint32_t marks : {1u, 2u, 3u, 4u, 9u}) {
+            MarkedSurface surface(mesh, number, marks);
+            size_t letters = 0;
+            for (size_t problem = 0; problem < 200; ++problem) {
+                Path loop = random_loop(surface.m, 1 + random.below(60), random);
+                const Path expected = surface.canonical(loop);
+                letters += expected.size();
+                for (size_t k = 0; k < 100; ++k) deform(surface.m, loop, random);
+                std::rotate(loop.begin(), loop.begin() + static_cast<long>(random.below(loop.size())), loop.end());
+                if (random.below(2)) {
+                    std::reverse(loop.begin(), loop.end());
+                    for (uint32_t& h : loop) h = hmf::twin(h);
+                }
+                ASSERT_EQ(surface.canonical(loop), expected)
+                    << "genus " << genus << ", " << marks << " marks, problem " << problem;
             }
-            ASSERT_EQ(sphere.canonical(loop), expected) << marks << " marks, problem " << problem;
+            EXPECT_EQ(letters > 0, genus > 0 || marks > 1);
         }
-        EXPECT_EQ(letters > 0, marks > 1);
+        ++genus;
     }
 }
 
 // Whether two curves are in one class depends on no tree, and not on the order of the marked vertices.
-TEST(Homotopy, ClassesOnASphereDependOnNoTree) {
+TEST(Homotopy, ClassesDependOnNoTree) {
     Random random(6);
-    const Triangles mesh = voxels(2, 2, 2, std::vector<char>(8, 1), 2);
     const uint32_t marks = 5;
-    const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
-    // In b the marked vertices are those of a, and all have other numbers.
-    std::vector<uint32_t> other = permutation(mesh.vertex_count(), random);
-    for (uint32_t v = 0; v < marks; ++v) std::swap(other[v], *std::find(other.begin(), other.end(), marks - 1 - v));
-    std::vector<uint32_t> in_other(number.size());
-    for (size_t v = 0; v < number.size(); ++v) in_other[v] = other[number[v]];
-    MarkedSphere a(mesh, number, marks), b(mesh, in_other, marks);
-    const auto seen_in_b = [&](const Path& loop) {
-        Path path;
-        for (const uint32_t h : loop) path.push_back(b.half_edge(other[a.m.origin[h]], other[a.m.target(h)]));
-        return path;
-    };
-    std::vector<Path> in_a, in_b;
-    // Round one marked vertex, round a vertex, and short loops, of which many are in one class.
-    for (uint32_t v = 0; v < 2 * marks; ++v) {
-        const Path round = a.round(a.m.out[v]);
-        in_a.push_back(a.canonical(round));
-        in_b.push_back(b.canonical(seen_in_b(round)));
-        EXPECT_EQ(in_a.back().empty(), v >= marks);
-    }
-    for (size_t k = 0; k < 400; ++k) {
-        const Path loop = a.random_loop(100 + random.below(200), random);
-        in_a.push_back(a.canonical(loop));
-        in_b.push_back(b.canonical(seen_in_b(loop)));
-    }
-    size_t same = 0;
-    for (size_t i = 0; i < in_a.size(); ++i)
-        for (size_t k = 0; k < i; ++k) {
-            ASSERT_EQ(in_a[i] == in_a[k], in_b[i] == in_b[k]) << i << " " << k;
-            same += in_a[i] == in_a[k];
+    size_t genus = 0;
+    for (const Triangles& mesh : few_genera()) {
+        const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
+        // In b the marked vertices are those of a, and all have other numbers.
+        std::vector<uint32_t> other = permutation(mesh.vertex_count(), random);
+        for (uint32_t v = 0; v < marks; ++v)
+            std::swap(other[v], *std::find(other.begin(), other.end(), marks - 1 - v));
+        std::vector<uint32_t> in_other(number.size());
+        for (size_t v = 0; v < number.size(); ++v) in_other[v] = other[number[v]];
+        MarkedSurface a(mesh, number, marks), b(mesh, in_other, marks);
+        const auto seen_in_b = [&](const Path& loop) {
+            Path path;
+            for (const uint32_t h : loop) path.push_back(b.half_edge(other[a.m.origin[h]], other[a.m.target(h)]));
+            return path;
+        };
+        std::vector<Path> in_a, in_b;
+        // Round one marked vertex, round a vertex, and short loops, of which many are in one class.
+        for (uint32_t v = 0; v < 2 * marks; ++v) {
+            const Path path = round(a.m, a.m.out[v]);
+            in_a.push_back(a.canonical(path));
+            in_b.push_back(b.canonical(seen_in_b(path)));
+            EXPECT_EQ(in_a.back().empty(), v >= marks);
         }
-    EXPECT_GT(same, 100u);
-    EXPECT_LT(same, in_a.size() * (in_a.size() - 1) / 4);
+        for (size_t k = 0; k < 400; ++k) {
+            const Path loop = random_loop(a.m, 100 + random.below(200), random);
+            in_a.push_back(a.canonical(loop));
+            in_b.push_back(b.canonical(seen_in_b(loop)));
+        }
+        size_t same = 0;
+        for (size_t i = 0; i < in_a.size(); ++i)
+            for (size_t k = 0; k < i; ++k) {
+                ASSERT_EQ(in_a[i] == in_a[k], in_b[i] == in_b[k]) << "genus " << genus << ": " << i << " " << k;
+                same += in_a[i] == in_a[k];
+            }
+        EXPECT_GT(same, 100u);
+        EXPECT_LT(same, in_a.size() * (in_a.size() - 1) / 4);
+        ++genus;
+    }
+}
+
+// Words that were carried from the coarsest level to the finest, and through the flips there, tell the same curves
+// apart as words that are read on the finest one.
+TEST(Homotopy, WordsGoFromLevelToLevel) {
+    Random random(8);
+    const std::vector<Triangles> meshes = {voxels(2, 2, 2, std::vector<char>(8, 1), 5), plate(1, 1, 5), plate(2, 1, 3)};
+    for (size_t genus = 0; genus < meshes.size(); ++genus)
+        for (const uint32_t marks : {0u, 1u, 4u, 9u}) {
+            if (genus == 0 && marks < 4) continue; // carries no foliation
+            TriMesh mesh{meshes[genus].positions, meshes[genus].triangles, genus};
+            for (double& x : mesh.positions) x += 0.01 * random.unit();
+            for (size_t v = 0; v < mesh.vertex_count(); ++v) mesh.positions[3 * v] *= 4; // so that edges flip
+            std::vector<uint32_t> marked = permutation(static_cast<uint32_t>(mesh.vertex_count()), random);
+            marked.resize(marks);
+            hmf_build_options options{};
+            options.struct_size = sizeof options;
+            options.coarsest = 8;
+            options.marked_vertices = marked.data();
+            options.marked_count = marks;
+            const Hierarchy hierarchy(mesh, options);
+            ASSERT_TRUE(hierarchy);
+            ASSERT_GT(hierarchy.get()->intrinsic_flip_count, 0u);
+            hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+            hmf_error error{};
+            hmf::Call call(memory, &error, nullptr, nullptr);
+            hmf::CurveClasses carried;
+            ASSERT_FALSE(carried.start(*hierarchy.get(), hierarchy.coarsest(), 0, call));
+            while (carried.level() > 0) ASSERT_FALSE(carried.refine(call));
+            const auto compare = [&](const hmf::Mesh& m) {
+                hmf::Loops loops;
+                hmf::CurveWords words;
+                hmf::CurveNames fresh, names;
+                ASSERT_TRUE(loops.start(memory) && words.start(m, m.edge_count, call));
+                for (size_t k = 0; k < 300; ++k) {
+                    Path loop = without_spurs(random_loop(m, 30 + random.below(2000), random));
+                    if (k < 10 || loop.empty()) loop = round(m, m.out[k]);
+                    ASSERT_TRUE(loops.add(loop.data(), loop.size()));
+                }
+                fresh.start(memory);
+                for (size_t k = 0; k < loops.count(); ++k)
+                    ASSERT_TRUE(fresh.add(m, words, loops.offsets[k], loops.offsets[k + 1],
+                                          [&](uint64_t i) { return loops.crossings[i]; }));
+                ASSERT_FALSE(carried.name(loops, names, call));
+                size_t same = 0, classes = 0;
+                for (size_t i = 0; i < loops.count(); ++i) {
+                    size_t before = 0;
+                    for (size_t k = 0; k < i; ++k) {
+                        ASSERT_EQ(names.same(i, names, k), fresh.same(i, fresh, k))
+                            << "genus " << genus << ", " << marks << " marks: " << i << " " << k;
+                        before += names.same(i, names, k);
+                    }
+                    same += before;
+                    classes += before == 0;
+                }
+                EXPECT_GT(same, 20u);
+                EXPECT_GT(classes, 5u) << "genus " << genus << ", " << marks << " marks";
+            };
+            compare(hierarchy.get()->input);
+            ASSERT_FALSE(carried.to_intrinsic(call));
+            compare(hierarchy.get()->levels[0].mesh);
+        }
 }
 
 TEST(Homotopy, CanonicalWalkIsTheSameInAClass) {

@@ -22,8 +22,7 @@
 #include <random>
 
 #include "../src/hierarchy/caller_numbers.hpp"
-#include "../src/homotopy/edge_words.hpp"
-#include "../src/homotopy/sphere_words.hpp"
+#include "../src/homotopy/curve_words.hpp"
 #include "../src/loops/closed_geodesic.hpp"
 #include "../src/loops/library_loops.hpp"
 
@@ -50,13 +49,11 @@ hmf_build_options marked(const std::vector<uint32_t>& marks, double ratio = 0.5)
 
 class Reference {
 public:
-    // marks: of a sphere, else none.
     explicit Reference(const TriMesh& mesh, const std::vector<uint32_t>& marks = {}) :
         hierarchy_(mesh, marked(marks)), memory_(nullptr, nullptr, nullptr, 0),
         call_(memory_, &error_, nullptr, nullptr) {
         const hmf::Mesh& m = hierarchy_.get()->input;
-        if (marks.empty()) EXPECT_TRUE(words_.start(m, m.edge_count, call_));
-        else EXPECT_TRUE(sphere_.start(m, memory_));
+        EXPECT_TRUE(words_.start(m, m.edge_count, call_));
         EXPECT_FALSE(hmf::caller_faces(*hierarchy_.get(), internal_, call_));
     }
 
@@ -85,11 +82,8 @@ public:
             strip.start(memory_);
             for (size_t i = 0; i < loop.size(); ++i) {
                 EXPECT_TRUE(strip.push(loop[i]));
-                const uint32_t in = hmf::twin(loop[i]), go = loop[(i + 1) % loop.size()];
-                if (sphere_.empty() && go == mesh.next[in]) EXPECT_TRUE(words_.append(hmf::twin(mesh.prev(in)), walk));
             }
-            if (sphere_.empty()) EXPECT_TRUE(words_.quads().canonical(walk, memory_));
-            else EXPECT_TRUE(sphere_.canonical(loop.data(), loop.size(), walk));
+            EXPECT_TRUE(words_.name(mesh, 0, loop.size(), [&](uint64_t i) { return loop[i]; }, walk));
             out.walks.emplace_back(walk.begin(), walk.end());
             double length = 0;
             EXPECT_TRUE(geodesic.straighten_widely(strip, 1000, length));
@@ -106,8 +100,7 @@ private:
     hmf::Memory memory_;
     hmf_error error_{};
     hmf::Call call_;
-    hmf::EdgeWords words_;
-    hmf::SphereWords sphere_; // instead, with marks
+    hmf::CurveWords words_;
     hmf::Array<uint32_t> internal_;
 };
 

@@ -145,7 +145,7 @@ void expect_report(const Solution& solution, size_t genus, size_t marks) {
     EXPECT_EQ(solution.report.index_sum, wanted);
     EXPECT_EQ(static_cast<int64_t>(solution.report.zeros), -wanted);
     if (solution.report.method == HMF_METHOD_NEWTON) {
-        EXPECT_EQ(solution.report.class_state, marks > 0 ? HMF_CLASS_CHECKED : HMF_CLASS_PROVEN);
+        EXPECT_EQ(solution.report.class_state, HMF_CLASS_PROVEN);
     }
 }
 

@@ -78,8 +78,6 @@ hmf_status relax_in_class(State& state, const hmf_foliation& from, const SolveOp
         status = solve_in_class(state, options, call, recorder, watch);
         if (!from.has_report || !watch.holds()) return status;
         if (known == HMF_CLASS_UNKNOWN || known == HMF_CLASS_LOST) watch.result.state = ClassState::unknown;
-        else if (known == HMF_CLASS_CHECKED && watch.result.state == ClassState::proven)
-            watch.result.state = ClassState::checked;
     } else { // moves of single vertices do not leave the class
         status = run_cascade(state, options, call, recorder);
         if (known != HMF_CLASS_LOST) watch.result.state = static_cast<ClassState>(known);

@@ -2,14 +2,14 @@
 // the loop whose class it fills.
 //
 // Cylinders of the caller's side, of the side where the foliation is solved, and
-// loops are told apart by their free homotopy classes (curve_classes.hpp).  With
-// marked vertices that is not enough: there heights and minima do it
-// (cylinder_classes.hpp), which takes two solves on the coarsest level.
+// loops are told apart by their free homotopy classes (curve_classes.hpp), with
+// marked vertices on the surface without them.
 #pragma once
 
 #include "../../include/hmf/uses.h"
 #include "../loops/loops.hpp"
-#include "cylinder_classes.hpp"
+#include "../leaves/cylinders.hpp"
+#include "../solve/state.hpp"
 
 namespace hmf {
 

@@ -1,7 +1,7 @@
 #include "reference_loops.hpp"
 
 #include "../hierarchy/caller_numbers.hpp"
-#include "cylinder_classes.hpp"
+#include "../leaves/cylinders.hpp"
 #include "../loops/library_loops.hpp"
 #include "../solve/state.hpp"
 

@@ -10,55 +10,46 @@
 //       i--+--j      ..       i  |  j       split: ij is empty, jk is ik, lj is li
 //        \ | /                 \ | /
 //          l                     l
-//
-// Walks are kept once, and edges have their numbers; a bit says that an edge
-// has one, so that the others cost a look at a small table.
 #pragma once
 
+#include "half_edge_words.hpp"
 #include "quad_system.hpp"
 
 namespace hmf {
 
 class EdgeWords {
 public:
-    // On a mesh, with room for edge_capacity edges.
+    // On a mesh without marked vertices, of genus 1 or more, with room for edge_capacity edges.
     Done start(const Mesh& mesh, uint32_t edge_capacity, Call& call);
 
-    // After a flip, in either direction, and after a split, of the same mesh.
+    // After a flip of the same mesh, in either direction.
     Done flipped(const Mesh& mesh, uint32_t edge) {
         const uint32_t ahead = mesh.next[2 * edge], back = mesh.next[ahead];
-        if (has(edge_of(ahead)) || has(edge_of(back))) return join(edge, ahead, back);
-        clear(edge);
+        if (walks_.has(edge_of(ahead)) || walks_.has(edge_of(back))) return join(edge, ahead, back);
+        walks_.clear(edge);
         return true;
     }
-    void was_split(const Collapse& c) {
-        clear(edge_of(c.h));
-        copy(c.ki, twin(c.jk));
-        copy(c.il, twin(c.lj));
-    }
+    // After these collapses were undone, the last one first.
+    Done were_split(const Collapse* collapses, size_t count, Call& call);
 
-    // Appends the walk along a half-edge.
-    Done append(uint32_t half_edge, Walk& walk) const;
-    const QuadSystem& quads() const { return quads_; }
+    // The canonical walk of a closed curve that crosses half_edge(i) for i in [begin, end), each from its left to its
+    // right, and none there and back again: the same for all in its class.  It is that of the edge path on the left of the curve.
+    template <class HalfEdge>
+    Done canonical(const Mesh& mesh, uint64_t begin, uint64_t end, HalfEdge half_edge, Walk& walk) const {
+        for (uint64_t i = begin; i < end; ++i) {
+            const uint32_t h = half_edge(i), after = half_edge(i + 1 < end ? i + 1 : begin);
+            const uint32_t ahead = mesh.next[twin(h)]; // crossed where the curve turns right
+            if (after == ahead && !append(twin(mesh.next[ahead]), walk)) return false;
+        }
+        return quads_.canonical(walk, *memory_);
+    }
 
 private:
-    bool has(uint32_t edge) const { return bits_[edge / 64] >> edge % 64 & 1; }
-    void clear(uint32_t edge) { bits_[edge / 64] &= ~(uint64_t{1} << edge % 64); }
-    void set(uint32_t half_edge, uint32_t word, bool reversed); // of the half-edge
-    // The same path: from and to are half-edges in the same direction.
-    void copy(uint32_t from, uint32_t to) {
-        if (!has(edge_of(from))) clear(edge_of(to));
-        else set(to, word_[edge_of(from)] >> 1, (word_[edge_of(from)] ^ from) & 1);
-    }
+    Done append(uint32_t half_edge, Walk& walk) const; // the walk along a half-edge
     Done join(uint32_t edge, uint32_t ahead, uint32_t back);
-    Done number_of(const Walk& walk, uint32_t& word);
 
     QuadSystem quads_;
-    Array<uint64_t> bits_;   // per edge: the walk is not empty
-    Array<uint32_t> word_;   // per edge: 2 * its number, + 1 if it is that of half-edge 2e + 1
-    Array<uint64_t> offset_; // of the walks
-    Array<uint32_t> spoke_;
-    Array<uint32_t> table_; // numbers of the walks by their contents, NONE where free
+    HalfEdgeWords walks_;
     Walk scratch_;
     Memory* memory_ = nullptr;
 };

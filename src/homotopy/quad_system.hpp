@@ -30,12 +30,9 @@
 // everywhere likewise).  On the torus the class is the homology.
 #pragma once
 
-#include "../base/memory.hpp"
-#include "../mesh/mesh.hpp"
+#include "half_edge_words.hpp"
 
 namespace hmf {
-
-using Walk = Array<uint32_t>; // spokes; a part of a closed walk, or all of it
 
 class QuadSystem {
 public:

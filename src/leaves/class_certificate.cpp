@@ -24,7 +24,7 @@ bool has_all_zeros(const CriticalGraph& graph, int64_t whole) {
 
 } // namespace
 
-hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call) {
+hmf_status ClassReference::take(Foliation& f, const CurveWords& words, Call& call) {
     Call quiet(&call);
     Cylinders cylinders;
     height_.start(call.memory);
@@ -34,11 +34,10 @@ hmf_status ClassReference::take(Foliation& f, const EdgeWords& words, Call& call
         return call.cancelled() ? call.was_cancelled() : HMF_OK;
     }
     const size_t n = cylinders.list.size();
-    heights_only_ = f.mesh.marked_count > 0;
     if (!loop_.allocate(call.memory, n)) return call.out_of_memory();
     for (uint32_t c = 0; c < n; ++c) {
         loop_[c] = c;
-        if (!heights_only_ && !add_boundary(f.mesh, words, cylinders.graph, cylinders.list[c].lower, names_))
+        if (!add_boundary(f.mesh, words, cylinders.graph, cylinders.list[c].lower, names_))
             return call.out_of_memory();
         if (!height_.push(cylinders.list[c].height)) return call.out_of_memory();
     }
@@ -51,13 +50,13 @@ int64_t ClassReference::largest_height() const {
     return largest;
 }
 
-hmf_status ClassReference::number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call) {
+hmf_status ClassReference::number_by_class(const Mesh& mesh, const CurveWords& words, const Loops& loops, Call& call) {
     CurveNames of_loops;
     of_loops.start(call.memory);
     const auto half_edge = [&](uint64_t i) { return loops.crossings[i]; };
     for (uint32_t l = 0; l < loops.count(); ++l)
         if (!of_loops.add(mesh, words, loops.offsets[l], loops.offsets[l + 1], half_edge)) return call.out_of_memory();
-    for (size_t c = 0; c < height_.size(); ++c) loop_[c] = heights_only_ ? NONE : names_.find(c, of_loops);
+    for (size_t c = 0; c < height_.size(); ++c) loop_[c] = names_.find(c, of_loops);
     return HMF_OK;
 }
 
@@ -79,37 +78,12 @@ bool ClassReference::agrees(const Array<int64_t>& weights) const {
     return true;
 }
 
-// Each height of the reference once.
-Done ClassReference::heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call,
-                                       ClassResult& result) const {
-    const size_t n = height_.size();
-    Array<uint8_t> taken;
-    if (!taken.allocate_filled(call.memory, cylinders.list.size(), 0)) return false;
-    for (size_t c = 0; c < n; ++c) {
-        size_t d = 0;
-        while (d < taken.size() && (taken[d] || cylinders.list[d].height != height_[c] * finer)) ++d;
-        if (d < taken.size()) {
-            taken[d] = 1;
-            continue;
-        }
-        result.loss = ClassLoss::height;
-        result.loop = loop_[c];
-        result.wanted = static_cast<double>(height_[c]);
-        return true;
-    }
-    if (taken.size() == n) result.state = ClassState::checked;
-    else result.loss = ClassLoss::leaves;
-    return true;
-}
-
 // The cylinders of a result.  sound: they are there, with all zeros, whose indices have the sum that Poincare and
 // Hopf ask for, and no pole.
 hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
                                           Call& call) const {
-    const int64_t chi =
-        static_cast<int64_t>(f.mesh.vertex_count) - f.mesh.edge_count + static_cast<int64_t>(f.mesh.face_count);
-    const int64_t whole = 2 * chi - static_cast<int64_t>(f.mesh.marked_count);
-    const bool known = zeros.known && !heights_only_;
+    const int64_t whole = 2 * f.mesh.euler() - static_cast<int64_t>(f.mesh.marked_count);
+    const bool known = zeros.known && f.mesh.marked_count == 0;
     Call quiet(&call);
     hmf_status status = known ? cylinders.build(f, zeros, quiet) : cylinders.build(f, nullptr, nullptr, quiet);
     if (known && !is_memory(status) && !call.cancelled() && !has_all_zeros(cylinders.graph, whole)) {
@@ -122,7 +96,7 @@ hmf_status ClassReference::find_cylinders(Foliation& f, const ZeroList& zeros, C
     return HMF_OK;
 }
 
-hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
+hmf_status ClassReference::compare(Foliation& f, const CurveWords& words, const ZeroList& zeros, int64_t finer,
                                    Call& call, ClassResult& result) const {
     result = {};
     if (!known()) return HMF_OK;
@@ -135,7 +109,6 @@ hmf_status ClassReference::compare(Foliation& f, const EdgeWords& words, const Z
         result.loss = ClassLoss::leaves;
         return HMF_OK;
     }
-    if (heights_only_) return heights_are_there(cylinders, finer, call, result) ? HMF_OK : call.out_of_memory();
     // Each loop and its cylinder.
     const size_t n = height_.size(), m = cylinders.list.size();
     Array<uint32_t> of_loop;

@@ -10,16 +10,13 @@
 //             close; they bound the cylinders, and the way straight across each,
 //             from critical leaf to critical leaf, is its height.  The heights are
 //             the weights of the loops, each exactly once, without any tolerance
-//   classes   a leaf that bounds a cylinder is an edge path on its left side.  Each
-//             edge has a walk in the system of quads, carried from the coarsest level
-//             exactly (edge_words.hpp); the walk along the whole leaf, made canonical,
-//             is the same for all curves that are freely homotopic, and for no other
-//             (quad_system.hpp).  It is the walk of the loop of that height
+//   classes   a leaf that bounds a cylinder has a word, from those of the half-edges that it
+//             crosses or of the edges on its left, carried from the coarsest level
+//             exactly (curve_words.hpp).  Made canonical it is the same for all curves that
+//             are freely homotopic, on the surface without its marked vertices, and for no
+//             other.  It is the word of the loop of that height
 //
 // The cost is that of the critical leaves: some thousand of a million edges.
-//
-// With marked vertices two curves may be homotopic on the surface and not round
-// the marks; there only the heights are compared.
 #pragma once
 
 #include "../homotopy/curve_names.hpp"
@@ -32,7 +29,6 @@ enum class ClassState : uint8_t { // as HMF_CLASS_*
     unknown,                      // not looked at, or there is nothing to compare with
     proven,                       // heights and classes of all cylinders are those of the loops
     lost,                         // they are not
-    checked,                      // the heights are; the classes are not looked at (marked vertices)
 };
 
 enum class ClassLoss : uint8_t {
@@ -54,30 +50,28 @@ struct ClassResult {
 class ClassReference {
 public:
     // From a foliation that is known to belong to the loops, as the initial one
-    // is, with the walks of the edges of its mesh (not read with marked vertices).  HMF_OK and known() false:
+    // is, with the words of its mesh.  HMF_OK and known() false:
     // its leaves do not bound cylinders, as of values that come from no loops.
-    [[nodiscard]] hmf_status take(Foliation& f, const EdgeWords& words, Call& call);
+    [[nodiscard]] hmf_status take(Foliation& f, const CurveWords& words, Call& call);
     bool known() const { return !height_.empty(); }
     int64_t largest_height() const; // 0 if it is not known
 
     // Numbers of the loops in messages: those of `loops` on the same mesh, by
     // their classes; or by their weights, in the unit of the foliation.
-    [[nodiscard]] hmf_status number_by_class(const Mesh& mesh, const EdgeWords& words, const Loops& loops, Call& call);
+    [[nodiscard]] hmf_status number_by_class(const Mesh& mesh, const CurveWords& words, const Loops& loops, Call& call);
     void number_by_weight(const Array<int64_t>& weights);
     // After one of them: one cylinder for each loop, as high as its weight.
     bool agrees(const Array<int64_t>& weights) const;
 
-    // A foliation on a mesh with the walks of its edges, in a unit that is
+    // A foliation on a mesh with its words, in a unit that is
     // `finer` times as fine.
-    [[nodiscard]] hmf_status compare(Foliation& f, const EdgeWords& words, const ZeroList& zeros, int64_t finer,
+    [[nodiscard]] hmf_status compare(Foliation& f, const CurveWords& words, const ZeroList& zeros, int64_t finer,
                                      Call& call, ClassResult& result) const;
 
 private:
     [[nodiscard]] hmf_status find_cylinders(Foliation& f, const ZeroList& zeros, Cylinders& cylinders, bool& sound,
                                             Call& call) const;
-    Done heights_are_there(const Cylinders& cylinders, int64_t finer, Call& call, ClassResult& result) const;
 
-    bool heights_only_ = false;
     Array<int64_t> height_;
     Array<uint32_t> loop_;
     CurveNames names_;

@@ -8,7 +8,7 @@ constexpr size_t STRIDE = 4096; // flips or splits between two reports
 
 } // namespace
 
-Done add_boundary(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary,
+Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
                   CurveNames& names) {
     const Boundary& b = graph.boundaries[boundary];
     return names.add(mesh, words, b.begin, b.end - 1, [&](uint64_t i) { return graph.crossings[i].half_edge; });
@@ -28,22 +28,20 @@ hmf_status CurveClasses::refine(Call& call) {
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         unflip(mesh_, hierarchy_->flips[i]);
-        if (!words_.flipped(mesh_, hierarchy_->flips[i])) return call.out_of_memory();
+        if (!words_.flipped(mesh_, hierarchy_->flips[i], true)) return call.out_of_memory();
     }
     // The hierarchy keeps what the splits make.
     mesh_ = arrays_.of(level_ == 0 ? hierarchy_->input : finer.mesh);
-    for (size_t i = finer.collapse_end; i-- > finer.collapse_begin;) {
-        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
-        words_.was_split(hierarchy_->collapses[i]);
-    }
-    return HMF_OK;
+    const size_t count = finer.collapse_end - finer.collapse_begin;
+    return words_.were_split(mesh_, hierarchy_->collapses + finer.collapse_begin, count, call) ? HMF_OK
+                                                                                               : call.stopped();
 }
 
 hmf_status CurveClasses::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy_->intrinsic_flip_count; ++i) {
         if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         flip(mesh_, hierarchy_->intrinsic_flips[i]);
-        if (!words_.flipped(mesh_, hierarchy_->intrinsic_flips[i])) return call.out_of_memory();
+        if (!words_.flipped(mesh_, hierarchy_->intrinsic_flips[i], false)) return call.out_of_memory();
     }
     return HMF_OK;
 }

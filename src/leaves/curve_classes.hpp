@@ -1,7 +1,6 @@
 // Curves on several levels of a hierarchy, compared by their free homotopy
-// classes: the walks of the edges (edge_words.hpp) go along from a coarse level
-// to the finer ones, and curves are named (curve_names.hpp) where they lie.  For
-// surfaces without marked vertices.
+// classes: words (curve_words.hpp) go along from a coarse level to the finer ones,
+// and curves are named (curve_names.hpp) where they lie.
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
@@ -13,7 +12,7 @@
 namespace hmf {
 
 // Names a boundary leaf.
-Done add_boundary(const Mesh& mesh, const EdgeWords& words, const CriticalGraph& graph, uint32_t boundary,
+Done add_boundary(const Mesh& mesh, const CurveWords& words, const CriticalGraph& graph, uint32_t boundary,
                   CurveNames& names);
 
 class CurveClasses {
@@ -35,7 +34,7 @@ private:
     size_t level_ = 0;
     MeshCopy arrays_;
     Mesh mesh_;
-    EdgeWords words_;
+    CurveWords words_;
 };
 
 } // namespace hmf

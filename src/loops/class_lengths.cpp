@@ -1,6 +1,5 @@
 #include "class_lengths.hpp"
 
-#include "../base/random_word.hpp"
 #include "carry_loops.hpp"
 #include "disjoint.hpp"
 #include "library_loops.hpp"
@@ -13,7 +12,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000;               // at least, if there are so many
-constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 8, MOST_STARTS_ON_SPHERE = 64; // of a class
+constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a class
 constexpr double SAME = 1e-4;                                                         // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
@@ -43,43 +42,13 @@ Done ClassLengths::start() {
     loop_.start(memory);
     start_.start(memory);
     curves_.start(memory);
-    walk_.start(memory);
+    name_.start(memory);
+    letters_.start(memory);
     measure_extent();
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
     if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
-    if (is_sphere()) return mesh_.marked_count == 0 || sphere_.start(mesh_, memory);
-    return words_.start(mesh_, mesh_.edge_count, call_) && (mesh_.marked_count == 0 || mark_sides());
-}
-
-// Each edge of a tree gets the words of the marked vertices behind it, so that a loop adds up to the words of
-// those on one side of it, if it has two.
-Done ClassLengths::mark_sides() {
-    Memory& memory = call_.memory;
-    Array<uint32_t> reached, queue;
-    Array<uint64_t> behind;
-    if (!mark_word_.allocate_filled(memory, mesh_.edge_count, uint64_t{0})
-        || !reached.allocate_filled(memory, mesh_.vertex_count, NONE) || !queue.allocate(memory, mesh_.vertex_count)
-        || !behind.allocate_filled(memory, mesh_.vertex_count, uint64_t{0}))
-        return false;
-    size_t begin = 0, end = 0;
-    queue[end++] = 0;
-    while (begin < end) {
-        for (const uint32_t h : mesh_.around(queue[begin++])) {
-            const uint32_t w = mesh_.target(h);
-            if (w == 0 || reached[w] != NONE) continue;
-            reached[w] = h;
-            queue[end++] = w;
-        }
-    }
-    uint64_t seed = 1;
-    for (uint32_t v = 1; v < mesh_.marked_count; ++v) behind[v] = random_word(seed);
-    while (end-- > 1) {
-        const uint32_t v = queue[end], h = reached[v];
-        mark_word_[edge_of(h)] = behind[v];
-        behind[mesh_.origin[h]] ^= behind[v];
-    }
-    return true;
+    return words_.start(mesh_, mesh_.edge_count, call_);
 }
 
 // The box of the surface.
@@ -94,25 +63,22 @@ void ClassLengths::measure_extent() {
     for (size_t a = 0; a < 3; ++a) tilt_[a] = highest[a] > lowest_[a] ? TILT[a] / (highest[a] - lowest_[a]) : 0;
 }
 
-Done ClassLengths::key_of(const uint32_t* crossings, size_t n, uint64_t& key) {
-    uint64_t marks = 0;
-    if (!mark_word_.empty())
-        for (size_t i = 0; i < n; ++i) marks ^= mark_word_[edge_of(crossings[i])];
-    walk_.clear();
-    if (!sphere_.empty() && !sphere_.canonical(crossings, n, walk_)) return false;
-    if (words_.quads().size() > 0) {
-        // The path of edges on the left of the loop.
-        for (size_t i = 0; i < n; ++i) {
-            const uint32_t in = twin(crossings[i]), go = crossings[i + 1 < n ? i + 1 : 0];
-            if (go == mesh_.next[in] && !words_.append(twin(mesh_.prev(in)), walk_)) return false;
-        }
-        if (!words_.quads().canonical(walk_, call_.memory)) return false;
+// Its name to name_, and the number of its class, NONE if it is new, then with its place in the table.
+Done ClassLengths::find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place) {
+    name_.clear();
+    if (!words_.name(mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_)) return false;
+    name_hash_ = name_.size();
+    for (const uint32_t letter : name_) {
+        name_hash_ = (name_hash_ ^ letter) * 0x9e3779b97f4a7c15u;
+        name_hash_ ^= name_hash_ >> 29;
     }
-    key = marks ^ (walk_.size() + 1) * 0xbf58476d1ce4e5b9u; // not small, as the numbers that follow are
-    for (const uint32_t spoke : walk_) {
-        key = (key ^ spoke) * 0x9e3779b97f4a7c15u;
-        key ^= key >> 29;
-    }
+    const auto is_named = [&](const Class& c) {
+        return c.name_end - c.name == name_.size()
+            && std::equal(name_.begin(), name_.end(), letters_.data() + c.name);
+    };
+    place = static_cast<size_t>(name_hash_) & (table_.size() - 1);
+    while (table_[place] != NONE && !is_named(classes_[table_[place]])) place = (place + 1) & (table_.size() - 1);
+    id = table_[place];
     return true;
 }
 
@@ -155,7 +121,7 @@ Done ClassLengths::grow_table() {
     Array<uint32_t> table;
     if (!table.allocate_filled(call_.memory, 4 * table_.size(), NONE)) return false;
     for (uint32_t id = 0; id < classes_.size(); ++id) {
-        size_t i = static_cast<size_t>(classes_[id].key) & (table.size() - 1);
+        size_t i = static_cast<size_t>(classes_[id].hash) & (table.size() - 1);
         while (table[i] != NONE) i = (i + 1) & (table.size() - 1);
         table[i] = id;
     }
@@ -169,40 +135,25 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
         return true;
     }
     if (!started_ && !start()) return false;
+    size_t place = 0;
+    if (!find_class(crossings, n, id, place)) return false;
+    if (id != NONE) {
+        // Another strip of a class may lead to another of its geodesics, unless it is half the same; with marked
+        // vertices, on which they may hang, unless it is all the same.
+        const bool marked = mesh_.marked_count > 0;
+        const Class& c = classes_[id];
+        size_t met = 0;
+        ++visit_;
+        for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
+        for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
+        if (c.starts >= (marked ? MOST_MARKED_STARTS : MOST_STARTS) || (marked ? met == n : 2 * met >= n)) return true;
+    }
     Class made{};
     made.starts = 1;
-    if (!key_of(crossings, n, made.key)) return false;
-    size_t i = static_cast<size_t>(made.key) & (table_.size() - 1);
-    // Another strip of a class may lead to another of its geodesics, unless it is half the same; on a sphere, where it
-    // may hang on marked vertices, unless it is all the same.
-    ++visit_;
-    for (size_t k = 0; k < n; ++k) visited_[mesh_.face[crossings[k]]] = visit_;
-    size_t starts = 0;
-    uint32_t shortest = NONE; // so far
-    bool is_known = false;
-    const size_t most_starts = is_sphere()             ? MOST_STARTS_ON_SPHERE
-                             : mesh_.marked_count == 0 ? MOST_STARTS
-                                                       : MOST_MARKED_STARTS;
-    for (; table_[i] != NONE; i = (i + 1) & (table_.size() - 1)) {
-        const Class& c = classes_[table_[i]];
-        if (c.key != made.key) continue;
-        id = table_[i];
-        if (shortest == NONE || c.length < classes_[shortest].length) shortest = id;
-        starts += c.starts;
-        size_t met = 0;
-        for (uint64_t k = c.first; k < c.end; ++k) met += visited_[mesh_.face[crossings_[k]]] == visit_;
-        is_known |= starts >= most_starts || (is_sphere() ? met == n : 2 * met >= n);
-        if (is_known && !has_pulled()) return true;
-    }
-    if (is_known) {
-        id = shortest;
-        return true;
-    }
     made.stage = stage_where_found();
     if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
     Curve curve{};
-    if (starts > 0 && has_pulled()) {
-        id = shortest;
+    if (id != NONE) {
         Class& c = classes_[id];
         ++c.starts;
         if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
@@ -223,8 +174,13 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     made.first = curve.first;
     made.end = curve.end;
     made.last = static_cast<uint32_t>(curves_.size());
+    made.hash = name_hash_;
+    made.name = letters_.size();
+    made.name_end = made.name + name_.size();
+    for (const uint32_t letter : name_)
+        if (!letters_.push(letter)) return false;
     if (!curves_.push(curve) || !classes_.push(made)) return false;
-    table_[i] = id;
+    table_[place] = id;
     return 2 * classes_.size() < table_.size() || grow_table();
 }
 
@@ -288,9 +244,8 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
         most = std::min(most, upper);
     }
     const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
-    const uint64_t key = classes_[ids[best]].key;
     bool other = false;
-    for (size_t i = 0; i < n; ++i) other |= classes_[ids[i]].key != key && may_be(classes_[ids[i]]);
+    for (size_t i = 0; i < n; ++i) other |= ids[i] != ids[best] && may_be(classes_[ids[i]]);
     for (size_t i = 0; i < n && other; ++i) {
         Class& c = classes_[ids[i]];
         c.wanted |= c.stage != Stage::done && may_be(c);

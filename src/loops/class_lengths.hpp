@@ -2,7 +2,7 @@
 //
 // A loop on the level where it was found is as long as its strip there;
 // what counts is the closed geodesic of its class on the surface.  So each class,
-// known by its canonical walk (quad_system.hpp; sphere_words.hpp), has its length, first as pulled
+// known by its name (curve_words.hpp), has its length, first as pulled
 // straight where it was found, and once it matters as measured on a fine level:
 //
 //     found on a coarse level -> carried (carry_loops.hpp) -> pulled straight
@@ -20,8 +20,7 @@
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "../homotopy/edge_words.hpp"
-#include "../homotopy/sphere_words.hpp"
+#include "../homotopy/curve_words.hpp"
 #include "closed_geodesic.hpp"
 #include "loops.hpp"
 #include "multicurve.hpp"
@@ -34,8 +33,7 @@ public:
     ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care = LoopCare::shortest);
     ClassLengths(const Mesh& mesh, const double* position, Call& call);
 
-    // The number of a loop's class: of the shortest curve of the class so far.  With handles and marked vertices strips
-    // of a class that lie elsewhere have numbers of their own.
+    // The number of a loop's class.
     Done add(const uint32_t* crossings, size_t n, uint32_t& id);
 
     // Looks on both sides of the curves that may be the shortest of these, for a shorter one of the class.
@@ -46,12 +44,11 @@ public:
     size_t shortest(const uint32_t* ids, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
     // A simple strip of it, pulled straight where it was found if that is simple; it may meet other loops.
-    // Not with handles and marked vertices: what is known of a class does not tell on which side of them all it runs.
-    bool has_pulled() const { return care_ == LoopCare::shortest && (mesh_.marked_count == 0 || is_sphere()); }
+    bool has_pulled() const { return care_ == LoopCare::shortest; }
     const uint32_t* pulled(uint32_t id) const { return crossings_.data() + classes_[id].first; }
     size_t pulled_size(uint32_t id) const { return static_cast<size_t>(classes_[id].end - classes_[id].first); }
     LoopCare care() const { return care_; }
-    bool is_sphere() const { return int64_t{mesh_.vertex_count} + mesh_.face_count - mesh_.edge_count == 2; }
+    bool is_sphere() const { return mesh_.euler() == 2; }
 
     // Measures what is noted; changed: there was any.
     Done measure(bool& changed);
@@ -59,10 +56,10 @@ public:
 private:
     enum Stage : uint8_t { found, measured, done }; // where: level_, finest_
     struct Class {
-        uint64_t key;
-        uint64_t first, end; // its loop in crossings_, see pulled()
-        double length;       // tilted
-        double doubt;        // relative: it may be longer by so much, beside the error of the stage
+        uint64_t hash, name, name_end; // of its name in letters_
+        uint64_t first, end;           // its loop in crossings_, see pulled()
+        double length;                 // tilted
+        double doubt;                  // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
         uint8_t starts; // strips that were pulled to it
         bool wanted;
@@ -78,9 +75,8 @@ private:
     }
     Done start();
     void measure_extent();
-    Done mark_sides();
     Done measure_stage(Stage stage, bool& changed);
-    Done key_of(const uint32_t* crossings, size_t n, uint64_t& key);
+    Done find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
               bool widely, Class& c);
     Done grow_table();
@@ -95,9 +91,7 @@ private:
     size_t found_ = 0, level_ = 0, finest_ = 0; // where loops are found, and measured
     bool started_ = false;
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
-    EdgeWords words_;
-    SphereWords sphere_;        // instead, on a sphere
-    Array<uint64_t> mark_word_; // per edge, with handles and marked vertices: which of them a loop goes round
+    CurveWords words_;
     ClosedGeodesic geodesic_;
     Array<Class> classes_;
     Array<Curve> curves_;
@@ -106,7 +100,9 @@ private:
     Loops one_;               // to see whether it is simple
     Multicurve curve_;
     uint32_t visit_ = 0;
-    Walk walk_;
+    Walk name_;
+    uint64_t name_hash_ = 0;
+    Array<uint32_t> letters_;
 };
 
 } // namespace hmf

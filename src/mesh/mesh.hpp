@@ -67,6 +67,7 @@ struct Mesh {
     uint32_t* out = nullptr;    // vertex_count: any half-edge that starts at the vertex
     uint32_t marked_count = 0;  // vertices 0 .. marked_count - 1 are marked (foliation.hpp)
 
+    int64_t euler() const { return int64_t{vertex_count} - edge_count + face_count; }
     bool is_marked(uint32_t v) const { return v < marked_count; }
 
     uint32_t prev(uint32_t h) const { return next[next[h]]; }

@@ -14,19 +14,18 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
     zeros.tripods.start(call.memory);
     unit = unit_of_values;
     // Room for the finest level.
-    const bool walks = mesh.marked_count == 0;
-    if (walks && !words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call)) return call.stopped();
+    if (!words.start(mesh, state.hierarchy->levels[0].mesh.edge_count, call)) return call.stopped();
     if (!call.tick(0, true)) return call.was_cancelled();
     if (reference.take(state.foliation, words, call)) return call.status();
     if (!call.tick(0, true)) return call.was_cancelled();
     if (reference.known()) {
-        if (loops && walks) {
+        if (loops) {
             if (reference.number_by_class(mesh, words, *loops, call)) return call.status();
         } else if (!weights.empty()) {
             reference.number_by_weight(weights);
         }
         started = weights.empty() || reference.agrees(weights);
-        if (started && walks) state.words = &words;
+        if (started) state.words = &words;
     }
     seconds += call.seconds() - begin;
     return HMF_OK;

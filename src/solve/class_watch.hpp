@@ -18,7 +18,7 @@ class Recorder;
 
 struct ClassWatch {
     ClassReference reference;
-    EdgeWords words;
+    CurveWords words;
     ZeroList zeros;       // of the state, as long as they are known
     ClassResult result;   // of the last look
     double seconds = 0;   // for all of them

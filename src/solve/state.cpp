@@ -51,7 +51,7 @@ Done State::refine(Call& call) {
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics, bad_flip);
-        if (words && !words->flipped(foliation.mesh, hierarchy->flips[i])) return false;
+        if (words && !words->flipped(foliation.mesh, hierarchy->flips[i], true)) return false;
     }
     const Mesh& split = level == 1 ? hierarchy->input : finer.mesh;
     share(split);
@@ -67,10 +67,8 @@ Done State::refine(Call& call) {
         split_values(value, log[i]);
     };
     if (!undo_collapses(*hierarchy, finer, call, 0, true, undo)) return false;
-    for (size_t i = finer.collapse_end; words && i-- > finer.collapse_begin;) {
-        if (i % 4096 == 0 && !call.tick(0, true)) return false;
-        words->was_split(log[i]);
-    }
+    const size_t count = finer.collapse_end - finer.collapse_begin;
+    if (words && !words->were_split(foliation.mesh, log + finer.collapse_begin, count, call)) return false;
     --level;
     triangulation = Triangulation::input;
     return true;
@@ -116,7 +114,7 @@ Done State::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
-        if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i])) return false;
+        if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i], false)) return false;
     }
     triangulation = Triangulation::intrinsic;
     // The half-edges are equal, array by array: flips are exact reversals.

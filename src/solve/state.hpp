@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../foliation/restriction.hpp"
-#include "../homotopy/edge_words.hpp"
+#include "../homotopy/curve_words.hpp"
 #include "../hierarchy/hierarchy.hpp"
 #include "../mesh/mesh_copy.hpp"
 
@@ -25,7 +25,7 @@ struct State {
     Triangulation triangulation = Triangulation::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
     BadFlip bad_flip = BadFlip::moved_first; // between levels
-    EdgeWords* words = nullptr;              // go along to finer levels and to the intrinsic side, if there are any
+    CurveWords* words = nullptr;             // go along to finer levels and to the intrinsic side, if there are any
     int64_t largest_input_value = 0;         // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
