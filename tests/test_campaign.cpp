@@ -68,6 +68,7 @@ struct Problem {
     Kind kind = formula;
     double stretch = 1;
     bool bad_triangles = false, flipped = false, decimated = false;
+    std::vector<uint32_t> marks; // vertices
     int32_t loop_kind = HMF_LOOPS_CUT;
     Loops loops;
     double decades = 0; // of the weights
@@ -91,9 +92,23 @@ TriMesh random_formula(Random& random) {
     return torus_with_finger(24, 16, 3 + random.below(30), length);
 }
 
+enum class Marks { none, some };
+
+hmf_build_options build_options_of(const Problem& p, double ratio, uint64_t coarsest = 0, int32_t collapse = 0) {
+    hmf_build_options options{};
+    options.struct_size = sizeof options;
+    options.ratio = ratio;
+    options.coarsest = coarsest;
+    options.collapse = collapse;
+    options.marked_vertices = p.marks.data();
+    options.marked_count = p.marks.size();
+    return options;
+}
+
 // False if the library makes no loops of the kind on this surface: said in an error of its own.
-bool make_problem(uint64_t seed, Problem& p) {
+bool make_problem(uint64_t seed, Problem& p, Marks marks = Marks::none) {
     Random random(seed);
+    const bool is_marked = marks == Marks::some;
     p.kind = static_cast<Kind>(random.below(kinds));
     do {
         switch (p.kind) {
@@ -111,8 +126,8 @@ bool make_problem(uint64_t seed, Problem& p) {
             p.mesh = random_implicit_surface(n, frequency, random);
         }
         }
-    } while (p.mesh.genus == 0 || p.mesh.genus > 200);
-    if (random.below(4) == 0) {
+    } while ((p.mesh.genus == 0 && !is_marked) || p.mesh.genus > 200);
+    if (random.below(4) == 0 && p.mesh.genus > 0) {
         p.decimated = true;
         const int32_t method = static_cast<int32_t>(1 + random.below(3));
         p.mesh = decimated(p.mesh, 1 + random.below(3), method);
@@ -134,10 +149,15 @@ bool make_problem(uint64_t seed, Problem& p) {
         ADD_FAILURE() << "seed " << seed << ": " << defect;
         return false;
     }
-    const Hierarchy hierarchy(p.mesh, 0.5);
+    while (is_marked && p.marks.size() < (p.mesh.genus == 0 ? 4 : 1) + random.below(9)) {
+        const uint32_t v = static_cast<uint32_t>(random.below(p.mesh.vertex_count()));
+        if (std::find(p.marks.begin(), p.marks.end(), v) == p.marks.end()) p.marks.push_back(v);
+    }
+    const Hierarchy hierarchy(p.mesh, build_options_of(p, 0.5));
     if (!hierarchy) return false;
     const int32_t choice[] = {HMF_LOOPS_CUT, HMF_LOOPS_HANDLE, HMF_LOOPS_TUNNEL, HMF_LOOPS_PANTS, HMF_LOOPS_PANTS};
     p.loop_kind = choice[random.below(5)];
+    if (p.mesh.genus == 0) p.loop_kind = HMF_LOOPS_PANTS;
     const size_t level = random.below(3) ? 0 : hierarchy.coarsest();
     hmf_loop_set* made = nullptr;
     hmf_error error{};
@@ -240,9 +260,9 @@ void check_uses(uint64_t seed, const Problem& p, const Solution& s, Tally& tally
     }
 }
 
-void solve_problem(uint64_t seed, Tally& tally) {
+void solve_problem(uint64_t seed, Tally& tally, Marks marks = Marks::none) {
     Problem p;
-    if (!make_problem(seed, p)) {
+    if (!make_problem(seed, p, marks)) {
         ++tally.errors;
         return;
     }
@@ -255,7 +275,8 @@ void solve_problem(uint64_t seed, Tally& tally) {
     for (size_t way = 0; way < 3; ++way) {
         const double ratio = ratios[way];
         const int32_t collapse = static_cast<int32_t>(1 + (way + turn) % 3);
-        const Hierarchy hierarchy(p.mesh, ratio, 40 * p.mesh.genus + 100 + random.below(1500), collapse);
+        const Hierarchy hierarchy(p.mesh,
+                                  build_options_of(p, ratio, 40 * p.mesh.genus + 100 + random.below(1500), collapse));
         ASSERT_TRUE(hierarchy);
         const Solution s = solve(hierarchy, &p.loops, solve_options(HMF_METHOD_NEWTON, 0));
         const size_t decade = std::min<size_t>(5, p.stretch > 1 ? 1 + static_cast<size_t>(std::log10(p.stretch)) : 0);
@@ -265,10 +286,11 @@ void solve_problem(uint64_t seed, Tally& tally) {
             if (row) count(*row, s);
         if (verbose || s.status != HMF_OK)
             std::printf(
-                "seed %llu ratio %.2f collapse %d: %zu vertices, genus %zu, kind %d, stretch %.0f%s%s%s, loops %d, "
+                "seed %llu ratio %.2f collapse %d: %zu vertices, genus %zu, %zu marks, kind %d, stretch %.0f%s%s%s, "
+                "loops %d, "
                 "weights 1e%.1f: status %d class %d residual %.1e poles %llu energy %.12g repeats %u, %.2f s: %s\n",
                 static_cast<unsigned long long>(seed), ratio, collapse, p.mesh.vertex_count(), p.mesh.genus,
-                static_cast<int>(p.kind), p.stretch, p.bad_triangles ? ", bad triangles" : "",
+                p.marks.size(), static_cast<int>(p.kind), p.stretch, p.bad_triangles ? ", bad triangles" : "",
                 p.flipped ? ", flipped" : "", p.decimated ? ", decimated" : "", p.loop_kind, p.decades, s.status,
                 s.report.class_state, s.report.residual_max, static_cast<unsigned long long>(s.report.poles),
                 s.report.energy, s.report.class_repeats, s.report.solve_seconds, s.error.message);
@@ -291,7 +313,7 @@ void solve_problem(uint64_t seed, Tally& tally) {
         }
         if (way == turn) check_uses(seed, p, s, tally);
         // A closed way that crosses a loop once crosses its cylinder.
-        if (way == turn && p.mesh.vertex_count() < 3000) {
+        if (way == turn && p.mesh.vertex_count() < 3000 && p.marks.empty()) {
             const LevelMesh level = read_level(hierarchy, 0);
             const size_t c = random.below(p.loops.count());
             std::vector<uint32_t> crossed = crossed_edges(level, p.loops, c);
@@ -310,13 +332,11 @@ void solve_problem(uint64_t seed, Tally& tally) {
         }
 }
 
-} // namespace
-
-TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) {
-    const size_t problems = number("HMF_CAMPAIGN_PROBLEMS", sample(14, 6)), seed = number("HMF_CAMPAIGN_SEED", 1);
+void run(size_t usual, Marks marks) {
+    const size_t problems = number("HMF_CAMPAIGN_PROBLEMS", usual), seed = number("HMF_CAMPAIGN_SEED", 1);
     Tally tally;
     for (size_t i = 0; i < problems; ++i) {
-        solve_problem(seed + i, tally);
+        solve_problem(seed + i, tally, marks);
         std::fflush(stdout);
     }
     std::printf("%zu problems, seeds %zu to %zu: %zu wrong, %zu errors\n", tally.problems, seed, seed + problems - 1,
@@ -337,6 +357,13 @@ TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) {
     const size_t missed = tally.all.solves - tally.all.converged;
     EXPECT_LE(missed, 1 + tally.all.solves / 200);
 }
+
+} // namespace
+
+TEST(Campaign, SameMinimumOrAStatusThatSaysWhyNot) { run(sample(14, 6), Marks::none); }
+
+// One to nine marked vertices at random, four at least on a sphere.
+TEST(Campaign, MarkedVertices) { run(sample(10, 4), Marks::some); }
 
 // Once these ended in an internal error (cylinders of equal height not told apart; all zeros in triangles when the
 // unit got coarser) or had lost the class (the second try with other walks than the first).

@@ -43,6 +43,7 @@ constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measure
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
+constexpr double HOPELESS = 32;        // so many times that work, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
@@ -133,10 +134,10 @@ private:
             return call_.stopped();
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
-        // Labels of a surface that meets itself may leave no loop without crossings.
+        // Labels of a surface that meets itself may leave no loop without crossings, or none that is short.
         if (!found_ && condition_)
             return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                              "There are no such loops: the surface meets itself. Repair the mesh, or use "
+                              "No such loops were found: the surface meets itself. Repair the mesh, or use "
                               "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
@@ -400,11 +401,14 @@ private:
         best_ = UNREACHED;
         candidates_.clear();
         strips_.clear();
+        work_before_ = search_.work();
         bool complete = false;
         if (!choose_roots()) return call_.out_of_memory();
         for (;;) {
             if (!search_roots(allowed, complete)) return call_.stopped();
-            if (found_ || !search_.starved() || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES)) break;
+            if (found_ || !search_.starved() || is_hopeless(allowed)
+                || (by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
+                break;
             // A loop that winds a lot needs more room in its covering.  Where short
             // ways in other directions use that up, each edge counts the same.
             if (states_per_region_ < LoopSearch::MOST_STATES) states_per_region_ *= 4;
@@ -426,6 +430,10 @@ private:
         return HMF_OK;
     }
 
+    bool is_hopeless(double allowed) const {
+        return !found_ && static_cast<double>(search_.work() - work_before_) >= HOPELESS * allowed;
+    }
+
     // complete: as far as the bounds allowed, each root was searched.
     Done search_roots(double allowed, bool& complete) {
         complete = false;
@@ -433,7 +441,7 @@ private:
             if (search_.bound(roots_[i].region) >= ROOTS * best_
                 || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
-            if (found_ && static_cast<double>(search_.work()) >= allowed) return true;
+            if (found_ ? static_cast<double>(search_.work()) >= allowed : is_hopeless(allowed)) return true;
             if (search_.starved() && !found_ && i >= 4 && !(by_count_ && states_per_region_ == LoopSearch::MOST_STATES))
                 return true;
             if (i % 16 == 0 && !call_.tick(0, true)) return false;
@@ -512,6 +520,7 @@ private:
     Array<double> length_; // per edge
     LoopSearch search_;
     size_t states_per_region_ = 4;
+    uint64_t work_before_ = 0; // of the search, before this loop
     bool by_count_ = false;
     Array<double> face_bound_; // of the loops through a face
     Array<Root> roots_, gate_;

@@ -279,19 +279,24 @@ private:
             if (seen_[v] != unseen) continue;
             const Cluster cluster = explore_cluster(f_, v);
             const int64_t index = cluster.index();
-            const size_t size = f_.members.size() - cluster.marked;
             for (const uint32_t u : f_.members) {
                 closed[u] = closed_corners(u);
                 odd[u] = mesh_.is_marked(u);
             }
+            // Where vertices run out a zero lies on a marked vertex, which is even then, and two lie on one.
             size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
-            if (zeros > size) zeros = size - (zeros - size) % 2;
-            for (size_t z = 0; z < zeros; ++z) {
+            uint32_t last = v;
+            for (; zeros > 0; --zeros) {
                 uint32_t best = NONE;
                 for (const uint32_t u : f_.members)
-                    if (!odd[u] && (best == NONE || closed[u] > closed[best])) best = u;
-                odd[best] = 1;
+                    if (!odd[u] && !mesh_.is_marked(u) && (best == NONE || closed[u] > closed[best])) best = u;
+                for (const uint32_t u : f_.members)
+                    if (best == NONE && odd[u] && mesh_.is_marked(u)) best = u;
+                if (best == NONE) break;
+                odd[best] ^= 1;
+                last = best;
             }
+            if (zeros % 2) odd[last] ^= 1;
             // Breadth first from v; its own parity follows from the others.
             queue_.clear();
             if (!queue_.push(v)) return false;
