@@ -229,7 +229,7 @@ class Meshes(Case):
         self.assertGreaterEqual(marked, 4)
         self.assertIn("marked %d vertices, two at each of %d tips" % (marked, marked // 2), text)
         self.assertEqual((report["mesh"]["genus"], report["poles"], report["index_sum"]), (0, 0, 4 - marked))
-        self.assertEqual((report["class"], report["converged"], report["options"]["marks"]), ("checked", True, "auto"))
+        self.assertEqual((report["class"], report["converged"], report["options"]["marks"]), ("proven", True, "auto"))
         self.assertIn("class checked", text)
         head, *lines = self.read("saved.txt").decode().splitlines()
         self.assertEqual(head, "# %d marked vertices" % marked)
@@ -261,7 +261,7 @@ class Meshes(Case):
         text, report = report_of(self.mesh, "--marks", saved)
         self.assertEqual((report["mesh"]["marked"], report["class"]), (0, "proven"))
         text, report = report_of(self.mesh, "--marks", self.write("one.txt", "7"))
-        self.assertEqual((report["mesh"]["marked"], report["poles"], report["index_sum"], report["class"]), (1, 0, -1, "checked"))
+        self.assertEqual((report["mesh"]["marked"], report["poles"], report["index_sum"], report["class"]), (1, 0, -1, "proven"))
 
         self.refused(3, "solve", sphere, "--marks", "none", says=["genus 0", "--marks auto"])
         self.refused(3, "solve", sphere, "--marks", self.write("three.txt", "1 2 3"), says=["3 marked vertices", "--marks auto"])

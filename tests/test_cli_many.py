@@ -51,7 +51,7 @@ class Batch(Case):
 
     def test_spheres(self):
         self.run_tool("batch", self.path("meshes"), "--out", self.out)
-        self.assertEqual([(r["exit_status"], r["class"]) for r in self.lines()], [(0, "proven"), (3, "none"), (0, "checked"), (0, "proven")])
+        self.assertEqual([(r["exit_status"], r["class"]) for r in self.lines()], [(0, "proven"), (3, "none"), (0, "proven"), (0, "proven")])
         self.assertEqual(self.lines()[2]["mesh"]["marked"], 4)
         os.remove(self.out)
         self.run_tool("batch", self.path("meshes"), "--out", self.out, "--marks", "none")
@@ -240,12 +240,12 @@ class Components(Case):
         self.assertIn("3 components, 3 solved, genus 2", done.stdout)
         self.assertIn("class checked", done.stdout)
         report = json.loads(self.read("r.json"))
-        self.assertEqual([c["class"] for c in report["components"]], ["proven", "checked", "proven"])
+        self.assertEqual([c["class"] for c in report["components"]], ["proven", "proven", "proven"])
         for count in (report["mesh"]["triangles"], report["mesh"]["marked"], report["zeros"], report["class_repeats"], report["levels"][0]["edges"]):
             self.assertIsInstance(count, int)
         own, found = self.alone(1, "--save-marks", self.path("own.txt"))
         marked = found["mesh"]["marked"]
-        self.assertEqual((report["class"], report["converged"], report["mesh"]["marked"], report["index_sum"]), ("checked", True, marked, 4 - marked))
+        self.assertEqual((report["class"], report["converged"], report["mesh"]["marked"], report["index_sum"]), ("proven", True, marked, 4 - marked))
         self.assertIn("marked %d vertices, two at each of %d tips" % (marked, marked // 2), done.stdout)
         values = self.values("v.csv")
         self.assertEqual({e: values[e] for e in own}, own)
@@ -261,7 +261,7 @@ class Components(Case):
         self.assertIn("genus 0", done.stderr)
         self.assertIn("--marks auto", done.stderr)
         again = json.loads(self.read("again.json"))
-        self.assertEqual([c["class"] for c in again["components"]], ["checked", "none", "proven"])
+        self.assertEqual([c["class"] for c in again["components"]], ["proven", "none", "proven"])
         # A sphere of three vertices.
         mesh = self.write("pillow.obj", obj_text(*beside(self.small, (points[:3], [(0, 1, 2), (0, 2, 1)]))))
         done = self.run_tool("solve", mesh)
@@ -413,7 +413,7 @@ class Repairs(Case):
                     else: # of the double; marks inside count twice
                         twice = 8 - 8 * genus - 4 * boundaries - c["index_sum"] - marked
                         self.assertTrue(0 <= twice <= marked, c["mesh"])
-                    self.assertEqual(c["class"], "checked" if marked else "proven")
+                    self.assertEqual(c["class"], "proven")
                 self.assertLess(row["residual_max"], 1e-8)
             else:
                 self.assertRegex(row["errors"][0], "genus 0|boundary")

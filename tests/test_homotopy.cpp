@@ -190,7 +190,8 @@ struct MarkedSurface {
     Path canonical(const Path& crossings) {
         hmf::Array<uint32_t> word;
         word.start(memory);
-        EXPECT_TRUE(words.name(m, 0, crossings.size(), [&](uint64_t i) { return crossings[i]; }, word));
+        EXPECT_TRUE(words.name(
+            m, 0, crossings.size(), [&](uint64_t i) { return crossings[i]; }, word));
         return Path(word.begin(), word.end());
     }
     MadeMesh made;
@@ -221,7 +222,9 @@ void push_about(Path& walk, const std::vector<uint32_t>& twin, Random& random) {
 }
 
 // Genus 0, 1 and 2.
-std::vector<Triangles> few_genera() { return {voxels(2, 2, 2, std::vector<char>(8, 1), 2), plate(1, 1, 2), plate(2, 1)}; }
+std::vector<Triangles> few_genera() {
+    return {voxels(2, 2, 2, std::vector<char>(8, 1), 2), plate(1, 1, 2), plate(2, 1)};
+}
 
 } // namespace
 
@@ -281,8 +284,7 @@ TEST(Homotopy, ClassesDependOnNoTree) {
         const std::vector<uint32_t> number = permutation(mesh.vertex_count(), random);
         // In b the marked vertices are those of a, and all have other numbers.
         std::vector<uint32_t> other = permutation(mesh.vertex_count(), random);
-        for (uint32_t v = 0; v < marks; ++v)
-            std::swap(other[v], *std::find(other.begin(), other.end(), marks - 1 - v));
+        for (uint32_t v = 0; v < marks; ++v) std::swap(other[v], *std::find(other.begin(), other.end(), marks - 1 - v));
         std::vector<uint32_t> in_other(number.size());
         for (size_t v = 0; v < number.size(); ++v) in_other[v] = other[number[v]];
         MarkedSurface a(mesh, number, marks), b(mesh, in_other, marks);

@@ -80,10 +80,9 @@ public:
             hmf::Array<uint32_t> strip;
             walk.start(memory_);
             strip.start(memory_);
-            for (size_t i = 0; i < loop.size(); ++i) {
-                EXPECT_TRUE(strip.push(loop[i]));
-            }
-            EXPECT_TRUE(words_.name(mesh, 0, loop.size(), [&](uint64_t i) { return loop[i]; }, walk));
+            for (size_t i = 0; i < loop.size(); ++i) { EXPECT_TRUE(strip.push(loop[i])); }
+            EXPECT_TRUE(words_.name(
+                mesh, 0, loop.size(), [&](uint64_t i) { return loop[i]; }, walk));
             out.walks.emplace_back(walk.begin(), walk.end());
             double length = 0;
             EXPECT_TRUE(geodesic.straighten_widely(strip, 1000, length));

@@ -144,9 +144,7 @@ void expect_report(const Solution& solution, size_t genus, size_t marks) {
     const int64_t wanted = 4 - 4 * static_cast<int64_t>(genus) - static_cast<int64_t>(marks);
     EXPECT_EQ(solution.report.index_sum, wanted);
     EXPECT_EQ(static_cast<int64_t>(solution.report.zeros), -wanted);
-    if (solution.report.method == HMF_METHOD_NEWTON) {
-        EXPECT_EQ(solution.report.class_state, HMF_CLASS_PROVEN);
-    }
+    if (solution.report.method == HMF_METHOD_NEWTON) { EXPECT_EQ(solution.report.class_state, HMF_CLASS_PROVEN); }
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {

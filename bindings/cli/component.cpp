@@ -28,14 +28,13 @@ const char* method_name(int32_t method) {
 const char* class_name(int32_t state) {
     switch (state) {
     case HMF_CLASS_PROVEN: return "proven";
-    case HMF_CLASS_CHECKED: return "checked";
     case HMF_CLASS_LOST: return "lost";
     default: return "unknown";
     }
 }
 
 int32_t less_sure(int32_t a, int32_t b) {
-    for (const int32_t state : {HMF_CLASS_LOST, HMF_CLASS_UNKNOWN, HMF_CLASS_CHECKED})
+    for (const int32_t state : {HMF_CLASS_LOST, HMF_CLASS_UNKNOWN})
         if (a == state || b == state) return state;
     return HMF_CLASS_PROVEN;
 }

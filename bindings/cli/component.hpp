@@ -35,7 +35,7 @@ struct Meter {
     }
 };
 
-// Of a report: proven, checked, unknown or lost; none: there is no foliation.  Of several the one least sure.
+// Of a report: proven, unknown or lost; none: there is no foliation.  Of several the one least sure.
 const char* class_name(int32_t state);
 int32_t less_sure(int32_t a, int32_t b);
 

@@ -717,11 +717,10 @@ typedef struct hmf_history_entry {
 
 /* What is known of the class of a result.  Proven, exactly and from the integers of
    the result alone: one cylinder of closed leaves for each loop, as high as the weight
-   of the loop, and freely homotopic to it. */
+   of the loop, and freely homotopic to it, on the surface without its marked vertices. */
 #define HMF_CLASS_UNKNOWN 0 /* not looked at: cancelled, or values at the start that no loops have */
 #define HMF_CLASS_PROVEN 1
 #define HMF_CLASS_LOST 2    /* never with HMF_OK */
-#define HMF_CLASS_CHECKED 3 /* the heights are the weights; with marked vertices classes are not compared */
 
 /* What hmf_solve and hmf_relax tell of a foliation. */
 typedef struct hmf_report {

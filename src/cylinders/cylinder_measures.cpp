@@ -30,8 +30,8 @@ Done keys_of_loops(const GivenCylinders& given, const GivenWeights& loops, Array
 }
 
 // Builds `measured`; found[c]: its cylinder that is cylinder c.  Fills out[c].loop, unless loops is NULL.
-hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved,
-                            Cylinders& measured, Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
+hmf_status match_by_classes(const GivenCylinders& given, const GivenWeights* loops, State& solved, Cylinders& measured,
+                            Array<uint32_t>& found, Array<hmf_cylinder>& out, Call& call) {
     const size_t n = given.cylinders.list.size(), level = given.state.level;
     const size_t first = loops ? std::max(level, loops->level) : level,
                  last = loops ? std::min(level, loops->level) : level;

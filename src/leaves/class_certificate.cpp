@@ -37,8 +37,7 @@ hmf_status ClassReference::take(Foliation& f, const CurveWords& words, Call& cal
     if (!loop_.allocate(call.memory, n)) return call.out_of_memory();
     for (uint32_t c = 0; c < n; ++c) {
         loop_[c] = c;
-        if (!add_boundary(f.mesh, words, cylinders.graph, cylinders.list[c].lower, names_))
-            return call.out_of_memory();
+        if (!add_boundary(f.mesh, words, cylinders.graph, cylinders.list[c].lower, names_)) return call.out_of_memory();
         if (!height_.push(cylinders.list[c].height)) return call.out_of_memory();
     }
     return HMF_OK;

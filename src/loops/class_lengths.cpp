@@ -11,9 +11,9 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000;               // at least, if there are so many
+constexpr uint32_t MEASURED_VERTICES = 10000, FINEST_VERTICES = 100000; // at least, if there are so many
 constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a class
-constexpr double SAME = 1e-4;                                                         // shorter by less: one curve
+constexpr double SAME = 1e-4;                                           // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
@@ -66,15 +66,16 @@ void ClassLengths::measure_extent() {
 // Its name to name_, and the number of its class, NONE if it is new, then with its place in the table.
 Done ClassLengths::find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place) {
     name_.clear();
-    if (!words_.name(mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_)) return false;
+    if (!words_.name(
+            mesh_, 0, n, [&](uint64_t i) { return crossings[i]; }, name_))
+        return false;
     name_hash_ = name_.size();
     for (const uint32_t letter : name_) {
         name_hash_ = (name_hash_ ^ letter) * 0x9e3779b97f4a7c15u;
         name_hash_ ^= name_hash_ >> 29;
     }
     const auto is_named = [&](const Class& c) {
-        return c.name_end - c.name == name_.size()
-            && std::equal(name_.begin(), name_.end(), letters_.data() + c.name);
+        return c.name_end - c.name == name_.size() && std::equal(name_.begin(), name_.end(), letters_.data() + c.name);
     };
     place = static_cast<size_t>(name_hash_) & (table_.size() - 1);
     while (table_[place] != NONE && !is_named(classes_[table_[place]])) place = (place + 1) & (table_.size() - 1);

@@ -516,11 +516,10 @@ export interface Report {
     /**
      * Do the values belong to the loops?  "proven", exactly: one cylinder of closed
      * leaves for each loop, as high as its weight, and freely homotopic to it;
-     * "checked": the heights are the weights (with marked vertices classes are not
-     * compared); "lost": never with "HMF_OK"; "unknown": not looked at, as in
+     * "lost": never with "HMF_OK"; "unknown": not looked at, as in
      * `relax`, cancelled, or a start with values that no loops have.
      */
-    classState: "unknown" | "proven" | "lost" | "checked";
+    classState: "unknown" | "proven" | "lost";
     /** Levels that were solved once more, as the first result had left the class. */
     classRepeats: number;
     /** For the certificate, part of `solveSeconds`. */

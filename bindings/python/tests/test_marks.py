@@ -36,8 +36,8 @@ def test_a_sphere_with_suggested_marks(sphere: Mesh, tmp_path: Path) -> None:
     foliation = foliations.solve(*sphere, marked_vertices=marks)
     report = foliation.report
     assert report is not None and foliation.converged and foliation.hierarchy.genus == 0
-    assert report.class_state == "checked" and 0 <= report.class_seconds <= report.solve_seconds
-    assert "class checked" in str(report)
+    assert report.class_state == "proven" and 0 <= report.class_seconds <= report.solve_seconds
+    assert "class proven" in str(report)
     found = foliation.singularities()
     assert found.index_sum == report.index_sum == 4 - len(marks) and not found.poles
     assert len(found.zeros) + len(found.marks) == len(found)
@@ -74,7 +74,7 @@ def test_a_torus_is_proven() -> None:
 def test_rows(sphere: Mesh) -> None:
     row = {"mesh": sphere, "marked_vertices": foliations.suggest_marks(*sphere).tolist()}
     result = solve_row(row)
-    assert result["ok"] and result["class"] == "checked" and result["genus"] == 0 and "marked_vertices" not in result
+    assert result["ok"] and result["class"] == "proven" and result["genus"] == 0 and "marked_vertices" not in result
     failed = solve_row({"mesh": sphere})
     assert failed["error"] == "MeshError" and failed["class"] == ""
 

@@ -9,7 +9,7 @@ from ._boundary import names, view
 from ._native import ffi
 
 #: What is known of the class of a result.
-ClassState = Literal["unknown", "proven", "lost", "checked"]
+ClassState = Literal["unknown", "proven", "lost"]
 
 _HISTORY_KINDS = ("interpolation", "sweep", "linear solve")
 
@@ -55,8 +55,7 @@ class Report:
     levels: tuple[LevelReport, ...]  #: finest first
     history: tuple[HistoryEntry, ...]  #: in order of time
     #: Do the values belong to the loops?  "proven": exactly, one cylinder for each loop, as high as its weight and
-    #: freely homotopic to it; "checked": heights alone, with marked vertices; "lost": no, never with OK; "unknown":
-    #: not looked at, as after relax.
+    #: freely homotopic to it; "lost": no, never with OK; "unknown": not looked at, as after relax.
     class_state: ClassState
     class_repeats: int  #: levels that were solved once more, as the first result had left the class
     class_seconds: float  #: for the certificate, part of solve_seconds

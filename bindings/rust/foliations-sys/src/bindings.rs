@@ -72,7 +72,6 @@ pub const HMF_METHOD_PAPER: i32 = 4;
 pub const HMF_CLASS_UNKNOWN: i32 = 0;
 pub const HMF_CLASS_PROVEN: i32 = 1;
 pub const HMF_CLASS_LOST: i32 = 2;
-pub const HMF_CLASS_CHECKED: i32 = 3;
 pub const HMF_SINGULAR_VERTEX: i32 = 1;
 pub const HMF_SINGULAR_TRIANGLE: i32 = 2;
 pub const HMF_SINGULAR_CLUSTER: i32 = 3;

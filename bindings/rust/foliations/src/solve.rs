@@ -278,8 +278,6 @@ codes! {
         Proven = sys::HMF_CLASS_PROVEN,
         /// They do not; never with [`Status::OK`].
         Lost = sys::HMF_CLASS_LOST,
-        /// The heights are the weights; with marked vertices classes are not compared.
-        Checked = sys::HMF_CLASS_CHECKED,
     }
 }
 

@@ -433,7 +433,7 @@ fn spheres_have_marked_vertices() {
     assert_eq!(hierarchy.loops(0, LoopsKind::Pants).unwrap().len(), marks.len() - 3);
 
     let solution = hierarchy.solver().solve().unwrap();
-    assert_eq!((solution.status(), solution.report.class_state), (Status::OK, ClassState::Checked));
+    assert_eq!((solution.status(), solution.report.class_state), (Status::OK, ClassState::Proven));
     assert_eq!((solution.report.poles, solution.report.index_sum), (0, 4 - marks.len() as i64));
     let all = solution.foliation.singularities().unwrap();
     assert_eq!(all.list().iter().map(|at| i64::from(at.index)).sum::<i64>(), solution.report.index_sum);
