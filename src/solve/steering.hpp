@@ -19,7 +19,7 @@ constexpr uint64_t coarsest_share = 8;
 constexpr double middle_residual = 1e-2;
 // Where that level is long and zeros are nearly everywhere, as on a small mesh with a hundred handles.
 constexpr double coarsest_residual_of_many = 0.3;
-constexpr uint32_t finest_rounds = 60; // guard
+constexpr uint32_t finest_rounds = 1000; // guard: it ends where nothing is gained, see patience
 constexpr uint32_t coarsest_rounds = 40;
 constexpr uint32_t middle_rounds = 3;
 // Sweeps of single moves before the first model.
