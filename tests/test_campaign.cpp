@@ -377,8 +377,8 @@ TEST(Campaign, SeedsThatFailed) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
-// 14: parameterisation wrote outside of its memory, as a zero had no vertex but a marked one.  2052: it needs 120 steps,
-// and ended after 60, although each had gained.
+// 14: parameterisation wrote outside of its memory, as a zero had no vertex but a marked one.  2052: it needs 120
+// steps, and ended after 60, although each had gained.
 TEST(Campaign, SeedsThatFailedWithMarkedVertices) {
     Tally tally;
     for (const uint64_t seed : {14, 2052}) solve_problem(seed, tally, Marks::some);

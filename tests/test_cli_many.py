@@ -238,7 +238,7 @@ class Components(Case):
         scene, saved = self.write("scene.obj", obj_text(points, triangles)), self.path("saved.txt")
         done = self.run_tool("solve", scene, "--save-marks", saved, "--values", self.path("v.csv"), "--report", self.path("r.json"), "--image", self.path("i.png"))
         self.assertIn("3 components, 3 solved, genus 2", done.stdout)
-        self.assertIn("class checked", done.stdout)
+        self.assertIn("class proven", done.stdout)
         report = json.loads(self.read("r.json"))
         self.assertEqual([c["class"] for c in report["components"]], ["proven", "proven", "proven"])
         for count in (report["mesh"]["triangles"], report["mesh"]["marked"], report["zeros"], report["class_repeats"], report["levels"][0]["edges"]):

@@ -27,8 +27,8 @@ public:
         return kind_ == Kind::sphere || edges_.were_split(collapses, count, call);
     }
 
-    // Of a closed curve that crosses half_edge(i) for i in [begin, end), each from its left to its right, and none there
-    // and back again: the same for all curves in its class, whatever their direction, and for no others.
+    // Of a closed curve that crosses half_edge(i) for i in [begin, end), each from its left to its right, and none
+    // there and back again: the same for all curves in its class, whatever their direction, and for no others.
     // name: empty; empty behind it: contractible.
     template <class HalfEdge>
     Done name(const Mesh& mesh, uint64_t begin, uint64_t end, HalfEdge half_edge, Walk& name) const {

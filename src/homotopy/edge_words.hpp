@@ -33,7 +33,8 @@ public:
     Done were_split(const Collapse* collapses, size_t count, Call& call);
 
     // The canonical walk of a closed curve that crosses half_edge(i) for i in [begin, end), each from its left to its
-    // right, and none there and back again: the same for all in its class.  It is that of the edge path on the left of the curve.
+    // right, and none there and back again: the same for all in its class.  It is that of the edge path on the left
+    // of the curve.
     template <class HalfEdge>
     Done canonical(const Mesh& mesh, uint64_t begin, uint64_t end, HalfEdge half_edge, Walk& walk) const {
         for (uint64_t i = begin; i < end; ++i) {
