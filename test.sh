@@ -37,8 +37,8 @@ valgrind      the quick tests under valgrind, as optimised as they are shipped
 corpus        real meshes up to 250 000 vertices, with a time limit for each
 debug         all tests but UniqueLong, assertions on (not in the default run: asan-ubsan has them on for the same tests)
 corpus-large  all real meshes (long; not in the default run)
-campaign      2 000 random problems with three hierarchies each, 500 surfaces with random holes, 500 with random marked
-              vertices (long; not in the default run; samples are in release)
+campaign      2 000 random problems with three hierarchies each, 2 000 with marked vertices, 500 surfaces with random
+              holes, 500 with random marked vertices (long; not in the default run; samples are in release)
 machines      the same bits on other processors, systems and with other flags, and plain with each compiler and
               optimisation (long; not in the default run)
 static        clang-tidy, cppcheck, gcc's analyzer, and the stack: frames, recursion, depth (not in the default run)
