@@ -269,6 +269,26 @@ namespace {
 
 enum class Outcome : uint8_t { undecided, rests, moves, lands };
 
+// Into one direction, whose sides it has as bits: as far as it pulls beyond all others, or to the end of the room there.
+struct PlainMove {
+    uint64_t sides;
+    int64_t room;
+    double excess, pull; // pull: of all directions
+
+    Outcome make(Foliation& f, const Rings::Side* side, uint32_t degree, double weight_sum, SweepResult& result) const {
+        const double distance = excess / weight_sum;
+        if (!(distance >= 1)) return Outcome::rests;
+        const bool lands = distance >= static_cast<double>(room);
+        const int64_t mu = lands ? room : static_cast<int64_t>(distance);
+        for (uint32_t t = 0; t < degree; ++t)
+            f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(sides >> t & 1);
+        const double step = static_cast<double>(mu);
+        result.energy_change += step * (step * weight_sum - 2 * excess);
+        result.add_move(excess, pull);
+        return lands ? Outcome::lands : Outcome::moves;
+    }
+};
+
 // One move at a vertex without zero edges and with two directions: the
 // general way below in one pass and without branches on the values.
 Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degree, const double* weight,
@@ -292,18 +312,8 @@ Outcome relax_plain_vertex(Foliation& f, const Rings::Side* side, uint32_t degre
     if (closed != 2) return Outcome::undecided;
     const bool to_second = 2 * pull_of_second > pull;
     const double excess = to_second ? 2 * pull_of_second - pull : pull - 2 * pull_of_second;
-    const double distance = excess / weight_sum;
-    if (!(distance >= 1)) return Outcome::rests;
-    if (to_second) room = room_of_second;
-    else second = ~second;
-    const bool lands = distance >= static_cast<double>(room);
-    const int64_t mu = lands ? room : static_cast<int64_t>(distance);
-    for (uint32_t t = 0; t < degree; ++t)
-        f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(second >> t & 1);
-    const double step = static_cast<double>(mu);
-    result.energy_change += step * (step * weight_sum - 2 * excess);
-    result.add_move(excess, pull);
-    return lands ? Outcome::lands : Outcome::moves;
+    return PlainMove{to_second ? second : ~second, to_second ? room_of_second : room, excess, pull}.make(
+        f, side, degree, weight_sum, result);
 }
 
 // The same on the rim of a cluster: one row of zero edges and at most one closed corner beside it, as most vertices
@@ -353,16 +363,7 @@ Outcome relax_rim_vertex(Foliation& f, const Rings::Side* side, uint32_t degree,
     const Run* best = &run[0];
     for (const Run& other : run)
         if (other.pull > best->pull) best = &other;
-    const double excess = 2 * best->pull - pull, distance = excess / weight_sum;
-    if (!(distance >= 1)) return Outcome::rests;
-    const bool lands = distance >= static_cast<double>(best->room);
-    const int64_t mu = lands ? best->room : static_cast<int64_t>(distance);
-    for (uint32_t t = 0; t < degree; ++t)
-        f.value[edge_of(side[t].half_edge)] += mu - 2 * mu * static_cast<int64_t>(best->sides >> t & 1);
-    const double step = static_cast<double>(mu);
-    result.energy_change += step * (step * weight_sum - 2 * excess);
-    result.add_move(excess, pull);
-    return lands ? Outcome::lands : Outcome::moves;
+    return PlainMove{best->sides, best->room, 2 * best->pull - pull, pull}.make(f, side, degree, weight_sum, result);
 }
 
 } // namespace
