@@ -269,7 +269,7 @@ namespace {
 
 enum class Outcome : uint8_t { undecided, rests, moves, lands };
 
-// Into one direction, whose sides it has as bits: as far as it pulls beyond all others, or to the end of the room there.
+// Into one direction, whose sides it has as bits: as far as it pulls beyond all others, or to the end of the room.
 struct PlainMove {
     uint64_t sides;
     int64_t room;

@@ -283,17 +283,15 @@ private:
                 closed[u] = closed_corners(u);
                 odd[u] = mesh_.is_marked(u);
             }
-            // Where vertices run out a zero lies on a marked vertex, which is even then, and two lie on one.
+            // Where vertices run out two zeros lie on one, which is even then, or one on a marked vertex.
             size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
             uint32_t last = v;
             for (; zeros > 0; --zeros) {
                 uint32_t best = NONE;
                 for (const uint32_t u : f_.members)
                     if (!odd[u] && !mesh_.is_marked(u) && (best == NONE || closed[u] > closed[best])) best = u;
-                for (const uint32_t u : f_.members)
-                    if (best == NONE && odd[u] && mesh_.is_marked(u)) best = u;
                 if (best == NONE) break;
-                odd[best] ^= 1;
+                odd[best] = 1;
                 last = best;
             }
             if (zeros % 2) odd[last] ^= 1;
