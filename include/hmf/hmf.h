@@ -534,7 +534,8 @@ typedef struct hmf_loop_set {
  *                  rounded to 1e-10 of the size of the object: each loop is
  *                  null-homologous inside, or outside.  Inside is where
  *                  the surface encloses volume, whichever way the triangles
- *                  turn.  A surface that meets itself may have no such loops:
+ *                  turn.  A surface that meets itself may have no such loops,
+ *                  or only such as no search of bounded length finds:
  *                  HMF_ERROR_MESH_NOT_EMBEDDED.
  *   out            loops that can be given to hmf_solve as they are (weights
  *                  are NULL: all 1); free with hmf_free

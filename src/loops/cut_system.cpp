@@ -43,7 +43,7 @@ constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measure
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
 constexpr double POLISH = 6;           // starved searches round a loop end at so many times the work of the others
-constexpr double HOPELESS = 32;        // so many times that work, and no loop: it ends
+constexpr double HOPELESS = 32;        // so many times the work of the others, and no loop: it ends
 constexpr size_t MOST_BOUNDS = 1000000;
 constexpr uint64_t MOST_STEPS = 100; // for small systems; for large ones half of the loops are chosen again
 constexpr int MOST_ROUNDS = 8;       // of measuring and choosing again
@@ -134,11 +134,11 @@ private:
             return call_.stopped();
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
-        // Labels of a surface that meets itself may leave no loop without crossings, or none that is short.
+        // Labels of a surface that meets itself may leave no loop without crossings, or only such as wind a lot.
         if (!found_ && condition_)
             return call_.fail(HMF_ERROR_MESH_NOT_EMBEDDED, HMF_ELEMENT_NONE, 0,
-                              "No such loops were found: the surface meets itself. Repair the mesh, or use "
-                              "HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
+                              "No such loops were found: the surface meets itself, or they wind too much. Repair the "
+                              "mesh, or use HMF_LOOPS_CUT or HMF_LOOPS_PANTS.");
         if (!found_)
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, k,
                               "No further loop was found. Please report this.");
