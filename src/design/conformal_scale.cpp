@@ -15,6 +15,7 @@
 
 namespace hmf {
 
+// x = 2^e m with m in [.7, 1.4], log m = 2 artanh z with |z| < .172, and artanh z = z (1 + z^2 / 3 + z^4 / 5 + ...).
 double natural_log(double x) {
     int exponent = 0;
     double m = std::frexp(x, &exponent);
@@ -22,11 +23,11 @@ double natural_log(double x) {
         m *= 2;
         --exponent;
     }
-    // log m = 2 artanh z, |z| < 0.172
-    const double z = (m - 1) / (m + 1), square = z * z;
-    double sum = 0;
-    for (int k = 21; k >= 1; k -= 2) sum = sum * square + 1.0 / k;
-    return exponent * 0.69314718055994531 + 2 * z * sum;
+    const double z = (m - 1) / (m + 1), s = z * z, s2 = s * s, s4 = s2 * s2;
+    const double low = 1 + s * (1.0 / 3) + s2 * (1.0 / 5 + s * (1.0 / 7));
+    const double middle = 1.0 / 9 + s * (1.0 / 11) + s2 * (1.0 / 13 + s * (1.0 / 15));
+    const double high = 1.0 / 17 + s * (1.0 / 19) + s2 * (1.0 / 21);
+    return exponent * 0.69314718055994531 + 2 * z * (low + s4 * (middle + s4 * high));
 }
 
 namespace {
@@ -34,27 +35,16 @@ namespace {
 // The extent of some points.
 struct Extent {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    void operator+=(const Extent& part) {
-        for (size_t c = 0; c < 3; ++c) {
-            low[c] = std::min(low[c], part.low[c]);
-            high[c] = std::max(high[c], part.high[c]);
-        }
-    }
-    double largest() const {
-        double size = 0;
-        for (size_t c = 0; c < 3; ++c) size = std::max(size, std::max(high[c], -low[c]));
-        return size;
-    }
-    double square_of_diagonal(double scale) const {
+    double square_of_diagonal() const {
         double sum = 0;
-        for (size_t c = 0; c < 3; ++c) sum += (high[c] - low[c]) * scale * ((high[c] - low[c]) * scale);
+        for (size_t c = 0; c < 3; ++c) sum += (high[c] - low[c]) * (high[c] - low[c]);
         return sum;
     }
 };
 
-Extent extent_of(const double* position, size_t begin, size_t end) {
+Extent extent_of(const double* position, size_t count) {
     Extent extent;
-    for (size_t v = begin; v < end; ++v)
+    for (size_t v = 0; v < count; ++v)
         for (size_t c = 0; c < 3; ++c) {
             const double x = position[3 * v + c];
             extent.low[c] = std::min(extent.low[c], x);
@@ -65,31 +55,27 @@ Extent extent_of(const double* position, size_t begin, size_t end) {
 
 constexpr double FLAT = 1e-12; // height of a triangle, in its longest side
 
-// Twice the area of a triangle, and its energy; F: of the sides from corner i to i + 1.
-struct Triangle {
-    double doubled, energy = 0;
+double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-    Triangle(const double (&p)[3][3], const double (&F)[3]) {
-        double d[3][3], squared[3], cross[3]; // d: from corner i to i + 1
-        for (size_t i = 0; i < 3; ++i) {
-            for (size_t c = 0; c < 3; ++c) d[i][c] = p[(i + 1) % 3][c] - p[i][c];
-            squared[i] = d[i][0] * d[i][0] + d[i][1] * d[i][1] + d[i][2] * d[i][2];
+// Area of a triangle and its energy for each unit of it; F: of the sides from corner i to i + 1.
+struct Triangle {
+    double area = 0, density = 0;
+
+    Triangle(const double* p0, const double* p1, const double* p2, const double (&F)[3]) {
+        double a[3], b[3], c[3]; // the sides; their sum is 0
+        for (size_t x = 0; x < 3; ++x) {
+            a[x] = p1[x] - p0[x];
+            b[x] = p2[x] - p1[x];
+            c[x] = p0[x] - p2[x];
         }
-        for (size_t c = 0; c < 3; ++c) {
-            const size_t x = (c + 1) % 3, y = (c + 2) % 3;
-            cross[c] = d[0][y] * d[2][x] - d[0][x] * d[2][y];
-        }
-        doubled = std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+        const double ab = dot(a, b), bc = dot(b, c), ca = dot(c, a);
+        const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        const double square = dot(cross, cross), doubled = std::sqrt(square);
         // The density of a triangle that is flat up to rounding would be that of the whole surface many times over.
-        if (!(doubled > FLAT * std::max(squared[0], std::max(squared[1], squared[2])))) {
-            doubled = 0;
-            return;
-        }
-        for (size_t i = 0; i < 3; ++i) { // the side from i to i + 1 is opposite to i + 2
-            const double *a = d[(i + 1) % 3], *b = d[(i + 2) % 3];
-            energy -= (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * (F[i] * F[i]);
-        }
-        energy *= 0.5 / doubled;
+        const double longest = std::max(-ca - ab, std::max(-ab - bc, -bc - ca));
+        if (!(doubled > FLAT * longest)) return;
+        area = 0.5 * doubled;
+        density = -(bc * (F[0] * F[0]) + ca * (F[1] * F[1]) + ab * (F[2] * F[2])) / square;
     }
 };
 
@@ -103,6 +89,17 @@ struct Totals {
     }
 };
 
+// Of log_scale over the surface, from some value on.
+struct Moments {
+    double first = 0, second = 0;
+    void operator+=(const Moments& part) {
+        first += part.first;
+        second += part.second;
+    }
+};
+
+double half_log(double density) { return density > 0 ? 0.5 * natural_log(density) : -HUGE_VAL; }
+
 } // namespace
 
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
@@ -111,31 +108,22 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     const auto go_on = [call] { return !call || call->tick(0, true); };
     const Parallel alone;
     const Parallel& parallel = call ? call->parallel : alone;
-    mean = offset = across = 0;
+    mean = variance_ = mean_density_ = 0;
     if (!log_scale.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count) || !go_on())
         return false;
-    // Coordinates from -1 to 1, by a power of two: fourth powers are harmless.
-    const Extent extent = parallel.sum_blocks<Extent>(
-        mesh.vertex_count, [&](size_t begin, size_t end) { return extent_of(position, begin, end); });
-    int exponent = 0;
-    std::frexp(extent.largest(), &exponent);
-    const double shrink = std::ldexp(1.0, -exponent);
     const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k, Totals& totals) {
-        const uint32_t side[3] = {h, g, k}, t = mesh.face[h];
-        double p[3][3], F[3];
-        for (size_t i = 0; i < 3; ++i) {
-            for (size_t c = 0; c < 3; ++c) p[i][c] = position[size_t{3} * mesh.origin[side[i]] + c] * shrink;
-            F[i] = static_cast<double>(value[edge_of(side[i])]) * unit;
-        }
-        const Triangle triangle(p, F);
-        area[t] = triangle.doubled / 2;
-        totals.area += area[t];
-        totals.energy += triangle.energy;
-        const double density = triangle.doubled > 0 ? triangle.energy / area[t] : 0;
-        log_scale[t] = density;
-        if (density > totals.densest && density < HUGE_VAL) totals.densest = density;
+        const double F[3] = {static_cast<double>(value[edge_of(h)]) * unit,
+                             static_cast<double>(value[edge_of(g)]) * unit,
+                             static_cast<double>(value[edge_of(k)]) * unit};
+        const auto at = [&](uint32_t side) { return position + size_t{3} * mesh.origin[side]; };
+        const Triangle triangle(at(h), at(g), at(k), F);
+        const uint32_t t = mesh.face[h];
+        area[t] = triangle.area;
+        log_scale[t] = half_log(triangle.density);
+        totals.area += triangle.area;
+        totals.energy += triangle.area * triangle.density;
+        if (triangle.density > totals.densest && triangle.density < HUGE_VAL) totals.densest = triangle.density;
     };
-    if (!go_on()) return false;
     const Totals whole = parallel.sum_blocks<Totals>(size_t{2} * mesh.edge_count, [&](size_t begin, size_t end) {
         Totals here;
         for_each_face(mesh, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
@@ -146,28 +134,30 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         for (double& s : log_scale) s = 0;
         return true;
     }
-    across = whole.energy > 0 ? std::sqrt(whole.energy / whole.area * extent.square_of_diagonal(shrink)) : 0;
-    offset = exponent * -0.69314718055994531;
+    mean_density_ = std::max(0.0, whole.energy / whole.area);
     if (!go_on()) return false;
-    mean = parallel.sum_blocks<double>(area.size(), [&](size_t begin, size_t end) {
-        double sum = 0;
+    // From near the mean on, so that little is lost in the difference of the two moments.
+    const double low = half_log(least * whole.densest), high = half_log(whole.densest);
+    const double centre = std::min(high, std::max(low, half_log(mean_density_))), share = 1 / whole.area;
+    const Moments moments = parallel.sum_blocks<Moments>(area.size(), [&](size_t begin, size_t end) {
+        Moments part;
         for (size_t t = begin; t < end; ++t) {
-            area[t] /= whole.area;
-            double density = log_scale[t];
-            if (!(density > least * whole.densest)) density = least * whole.densest;
-            if (density > whole.densest) density = whole.densest;
-            log_scale[t] = 0.5 * natural_log(density);
-            sum += area[t] * log_scale[t];
+            area[t] *= share;
+            log_scale[t] = std::min(high, std::max(low, log_scale[t]));
+            const double off = log_scale[t] - centre;
+            part += {area[t] * off, area[t] * off * off};
         }
-        return sum;
+        return part;
     });
+    mean = centre + moments.first;
+    variance_ = std::max(0.0, moments.second - moments.first * moments.first);
     return go_on();
 }
 
-double ConformalScale::unevenness() const {
-    double square = 0;
-    for (size_t t = 0; t < area.size(); ++t) square += area[t] * (log_scale[t] - mean) * (log_scale[t] - mean);
-    return std::sqrt(square);
+double ConformalScale::unevenness() const { return std::sqrt(variance_); }
+
+double ConformalScale::across(const double* position, size_t vertex_count) const {
+    return std::sqrt(mean_density_ * extent_of(position, vertex_count).square_of_diagonal());
 }
 
 } // namespace hmf

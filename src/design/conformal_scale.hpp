@@ -10,13 +10,11 @@ namespace hmf {
 double natural_log(double x);
 
 struct ConformalScale {
-    Array<double> log_scale; // per face: log |grad u| - offset
-    double offset = 0;       // of the unit of the positions: nothing else depends on that
+    Array<double> log_scale; // per face: log |grad u|
     Array<double> area;      // per face, shares of the whole: their sum is 1
-    double across = 0;       // how much u changes along the diagonal of the box at the root mean square of |grad u|
     double mean = 0;         // of log_scale over the surface
 
-    // value: per edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest
+    // position: of a level, whose largest coordinate is about 1, so that fourth powers are harmless.  value: per edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest
     // or less, that counts.  A tripod has the gradient that its energy stands for.
     Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory,
                  Call* call = nullptr);
@@ -24,6 +22,12 @@ struct ConformalScale {
     // Standard deviation of log_scale over the surface: 0 for a flat metric that
     // is the surface's own.
     double unevenness() const;
+    // How much u changes along the diagonal of the box of these points at the root mean square of |grad u|.
+    double across(const double* position, size_t vertex_count) const;
+
+private:
+    double variance_ = 0;     // of log_scale over the surface
+    double mean_density_ = 0; // of the energy: the mean square of |grad u|
 };
 
 } // namespace hmf

@@ -352,7 +352,7 @@ hmf_status EvenSearch::round_weights(EvenChoice& best) {
     };
     double exact = HUGE_VAL;
     if (measure(best.weights, exact) || !trial.usable()) return call_.status();
-    return to_whole_numbers(exact, trial.scale().across, call_, best.weights, best.unevenness, measure);
+    return to_whole_numbers(exact, trial.across(), call_, best.weights, best.unevenness, measure);
 }
 
 } // namespace hmf

@@ -40,6 +40,7 @@ public:
 
     bool usable() const { return usable_; }
     double unevenness() const { return scale_.unevenness(); }
+    double across() const { return scale_.across(h_.levels[0].position, h_.input.vertex_count); }
     const ConformalScale& scale() const { return scale_; } // by internal faces of level 0
     const hmf_hierarchy& hierarchy() const { return h_; }
     const Loops& loops() const { return loops_; } // on the coarsest level

@@ -192,7 +192,9 @@ hmf_status WeightSearch::run(const LoopsOfDouble& loops, uint64_t limit, Array<d
     double exact = HUGE_VAL;
     if (measure(loops, weights, exact)) return call_.status();
     if (!(exact < HUGE_VAL)) return HMF_OK;
-    return to_whole_numbers(exact, scale_.across, call_, weights, unevenness,
+    const Level& level = h_.levels[level_];
+    const double across = scale_.across(level.position, level.mesh.vertex_count);
+    return to_whole_numbers(exact, across, call_, weights, unevenness,
                             [&](const Array<double>& rounded, double& now) { return measure(loops, rounded, now); });
 }
 

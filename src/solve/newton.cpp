@@ -126,6 +126,8 @@ public:
 
     // Most vertices are near a zero; as of the last relax_after_step.
     bool zeros_are_everywhere() const { return zeros_everywhere_; }
+    // The last step came to none of its bounds: the model was that of the minimum, and what is left is the solve's error.
+    bool was_within_bounds() const { return bounds_met_ == 0; }
     // The first solution of the last step, brought into its bounds, made extrema: values on limbs were wrong in front.
     bool limbs_were_wrong() const { return limbs_were_wrong_; }
 
@@ -228,7 +230,7 @@ private:
     }
 
     void set_bounded_values() {
-        model_.project(f_, w_.rings, patch_, distance_);
+        bounds_met_ = model_.project(f_, w_.rings, patch_, distance_);
         set_values(1);
     }
 
@@ -257,6 +259,7 @@ private:
         for (uint32_t attempt = 0; attempt < steering::attempts && factor > steering::least_factor; ++attempt) {
             too_far_ = NONE;
             if (attempt > 0) {
+                bounds_met_ = UINT64_MAX; // some are held
                 set_values(factor);
                 if (!go_on()) return interrupted(w_.call);
                 find_suspects();
@@ -630,6 +633,7 @@ private:
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
     bool zeros_everywhere_ = false, limbs_were_wrong_ = false;
+    uint64_t bounds_met_ = UINT64_MAX; // by the last step
     PartSystem part_;
     bool part_step_ = false; // the step in hand is one of the part
     bool smooth_only_;
@@ -751,6 +755,11 @@ struct LevelPlan {
     }
     // Its work counts.
     bool is_long_coarsest() const { return coarsest && !finest && !cheap; }
+    // A coarsest level ends early where zeros are nearly everywhere, or known to be in place.
+    bool is_good_start(const Newton& newton, double residual) const {
+        return (is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::coarsest_residual_of_many)
+            || (cheap && newton.was_within_bounds() && residual <= steering::coarsest_residual_in_place);
+    }
 };
 
 // For the whole level, or a part of it.
@@ -795,9 +804,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
         if (plan.next_to_double && residual < steering::double_residual) return HMF_OK;
         if (!work.record(2, model.energy, residual)) return work.call.out_of_memory();
-        const bool good_start =
-            plan.is_long_coarsest() && newton.zeros_are_everywhere() && residual <= steering::coarsest_residual_of_many;
-        if (residual <= goal || good_start) {
+        if (residual <= goal || plan.is_good_start(newton, residual)) {
             work.recorder.certificate = {true, model.energy, residual, model.residual_sum / model.count};
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;

@@ -17,6 +17,8 @@ namespace steering {
 constexpr double coarsest_residual = 1e-8;
 constexpr uint64_t coarsest_share = 8;
 constexpr double middle_residual = 1e-2;
+// This is enough where the last step came to no bound, so that zeros are in place.
+constexpr double coarsest_residual_in_place = 1e-4;
 // Where that level is long and zeros are nearly everywhere, as on a small mesh with a hundred handles.
 constexpr double coarsest_residual_of_many = 0.3;
 constexpr uint32_t finest_rounds = 1000; // guard: it ends where nothing is gained, see patience
