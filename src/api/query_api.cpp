@@ -95,7 +95,7 @@ hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control
         || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call)))
         return call.stopped();
     if (!call.tick(0.8)) return call.was_cancelled();
-    const double offset = natural_log(foliation->hierarchy->scale);
+    const double offset = scale.offset + natural_log(foliation->hierarchy->scale);
     for (size_t t = 0; log_scale && t < shown; ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + offset;
     if (unevenness) *unevenness = scale.unevenness();
     return entry.end();

@@ -98,8 +98,6 @@ struct Moments {
     }
 };
 
-double half_log(double density) { return density > 0 ? 0.5 * natural_log(density) : -HUGE_VAL; }
-
 } // namespace
 
 Done ConformalScale::measure(const Mesh& mesh, const double* position, const int64_t* value, double unit,
@@ -108,7 +106,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     const auto go_on = [call] { return !call || call->tick(0, true); };
     const Parallel alone;
     const Parallel& parallel = call ? call->parallel : alone;
-    mean = variance_ = mean_density_ = 0;
+    mean = offset = variance_ = mean_density_ = 0;
     if (!log_scale.allocate(memory, mesh.face_count) || !area.allocate(memory, mesh.face_count) || !go_on())
         return false;
     const auto measure_face = [&](uint32_t h, uint32_t g, uint32_t k, Totals& totals) {
@@ -119,7 +117,7 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
         const Triangle triangle(at(h), at(g), at(k), F);
         const uint32_t t = mesh.face[h];
         area[t] = triangle.area;
-        log_scale[t] = half_log(triangle.density);
+        log_scale[t] = triangle.density;
         totals.area += triangle.area;
         totals.energy += triangle.area * triangle.density;
         if (triangle.density > totals.densest && triangle.density < HUGE_VAL) totals.densest = triangle.density;
@@ -136,20 +134,29 @@ Done ConformalScale::measure(const Mesh& mesh, const double* position, const int
     }
     mean_density_ = std::max(0.0, whole.energy / whole.area);
     if (!go_on()) return false;
-    // From near the mean on, so that little is lost in the difference of the two moments.
-    const double low = half_log(least * whole.densest), high = half_log(whole.densest);
-    const double centre = std::min(high, std::max(low, half_log(mean_density_))), share = 1 / whole.area;
+    // Densities are taken in a power of two near their mean, so that the unit of the positions does not matter, and
+    // the moments from near the mean on, so that little is lost in the difference of the two.
+    int exponent = 0;
+    std::frexp(mean_density_, &exponent);
+    exponent = std::max(exponent, -1000); // the power is a number, too
+    const double unit_density = std::ldexp(1.0, -exponent), densest = whole.densest * unit_density;
+    const auto log_of = [&](double density) {
+        const double x = density * unit_density;
+        return 0.5 * natural_log(x > least * densest ? std::min(x, densest) : least * densest);
+    };
+    const double centre = log_of(mean_density_), share = 1 / whole.area;
     const Moments moments = parallel.sum_blocks<Moments>(area.size(), [&](size_t begin, size_t end) {
         Moments part;
         for (size_t t = begin; t < end; ++t) {
             area[t] *= share;
-            log_scale[t] = std::min(high, std::max(low, log_scale[t]));
+            log_scale[t] = log_of(log_scale[t]);
             const double off = log_scale[t] - centre;
             part += {area[t] * off, area[t] * off * off};
         }
         return part;
     });
     mean = centre + moments.first;
+    offset = exponent * (0.5 * 0.69314718055994531);
     variance_ = std::max(0.0, moments.second - moments.first * moments.first);
     return go_on();
 }

@@ -10,11 +10,12 @@ namespace hmf {
 double natural_log(double x);
 
 struct ConformalScale {
-    Array<double> log_scale; // per face: log |grad u|
+    Array<double> log_scale; // per face: log |grad u| - offset
+    double offset = 0;       // of the units of positions and values: nothing else depends on them
     Array<double> area;      // per face, shares of the whole: their sum is 1
     double mean = 0;         // of log_scale over the surface
 
-    // position: of a level, whose largest coordinate is about 1, so that fourth powers are harmless.  value: per edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest
+    // position: of a level, whose largest coordinate is from 1e-30 to 1e30: fourth powers are harmless.  value: per edge.  Reports to the call, if there is one.  Where |grad u| is 1e-7 of the largest
     // or less, that counts.  A tripod has the gradient that its energy stands for.
     Done measure(const Mesh& mesh, const double* position, const int64_t* value, double unit, Memory& memory,
                  Call* call = nullptr);
