@@ -11,6 +11,7 @@
 #include <random>
 #include <vector>
 
+#include "../src/base/disjoint_sets.hpp"
 #include "../src/foliation/whitehead.hpp"
 #include "../src/parameterize/flat_surface.hpp"
 #include "../src/parameterize/parameterization.hpp"
@@ -376,20 +377,65 @@ TEST(Layout, TooWideIsPushedBack) {
     Layout layout;
     Stars stars;
     ASSERT_TRUE(stars.build(mesh, call));
-    ASSERT_TRUE(cut_through_cones(mesh, stars, length.data(), is_cone.data(), seams, call));
-    ASSERT_TRUE(layout.build(mesh, bundle, du, dv, 0, seams, call));
+    ASSERT_TRUE(cut_through_cones(mesh, stars, length.data(), is_cone.data(), 0, seams, call));
+    ASSERT_TRUE(layout.build(mesh, bundle, du, dv, seams, call));
+    std::vector<uint8_t> tree(seams.trunk.begin(), seams.trunk.end());
+    for (const uint32_t h : seams.hanging) tree[edge_of(h)] = 1;
     uint32_t pushed = 0;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
         ASSERT_LT(std::abs(layout.u[h]), 2 * back);
         ASSERT_LT(std::abs(layout.v[h]), 2 * back);
         ASSERT_EQ(layout.u[mesh.next[h]] - layout.u[h], du.at(bundle, h));
         ASSERT_EQ(layout.v[mesh.next[h]] - layout.v[h], dv.at(bundle, h));
-        if (!seams.tree[edge_of(h)]) continue;
+        if (!tree[edge_of(h)]) continue;
         const int64_t shift = layout.u[twin(h)] - layout.u[mesh.next[h]];
         ASSERT_TRUE(shift == 0 || shift == back || shift == -back);
         pushed += shift != 0;
     }
     EXPECT_GT(pushed, 0u);
+}
+
+// Trunk and what hangs on it are a spanning tree of the faces that crosses no seam, the root is on the trunk, and a face
+// comes before that on which it hangs.
+TEST(Seams, TreeOfTheFaces) {
+    for (const uint32_t cones : {0u, 1u, 5u}) {
+        test::MadeMesh made(test::plate(2, 2, 2));
+        const Mesh mesh = made.mesh();
+        Memory memory(nullptr, nullptr, nullptr, 0);
+        Call call(memory, nullptr, nullptr, nullptr);
+        const std::vector<double> length(mesh.edge_count, 1);
+        std::vector<uint8_t> is_cone(mesh.vertex_count, 0);
+        for (uint32_t i = 0; i < cones; ++i) is_cone[(7 + 31 * i) % mesh.vertex_count] = 1;
+        Seams seams;
+        Stars stars;
+        ASSERT_TRUE(stars.build(mesh, call));
+        const uint32_t root = mesh.edge_count;
+        ASSERT_TRUE(cut_through_cones(mesh, stars, length.data(), is_cone.data(), root, seams, call));
+        EXPECT_EQ(seams.root, root);
+        enum : uint8_t { on_trunk, hangs };
+        std::vector<uint8_t> face(mesh.face_count, on_trunk);
+        std::vector<uint32_t> component(mesh.face_count);
+        for (uint32_t f = 0; f < mesh.face_count; ++f) component[f] = f;
+        size_t edges = 0;
+        for (const uint32_t h : seams.hanging) {
+            ASSERT_EQ(face[mesh.face[h]], on_trunk);
+            face[mesh.face[h]] = hangs;
+            ASSERT_NE(face[mesh.face[twin(h)]], hangs) << "a face hangs on one that was taken before";
+            ASSERT_FALSE(seams.on[edge_of(h)]);
+            ASSERT_TRUE(unite(component.data(), mesh.face[h], mesh.face[twin(h)]));
+            ++edges;
+        }
+        EXPECT_EQ(face[mesh.face[root]], on_trunk);
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+            if (!seams.trunk[e]) continue;
+            ASSERT_FALSE(seams.on[e]);
+            ASSERT_EQ(face[mesh.face[2 * e]], on_trunk);
+            ASSERT_EQ(face[mesh.face[2 * e + 1]], on_trunk);
+            ASSERT_TRUE(unite(component.data(), mesh.face[2 * e], mesh.face[2 * e + 1]));
+            ++edges;
+        }
+        EXPECT_EQ(edges, mesh.face_count - 1u);
+    }
 }
 
 // On the cut graph, and wherever the two sides differ.

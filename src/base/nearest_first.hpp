@@ -14,11 +14,21 @@ namespace hmf {
 
 class NearestFirstRounded {
 public:
+    struct Entry {
+        uint32_t key, item;
+    };
+
     void start(Memory& memory) { heap_.start(memory); }
     Done reserve(size_t n) { return heap_.reserve(n + 1); }
     void clear() { heap_.clear(); }
     bool empty() const { return heap_.empty(); }
+    uint32_t top() const { return static_cast<uint32_t>(heap_[0]); }
 
+    Done push(double distance, uint32_t item) {
+        if (heap_.size() + 1 >= heap_.capacity() && !heap_.reserve(2 * heap_.capacity() + 2)) return false;
+        add(distance, item);
+        return true;
+    }
     // Where room for it has been reserved.
     void add(double distance, uint32_t item) {
         const uint64_t word = uint64_t{key_of(distance)} << 32 | item;
@@ -29,9 +39,10 @@ public:
         heap[i] = word;
     }
 
-    uint32_t pop() {
+    uint32_t pop() { return pop_entry().item; }
+    Entry pop_entry() {
         uint64_t* const heap = heap_.data();
-        const uint32_t top = static_cast<uint32_t>(heap[0]);
+        const Entry top{static_cast<uint32_t>(heap[0] >> 32), static_cast<uint32_t>(heap[0])};
         const uint64_t last = heap_.back();
         heap_.pop();
         const size_t n = heap_.size();

@@ -18,15 +18,15 @@ AffineMap affine_map(const double* p0, const double* p1, const double* p2, const
         bb += b[c] * b[c];
     }
     // Corners in the frame: (0, 0), (x1, 0), (x2, y2).
-    const double x1 = std::sqrt(aa), cross = aa * bb - ab * ab;
-    map.area = cross > 0 ? 0.5 * std::sqrt(cross) : 0;
-    if (!(x1 > 0) || !(map.area > 0)) {
+    const double x1 = std::sqrt(aa), cross = aa * bb - ab * ab, doubled = cross > 0 ? std::sqrt(cross) : 0;
+    map.area = 0.5 * doubled;
+    if (!(x1 > 0) || !(doubled > 0)) {
         map.dilatation = HUGE_VAL;
         return map;
     }
-    const double x2 = ab / x1, y2 = 2 * map.area / x1;
-    const double u_x = (u[1] - u[0]) / x1, v_x = (v[1] - v[0]) / x1;
-    const double u_y = (u[2] - u[0] - u_x * x2) / y2, v_y = (v[2] - v[0] - v_x * x2) / y2;
+    const double by_x1 = 1 / x1, by_y2 = x1 / doubled, x2 = ab * by_x1;
+    const double u_x = (u[1] - u[0]) * by_x1, v_x = (v[1] - v[0]) * by_x1;
+    const double u_y = (u[2] - u[0] - u_x * x2) * by_y2, v_y = (v[2] - v[0] - v_x * x2) * by_y2;
     const double re = 0.5 * (u_x + v_y), im = 0.5 * (v_x - u_y);
     const double conformal = std::sqrt(re * re + im * im);
     const double anti = 0.5 * std::sqrt((u_x - v_y) * (u_x - v_y) + (v_x + u_y) * (v_x + u_y));

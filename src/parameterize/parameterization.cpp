@@ -92,8 +92,8 @@ hmf_status Parameterization::build(const Mesh& mesh, const double* position, con
         if (is_cone[v]) start = mesh.out[v];
     if (seam_lengths(mesh, position, seam_edges, length, cost, call)) return call.status();
     if (!call.tick(0.85)) return call.was_cancelled();
-    if (!cut_through_cones(mesh, charts.stars, cost.data(), is_cone.data(), seams, call)
-        || !layout.build(mesh, flat.bundle, flat.du, flat.dv, start, seams, call))
+    if (!cut_through_cones(mesh, charts.stars, cost.data(), is_cone.data(), start, seams, call)
+        || !layout.build(mesh, flat.bundle, flat.du, flat.dv, seams, call))
         return call.stopped();
     return call.tick(0.95) ? HMF_OK : call.was_cancelled();
 }

@@ -8,7 +8,12 @@
 //
 // So few edges are left that step 2 has little to choose: a face with one free
 // side takes that, and so on.  What remains are chains of faces round the
-// handles and the cones; only there edges are sorted.
+// handles and the cones, and to the root; only there edges are sorted.  The others
+// hang on these in the order in which they were taken:
+//
+//      trunk   ===+========+=======+===     laid out breadth first,
+//                 |        |       |
+//      hanging    +-+--+   +-+     +        then what hangs on it, that taken last first
 #include "seams.hpp"
 
 #include "../base/disjoint_sets.hpp"
@@ -44,30 +49,32 @@ public:
             if (is_cone[v]) {
                 has_cones = true;
                 distance[v] = 0;
-                if (!heap_.push({0, v})) return false;
+                if (!heap_.push(0, v)) return false;
             }
         if (!has_cones) {
             distance[0] = 0;
-            if (!heap_.push({0, 0})) return false;
+            if (!heap_.push(0, 0)) return false;
         }
         uint32_t steps = 0;
         while (!heap_.empty()) {
             if (++steps % STRIDE == 0 && !call.tick(0)) return false;
-            const NearestFirst::Entry entry = heap_.pop();
+            const NearestFirstRounded::Entry entry = heap_.pop_entry();
             if (!heap_.empty())
-                for (const uint32_t h : stars.of(heap_.top().item)) {
+                for (const uint32_t h : stars.of(heap_.top())) {
                     prefetch(&length[edge_of(h)]);
                     prefetch(&mesh.origin[twin(h)]);
                 }
-            if (entry.distance > distance[entry.item]) continue;
+            // Keys are rounded, so an item may be taken before it is as near as it gets, and is put in again then.
+            const double here = distance[entry.item];
+            if (key_of(here) < entry.key) continue;
             for (const uint32_t h : stars.of(entry.item)) {
                 const uint32_t w = mesh.target(h);
-                const double d = entry.distance + length[edge_of(h)];
+                const double d = here + length[edge_of(h)];
                 if (d < distance[w]) {
                     distance[w] = d;
                     parent[w] = twin(h);
                     prefetch(stars.of(w).begin());
-                    if (!heap_.push({d, w})) return false;
+                    if (!heap_.push(d, w)) return false;
                 }
             }
         }
@@ -75,21 +82,23 @@ public:
     }
 
 private:
-    NearestFirst heap_;
+    NearestFirstRounded heap_;
 };
 
-// What an edge is to the cut graph.
-enum Role : uint8_t { FREE, CROSSED, PATH }; // crossed by the tree of the faces, on a path of the forest
+// What an edge is to the cut graph: crossed by the trunk of the tree of the faces or where one hangs on another, or on
+// a path of the forest.
+enum Role : uint8_t { FREE, TRUNK, HANGING, PATH };
 
 // The tree of the faces.
 class Cotree {
 public:
     Cotree(const Mesh& mesh, uint8_t* role, Call& call) : mesh_(mesh), role_(role), call_(call) {}
 
-    // Takes the edges that there is no choice about.
-    Done prune() {
+    // Takes the edges that there is no choice about: of each face, but the root, that hangs on another one.
+    Done prune(uint32_t root, Array<uint32_t>& hanging) {
         const uint32_t faces = mesh_.face_count, sides = 2 * mesh_.edge_count;
-        if (!free_sides_.allocate(call_.memory, faces)) return false;
+        hanging.start(call_.memory);
+        if (!free_sides_.allocate(call_.memory, faces) || !hanging.reserve(faces)) return false;
         const auto count = [&](size_t begin, size_t end) {
             for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
                           [&](uint32_t h, uint32_t n, uint32_t p) {
@@ -97,14 +106,15 @@ public:
                           });
         };
         if (!call_.pass(sides, 0, count)) return false;
-        uint32_t steps = 0;
+        ++free_sides_[root];
         for (uint32_t start = 0; start < sides; ++start) {
             if (free_sides_[mesh_.face[start]] != 1) continue;
             // Along a chain: the faces behind the branches of it come later.
             for (uint32_t h = start; free_sides_[mesh_.face[h]] == 1;) {
-                if (++steps % STRIDE == 0 && !call_.tick(0)) return false;
+                if (hanging.size() % STRIDE == 0 && !call_.tick(0)) return false;
                 while (!is_free(h)) h = mesh_.next[h];
-                role_[edge_of(h)] = CROSSED;
+                role_[edge_of(h)] = HANGING;
+                hanging.add(h);
                 --free_sides_[mesh_.face[h]];
                 h = twin(h);
                 --free_sides_[mesh_.face[h]];
@@ -135,7 +145,7 @@ public:
         uint32_t steps = 0;
         for (const uint32_t e : edges.item) {
             if (++steps % STRIDE == 0 && !call_.tick(0)) return false;
-            if (unite(component.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1])) role_[e] = CROSSED;
+            if (unite(component.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1])) role_[e] = TRUNK;
         }
         return true;
     }
@@ -188,24 +198,26 @@ private:
 
 } // namespace
 
-Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone, Seams& seams,
-                       Call& call) {
+Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone,
+                       uint32_t root, Seams& seams, Call& call) {
     const uint32_t m = mesh.edge_count;
-    if (!seams.on.allocate_filled(call.memory, m, 0) || !seams.tree.allocate_filled(call.memory, m, FREE)) return false;
+    Array<uint8_t>& role = seams.trunk; // in the end: is it TRUNK?
+    if (!seams.on.allocate_filled(call.memory, m, 0) || !role.allocate_filled(call.memory, m, FREE)) return false;
+    seams.root = root;
     Forest forest;
-    Cotree cotree(mesh, seams.tree.data(), call);
+    Cotree cotree(mesh, role.data(), call);
     if (!forest.build(mesh, stars, length, is_cone, call) || !call.tick(0)) return false;
     for (const uint32_t h : forest.parent)
-        if (h != NONE) seams.tree[edge_of(h)] = PATH;
-    if (!cotree.prune() || !cotree.choose(forest.distance, length)) return false;
+        if (h != NONE) role[edge_of(h)] = PATH;
+    if (!cotree.prune(mesh.face[root], seams.hanging) || !cotree.choose(forest.distance, length)) return false;
     CutGraph graph(mesh, stars, forest.parent, seams.on.data());
     for (uint32_t e = 0; e < m; ++e)
-        if (seams.tree[e] == FREE) graph.add(e);
+        if (role[e] == FREE) graph.add(e);
     if (!forest.has_cones) graph.heal(0);
     const SeamSum sum = call.parallel.sum_blocks<SeamSum>(m, [&](size_t begin, size_t end) {
         SeamSum part;
         for (size_t e = begin; e < end; ++e) {
-            seams.tree[e] = seams.tree[e] == CROSSED;
+            role[e] = role[e] == TRUNK;
             if (!seams.on[e]) continue;
             ++part.count;
             part.length += length[e];
@@ -218,12 +230,13 @@ Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* lengt
 }
 
 Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
-                   uint32_t first_half_edge, const Seams& seams, Call& call) {
+                   const Seams& seams, Call& call) {
     Memory& memory = call.memory;
     const size_t sides = size_t{2} * mesh.edge_count;
-    Array<uint32_t> queue; // of half-edges; their faces are laid out
+    Array<uint32_t> trunk; // half-edges, whose faces are laid out
+    trunk.start(memory);
     if (!u.allocate(memory, sides) || !v.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0)
-        || !queue.allocate(memory, mesh.face_count) || !call.tick(0))
+        || !call.tick(0))
         return false;
     // From the value at h round its face.
     const auto lay = [&](uint32_t h) {
@@ -234,37 +247,47 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
         u[p] = u[n] + s * du.at(bundle, n);
         v[p] = v[n] + s * dv.at(bundle, n);
     };
-    constexpr int64_t limit = int64_t{1} << 52;
-    chart[mesh.face[first_half_edge]] = 1;
-    u[first_half_edge] = v[first_half_edge] = 0;
-    lay(first_half_edge);
-    uint32_t size = 0;
-    queue[size++] = first_half_edge;
-    for (uint32_t i = 0; i < size; ++i) {
+    // The face of t, beside that of its twin.
+    const auto lay_beside = [&](uint32_t t) {
+        constexpr int64_t limit = int64_t{1} << 52;
+        const uint32_t h = twin(t);
+        chart[mesh.face[t]] = static_cast<int8_t>(chart[mesh.face[h]] * bundle.turn[edge_of(t)]);
+        u[t] = u[mesh.next[h]];
+        v[t] = v[mesh.next[h]];
+        // Too far from 0 for an exact double: a seam with a translation more.
+        u[t] += u[t] > limit ? -limit : u[t] < -limit ? limit : 0;
+        v[t] += v[t] > limit ? -limit : v[t] < -limit ? limit : 0;
+        lay(t);
+    };
+    chart[mesh.face[seams.root]] = 1;
+    u[seams.root] = v[seams.root] = 0;
+    lay(seams.root);
+    if (!trunk.push(seams.root)) return false;
+    for (size_t i = 0; i < trunk.size(); ++i) {
         if (i % STRIDE == 0 && !call.tick(0)) return false;
-        if (size - i > 2 * ahead) {
-            prefetch(&mesh.next[twin(queue[i + 2 * ahead])]);
-            const uint32_t n = mesh.next[queue[i + ahead]], p = mesh.next[n];
-            for (const uint32_t t : {twin(n), twin(p)}) {
-                prefetch(&mesh.face[t]);
-                prefetch(&mesh.next[t]);
+        uint32_t h = trunk[i];
+        for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
+            const uint32_t t = twin(h);
+            if (!seams.trunk[edge_of(h)] || chart[mesh.face[t]] != 0) continue;
+            lay_beside(t);
+            if (!trunk.push(t)) return false;
+        }
+    }
+    for (size_t i = seams.hanging.size(); i-- > 0;) {
+        if (i % STRIDE == 0 && !call.tick(0)) return false;
+        if (i >= 2 * ahead) {
+            prefetch(&mesh.next[seams.hanging[i - 2 * ahead]]);
+            const uint32_t h = seams.hanging[i - ahead], n = mesh.next[h];
+            prefetch(&mesh.face[h]);
+            prefetch(&mesh.next[n]);
+            for (const uint32_t t : {h, n}) {
                 prefetch(&u[t]);
                 prefetch(&v[t]);
+                prefetch(&du.value[edge_of(t)]);
+                prefetch(&dv.value[edge_of(t)]);
             }
         }
-        uint32_t h = queue[i];
-        for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
-            const uint32_t t = twin(h), e = edge_of(h), face = mesh.face[t];
-            if (!seams.tree[e] || chart[face] != 0) continue;
-            chart[face] = static_cast<int8_t>(chart[mesh.face[h]] * bundle.turn[e]);
-            u[t] = u[mesh.next[h]];
-            v[t] = v[mesh.next[h]];
-            // Too far from 0 for an exact double: a seam with a translation more.
-            u[t] += u[t] > limit ? -limit : u[t] < -limit ? limit : 0;
-            v[t] += v[t] > limit ? -limit : v[t] < -limit ? limit : 0;
-            lay(t);
-            queue[size++] = t;
-        }
+        lay_beside(seams.hanging[i]);
     }
     return true;
 }

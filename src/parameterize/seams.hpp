@@ -7,8 +7,11 @@
 namespace hmf {
 
 struct Seams {
-    Array<uint8_t> on;   // per edge: 1 on the cut graph
-    Array<uint8_t> tree; // per edge: 1 where the layout crosses it, a spanning tree of the faces
+    Array<uint8_t> on; // per edge: 1 on the cut graph
+    // A spanning tree of the faces, along which the layout goes: a trunk, and what hangs on it.
+    uint32_t root = 0;       // half-edge of a face of the trunk
+    Array<uint8_t> trunk;    // per edge: 1 where the trunk crosses it
+    Array<uint32_t> hanging; // half-edges h: face(h) hangs on face(twin(h)), what is further out first
     uint64_t edge_count = 0;
     double length = 0; // in the unit of the lengths
 };
@@ -24,19 +27,19 @@ struct SeamSum {
 };
 
 // A short cut graph through all cones: shortest paths between cones and round
-// the handles [Erickson and Whittlesey 2005].  length: per edge, > 0.
-// false: out of memory or cancelled.
-Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone, Seams& seams,
-                       Call& call);
+// the handles [Erickson and Whittlesey 2005].  length: per edge, > 0.  root:
+// half-edge of the face where the tree begins.  false: out of memory or cancelled.
+Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* length, const uint8_t* is_cone,
+                       uint32_t root, Seams& seams, Call& call);
 
-// (u, v) at the corner origin(h) of face(h), for each half-edge, below 2^53.  The
+// (u, v) at the corner origin(h) of face(h), for each half-edge, below 2^53; 0 at the root of the tree.  The
 // same from both sides of every edge that is not on a seam, but where a layout
 // that is too wide is pushed back by 2^52.
 struct Layout {
     Array<int64_t> u, v; // per half-edge
     Array<int8_t> chart; // per face: sign of the layout in the chart of the face
     Done build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
-               uint32_t first_half_edge, const Seams& seams, Call& call);
+               const Seams& seams, Call& call);
 };
 
 } // namespace hmf
