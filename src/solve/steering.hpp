@@ -69,7 +69,7 @@ constexpr double end_of_doubles = 1e-13;
 // Iterations of conjugate gradients.  With the setup of an earlier model: a new one costs
 // about ten, and where zeros have moved it needs a fifth as many.
 constexpr uint32_t iterations_with_old_setup = 16;
-constexpr double changed_share = 0.005;             // of the rows: the old setup is not tried
+constexpr double changed_share = 0.01;              // of the rows: the old setup is not tried
 constexpr uint32_t iterations_with_new_setup = 200; // guard
 constexpr uint32_t iterations_with_smoother = 10;
 constexpr uint32_t iterations_between_bounds = 100; // guard
