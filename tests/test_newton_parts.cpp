@@ -395,8 +395,8 @@ TEST(Layout, TooWideIsPushedBack) {
     EXPECT_GT(pushed, 0u);
 }
 
-// Trunk and what hangs on it are a spanning tree of the faces that crosses no seam, the root is on the trunk, and a face
-// comes before that on which it hangs.
+// Trunk and what hangs on it are a spanning tree of the faces that crosses no seam, the root is on the trunk, and a
+// face comes before that on which it hangs.
 TEST(Seams, TreeOfTheFaces) {
     for (const uint32_t cones : {0u, 1u, 5u}) {
         test::MadeMesh made(test::plate(2, 2, 2));

@@ -83,6 +83,8 @@ struct LevelWork {
     hmf_level_report statistics{};
     // Room for both.
     Done prepare();
+    // Between two passes over the mesh; false: cancelled or asked to finish.
+    Done go_on() { return call.tick(0, true) && !call.finishing(); }
     // Makes the unit so fine that rounding leaves half of this residual at most, or as
     // fine as options.largest_value lets it.
     Fineness refine_unit(double residual);
