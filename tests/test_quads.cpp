@@ -1,5 +1,6 @@
 // Quad meshes by number, with short critical leaves merged, over poles, and
 // relaxed: sound whatever the numbers are, on the surface, as many as wished.
+#include "support/sample.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -121,7 +122,7 @@ TEST(Quads, SoundOnRandomMarkedSurfaces) {
     size_t close = 0, tried = 0;
     for (size_t genus = 0; genus < 4; ++genus) {
         const TriMesh mesh = genus == 1 ? torus(24, 12, 2, 0.8) : pretzel(genus, 1);
-        for (size_t n = genus == 0 ? 4 : 0; n <= 8; n += 4) {
+        for (size_t n = genus == 0 ? 4 : 0; n <= 8; n += sample<size_t>(4, 8)) {
             const SolvedSurface surface(mesh, random_marks(mesh.vertex_count(), n, 7 * genus + n));
             ASSERT_TRUE(surface.solution.foliation);
             for (const uint64_t count : {1, 60, 300, 1500})
@@ -232,7 +233,7 @@ TEST(Quads, VeryFineSizes) {
 // attempt to untangle looked further than the last, three had an inverted quad).
 TEST(Quads, FinerThanTheTriangles) {
     size_t tangled = 0;
-    for (const double turn : {0, 1, 2, 3}) {
+    for (int turn = 0; turn < sample(4, 1); ++turn) {
         SCOPED_TRACE(turn);
         const SolvedSurface surface(transformed(pretzel(2, 1), rotation(1, 2, 3, turn)));
         const Made made = quads_of(surface.solution.foliation, wish(60000, 10));
