@@ -209,11 +209,13 @@ can_sanitize() {
         "$results/sanitized"
 }
 
-# The static library and the tool are those of the release build, the shared library has a build of its own.
+# The static library and the tool are those of the release build, the shared library has a build of its own, which is
+# looked at and linked, and need not be fast.
 build_libraries() {
     echo "building the libraries"
     { cmake --preset release && cmake --build build/release -j "$jobs" --target hmf hmf_pool hmf_cli &&
-        cmake -S . -B build/library-ON -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON -DHMF_BUILD_CLI=OFF &&
+        cmake -S . -B build/library-ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE='-O1 -DNDEBUG' \
+            -DBUILD_SHARED_LIBS=ON -DHMF_BUILD_CLI=OFF &&
         cmake --build build/library-ON -j "$jobs"; } > "$results/libraries-build.log" 2>&1
     echo $? > "$results/libraries.code"
 }
@@ -474,11 +476,14 @@ beside=
 if [ "$jobs" -gt 1 ] && [ -n "$first" ] && [ -n "$second" ]; then
     beside="$first$second"
     for name in $beside; do rm -f "$results/$name.counts" "$results/$name.out"; done
+    case " $chosen " in *" asan-ubsan "*) choose_sanitizing_compiler ;; esac # may install packages
     echo "at the same time: $first| $second"
     # shellcheck disable=SC2086
     run_lane $first &
     # shellcheck disable=SC2086
     (run_lane $second)
+    # Processes of the first lane wait for each other most of its time.
+    case " $chosen " in *" asan-ubsan "*) (build asan-ubsan > /dev/null) ;; esac
     wait
 fi
 for name in $chosen; do

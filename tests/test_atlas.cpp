@@ -416,7 +416,9 @@ TEST(Atlas, LargeMarginsAreKept) {
 // size have five charts, others with other bits.
 TEST(Atlas, ATorusNeedsFewCharts) {
     std::vector<uint64_t> charts;
-    for (const size_t around : {100, 102, 104, 106, 108, 110, 112, 116, 120}) {
+    std::vector<size_t> tori = {100, 106, 112, 102, 104, 108, 110, 116, 120};
+    tori.resize(sample<size_t>(9, 3));
+    for (const size_t around : tori) {
         const TriMesh mesh = torus(around, 48, 2, 0.8);
         const Hierarchy hierarchy(mesh);
         const Solution solution = solve(hierarchy, nullptr, solve_options(HMF_METHOD_NEWTON, 1e-8));
@@ -428,7 +430,7 @@ TEST(Atlas, ATorusNeedsFewCharts) {
         charts.push_back(atlas->chart_count);
     }
     std::sort(charts.begin(), charts.end());
-    EXPECT_LE(charts[4], 4u);
+    EXPECT_LE(charts[charts.size() / 2], 4u);
 }
 
 TEST(Atlas, IsTheSameInAnyUnit) {
