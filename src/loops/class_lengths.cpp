@@ -153,18 +153,28 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     made.starts = 1;
     made.stage = stage_where_found();
     if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
+    made.where_found = made.length;
     Curve curve{};
     if (id != NONE) {
         Class& c = classes_[id];
         ++c.starts;
-        if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
+        if (c.stage != made.stage) {
+            // Another curve than the one that was measured: to be measured as well.
+            if (made.length >= c.where_found * (1 - BESIDE)) return true;
+            c.stage = made.stage;
+            c.length = c.where_found;
+            c.wanted = true;
+            c.wide = false;
+            c.last = NONE;
+        }
+        if (made.length >= c.length * (1 + BESIDE)) return true;
         if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
         curve.before = c.last;
         c.last = static_cast<uint32_t>(curves_.size());
         if (made.length < c.length * (1 - SAME)) {
             c.first = curve.first;
             c.end = curve.end;
-            c.length = made.length;
+            c.length = c.where_found = made.length;
             c.doubt = made.doubt;
         }
         return curves_.push(curve) && (!c.wide || look_beside(c));
@@ -207,6 +217,7 @@ Done ClassLengths::look_beside(Class& c) {
             if (!from.push(crossings_[k])) return false;
         Class found = c;
         if (!pull(geodesic_, mesh_, position_, from.data(), from.size(), true, found)) return false;
+        found.where_found = found.length;
         if (found.length >= c.length * (1 - SAME)) continue;
         if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
         const uint32_t last = c.last;
@@ -252,6 +263,21 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
         c.wanted |= c.stage != Stage::done && may_be(c);
     }
     return best;
+}
+
+bool ClassLengths::may_be_shorter(const uint32_t* ids, const uint32_t* others, size_t n) {
+    double least = 0, most = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const Class &c = classes_[ids[i]], &other = classes_[others[i]];
+        least += c.length / (1 + DOUBT[c.stage]);
+        most += other.length * (1 + other.doubt + DOUBT[other.stage]);
+    }
+    if (!(least < most)) return false;
+    for (size_t i = 0; i < n; ++i) {
+        want(ids[i]);
+        want(others[i]);
+    }
+    return true;
 }
 
 Done ClassLengths::measure(bool& changed) {

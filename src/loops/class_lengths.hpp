@@ -42,6 +42,12 @@ public:
     // Which of these is the shortest, as far as is known.  Those that may be
     // shorter once they are measured are noted.  n > 0.
     size_t shortest(const uint32_t* ids, size_t n);
+    // It is noted.
+    void want(uint32_t id) {
+        if (care_ == LoopCare::shortest) classes_[id].wanted |= classes_[id].stage != Stage::done;
+    }
+    // May n of them, together, be shorter than n others?  If so, all are noted.
+    bool may_be_shorter(const uint32_t* ids, const uint32_t* others, size_t n);
     double length(uint32_t id) const { return classes_[id].length; }
     // A simple strip of it, pulled straight where it was found if that is simple; it may meet other loops.
     bool has_pulled() const { return care_ == LoopCare::shortest; }
@@ -59,6 +65,7 @@ private:
         uint64_t hash, name, name_end; // of its name in letters_
         uint64_t first, end;           // its loop in crossings_, see pulled()
         double length;                 // tilted
+        double where_found;            // likewise, of that loop on the level where loops are found
         double doubt;                  // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
         uint8_t starts; // strips that were pulled to it

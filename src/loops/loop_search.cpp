@@ -55,7 +55,7 @@ uint32_t LoopSearch::find_state(uint32_t region, uint64_t label, bool make) {
     return made;
 }
 
-Done LoopSearch::search(uint32_t root, double limit) {
+Done LoopSearch::search(uint32_t root, double limit, double kept) {
     ++epoch_;
     heap_.clear();
     order_.clear();
@@ -100,7 +100,7 @@ Done LoopSearch::search(uint32_t root, double limit) {
                 const double length = d + state.distance;
                 if (!keep({length, signature ^ state.signature, arc.half_segment, s, to})) return false;
                 shortest = std::min(shortest, length);
-                reach = std::min(reach, SLACK * shortest);
+                reach = std::min(reach, std::max(SLACK * shortest, kept));
             }
         }
     }

@@ -39,8 +39,8 @@ public:
     static constexpr size_t MOST_LOOPS = 16; // of one search
 
     // Looks for loops through the root that are shorter than `limit`, with the
-    // way from the root to them and back, and gets bounds.
-    Done search(uint32_t root, double limit);
+    // way from the root to them and back, and gets bounds.  Those shorter than `kept` are kept in any case.
+    Done search(uint32_t root, double limit, double kept = 0);
     // The loops found, shortest first: cycles of half-segments, not longer.
     size_t count() const { return closings_.size(); }
     Done strip(size_t i, Array<uint32_t>& found);

@@ -13,9 +13,14 @@
 // Other candidates are short cycles with two holes or more on both sides, of
 // the trees of shortest ways from regions (signatures.hpp, loop_search.hpp): necks.
 // Ways are those between the cells of a Voronoi diagram of the holes: one for
-// each piece of the border between two cells.  Classes that come close are
-// measured on a fine level once there are all loops, and from the first choice
-// that was wrong on it is made again.
+// each piece of the border between two cells.
+//
+// Each loop is the shortest that those before it leave, so an early tie, or a
+// length that is wrong on the level where loops are found, would decide all the
+// others.  Elementary moves shorten them once there are all (elementary_moves.hpp).
+// Loops round pairs of marks alone know no such moves: classes that come close
+// are measured on a fine level, and from the first choice that was wrong on it is
+// made again.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.  To run along a marked vertex is to
@@ -33,6 +38,7 @@
 #include "cut_surface.hpp"
 #include "disjoint.hpp"
 #include "dual_length.hpp"
+#include "elementary_moves.hpp"
 #include "loop_search.hpp"
 #include "necks.hpp"
 
@@ -83,6 +89,7 @@ public:
         mark_word_.start(memory_);
         // Regions settled in all searches: linear in the faces on large meshes.
         const double budget = 5e6 + 12.0 * mesh_.face_count;
+        const bool moves = !marks_only_ && lengths_.care() == LoopCare::shortest;
         uint64_t steps = 0;
         for (int round = 0; round < MOST_ROUNDS; ++round) {
             for (; loops_.count() < wanted; ++steps) {
@@ -99,6 +106,7 @@ public:
                 const hmf_status status = take_last();
                 if (status) return status;
             }
+            if (moves) break;
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed) break;
@@ -121,6 +129,10 @@ public:
             }
         }
         if (loops_.count() == given) return HMF_OK;
+        if (moves) {
+            const hmf_status status = shorten_by_moves(mesh_, position_, lengths_, call_, loops_);
+            if (status) return status;
+        }
         return shorten_loops(mesh_, position_, 0, 1, 1, call_, loops_);
     }
 

@@ -14,6 +14,8 @@ constexpr size_t STRIDE = 65536; // regions and segments between two reports
 
 // The tree of the points, while words are given to the segments that are in none of both trees.
 struct PointTree {
+    const Array<uint32_t>* as = nullptr; // of each point, the one that it counts as; NULL: itself
+    uint32_t point(uint32_t p) const { return as ? (*as)[p] : p; }
     Array<uint32_t> degree; // of each point, in the part that is left
     Array<uint32_t> last;   // its segments, by exclusive or: once the degree is one, the segment that is left
     Array<uint64_t> value;  // the cycles that end at the point, or behind it
@@ -56,7 +58,7 @@ Done span_points(const CutSurface& cut, const Array<uint8_t>& in_tree, PointTree
     for (uint32_t s = 0; s < cut.segment_count; ++s) {
         if (s % STRIDE == 0 && !call.tick(0, true)) return false;
         if (in_tree[s]) continue;
-        const uint32_t p = cut.point[2 * size_t{s}], q = cut.point[2 * size_t{s} + 1];
+        const uint32_t p = tree.point(cut.point[2 * size_t{s}]), q = tree.point(cut.point[2 * size_t{s} + 1]);
         if (unite(parent.data(), p, q)) {
             ++tree.degree[p];
             ++tree.degree[q];
@@ -81,7 +83,8 @@ Done sum_behind(const CutSurface& cut, PointTree& tree, Array<uint32_t>& queue, 
         const uint32_t p = queue[begin++];
         if (tree.degree[p] != 1) continue;
         const uint32_t s = tree.last[p];
-        const uint32_t q = cut.point[2 * size_t{s}] == p ? cut.point[2 * size_t{s} + 1] : cut.point[2 * size_t{s}];
+        const uint32_t a = tree.point(cut.point[2 * size_t{s}]), b = tree.point(cut.point[2 * size_t{s} + 1]);
+        const uint32_t q = a == p ? b : a;
         of[s] = tree.value[p];
         tree.value[q] ^= tree.value[p];
         tree.last[q] ^= s;
@@ -93,18 +96,41 @@ Done sum_behind(const CutSurface& cut, PointTree& tree, Array<uint32_t>& queue, 
 
 } // namespace
 
-Done Signatures::build(const CutSurface& cut, Call& call) {
+// A cut system of the surface with these points, as words; all points of one number are one.
+static Done build_words(const CutSurface& cut, const Array<uint32_t>* as, Signatures& found, Call& call) {
     Memory& memory = call.memory;
     const uint32_t regions = cut.region_count, segments = cut.segment_count, points = cut.point_count;
     Array<uint32_t> queue;
     Array<uint8_t> in_tree; // of the regions
     PointTree tree;
-    return of.allocate_filled(memory, segments, uint64_t{0}) && reached.allocate(memory, regions)
-        && rank.allocate_filled(memory, regions, NONE) && queue.allocate(memory, std::max(regions, points))
+    tree.as = as;
+    return found.of.allocate_filled(memory, segments, uint64_t{0}) && found.reached.allocate(memory, regions)
+        && found.rank.allocate_filled(memory, regions, NONE) && queue.allocate(memory, std::max(regions, points))
         && tree.degree.allocate_filled(memory, points, 0u) && tree.last.allocate_filled(memory, points, 0u)
         && in_tree.allocate_filled(memory, segments, uint8_t{0})
-        && tree.value.allocate_filled(memory, points, uint64_t{0}) && search_regions(cut, *this, queue, in_tree, call)
-        && span_points(cut, in_tree, tree, of, call) && sum_behind(cut, tree, queue, of, call);
+        && tree.value.allocate_filled(memory, points, uint64_t{0}) && search_regions(cut, found, queue, in_tree, call)
+        && span_points(cut, in_tree, tree, found.of, call) && sum_behind(cut, tree, queue, found.of, call);
+}
+
+Done Signatures::build(const CutSurface& cut, Call& call) { return build_words(cut, nullptr, *this, call); }
+
+Done Signatures::build_punctured(const CutSurface& cut, const Array<uint8_t>& is_hole, Call& call) {
+    Array<uint32_t> as;
+    Array<uint64_t> round;
+    trivial.start(call.memory);
+    if (!as.allocate(call.memory, cut.point_count) || !round.allocate_filled(call.memory, cut.point_count, uint64_t{0}))
+        return false;
+    uint32_t hole = NONE; // the first one
+    for (uint32_t p = 0; p < cut.point_count; ++p) {
+        if (is_hole[p] && hole == NONE) hole = p;
+        as[p] = is_hole[p] ? hole : p;
+    }
+    if (!build_words(cut, &as, *this, call)) return false;
+    for (size_t k = 0; k < 2 * size_t{cut.segment_count}; ++k) round[cut.point[k]] ^= of[k >> 1];
+    for (uint32_t p = 0; p < cut.point_count; ++p)
+        if (is_hole[p] && !trivial.push(round[p])) return false;
+    heap_sort(trivial.data(), trivial.size(), [](uint64_t a, uint64_t b) { return a < b; });
+    return true;
 }
 
 Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call) {

@@ -1,0 +1,29 @@
+// Elementary moves of a pants decomposition (Hatcher, Thurston: A presentation for
+// the mapping class group of a closed orientable surface, 1980; Hatcher: Pants
+// decompositions of surfaces, 1999): one curve is replaced by another one in the
+// component that all other curves leave round it.
+//
+//      four-holed sphere             one-holed torus
+//
+//       A         B                   _________
+//        \   c   /                   /   ___   \    c round the handle,
+//         \  |  /                    |  / d \  |    d through it
+//       d  --|--  d                  \ c\___/  |
+//         /  |  \                     \__   __/
+//        /       \                       | |
+//       C         D
+//
+// Each curve becomes the shortest of its component, until all are: the choice of
+// the first curves, by a tie maybe, decides no longer which ones are left for the
+// last.
+#pragma once
+
+#include "class_lengths.hpp"
+
+namespace hmf {
+
+// loops: a pants decomposition.
+[[nodiscard]] hmf_status shorten_by_moves(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
+                                          Loops& loops);
+
+} // namespace hmf
