@@ -16,7 +16,8 @@ constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a 
 constexpr double SAME = 1e-4;                                           // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
-constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
+constexpr double DOUBT_ROUND = 24;
+constexpr double ROUGH = 0.1; // a level where a length is wrong by more may be so for others
 constexpr size_t ROUNDS = 100;
 constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
@@ -153,28 +154,18 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     made.starts = 1;
     made.stage = stage_where_found();
     if (!pull(geodesic_, mesh_, position_, crossings, n, false, made)) return false;
-    made.where_found = made.length;
     Curve curve{};
     if (id != NONE) {
         Class& c = classes_[id];
         ++c.starts;
-        if (c.stage != made.stage) {
-            // Another curve than the one that was measured: to be measured as well.
-            if (made.length >= c.where_found * (1 - BESIDE)) return true;
-            c.stage = made.stage;
-            c.length = c.where_found;
-            c.wanted = true;
-            c.wide = false;
-            c.last = NONE;
-        }
-        if (made.length >= c.length * (1 + BESIDE)) return true;
+        if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
         if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
         curve.before = c.last;
         c.last = static_cast<uint32_t>(curves_.size());
         if (made.length < c.length * (1 - SAME)) {
             c.first = curve.first;
             c.end = curve.end;
-            c.length = c.where_found = made.length;
+            c.length = made.length;
             c.doubt = made.doubt;
         }
         return curves_.push(curve) && (!c.wide || look_beside(c));
@@ -217,7 +208,6 @@ Done ClassLengths::look_beside(Class& c) {
             if (!from.push(crossings_[k])) return false;
         Class found = c;
         if (!pull(geodesic_, mesh_, position_, from.data(), from.size(), true, found)) return false;
-        found.where_found = found.length;
         if (found.length >= c.length * (1 - SAME)) continue;
         if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
         const uint32_t last = c.last;
@@ -252,10 +242,10 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
         const Class& c = classes_[ids[i]];
-        const double upper = c.length * (1 + c.doubt + DOUBT[c.stage]);
+        const double upper = c.length * (1 + c.doubt + error_[c.stage]);
         most = std::min(most, upper);
     }
-    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
+    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + error_[c.stage]); };
     bool other = false;
     for (size_t i = 0; i < n; ++i) other |= ids[i] != ids[best] && may_be(classes_[ids[i]]);
     for (size_t i = 0; i < n && other; ++i) {
@@ -269,8 +259,8 @@ bool ClassLengths::may_be_shorter(const uint32_t* ids, const uint32_t* others, s
     double least = 0, most = 0;
     for (size_t i = 0; i < n; ++i) {
         const Class &c = classes_[ids[i]], &other = classes_[others[i]];
-        least += c.length / (1 + DOUBT[c.stage]);
-        most += other.length * (1 + other.doubt + DOUBT[other.stage]);
+        least += c.length / (1 + error_[c.stage]);
+        most += other.length * (1 + other.doubt + error_[other.stage]);
     }
     if (!(least < most)) return false;
     for (size_t i = 0; i < n; ++i) {
@@ -303,6 +293,9 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     }
     if (ids.empty()) return true;
     changed = true;
+    Array<double> before;
+    if (!before.allocate(call_.memory, ids.size())) return false;
+    for (size_t k = 0; k < ids.size(); ++k) before[k] = classes_[ids[k]].length;
     LoopCarrier carrier;
     if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)) return false;
     while (carrier.level() > finest) {
@@ -328,9 +321,13 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         }
         if (!last && !carrier.replace(pulled)) return false;
     }
-    for (const uint32_t id : ids) {
-        classes_[id].stage = reached;
-        classes_[id].wanted = false;
+    for (size_t k = 0; k < ids.size(); ++k) {
+        Class& c = classes_[ids[k]];
+        const double change = std::fabs(c.length / before[k] - 1);
+        const bool is_rough = change > ROUGH;
+        if (is_rough) error_[stage] = std::max(error_[stage], change);
+        c.stage = reached;
+        c.wanted = is_rough && reached != Stage::done;
     }
     return true;
 }

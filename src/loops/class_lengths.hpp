@@ -65,7 +65,6 @@ private:
         uint64_t hash, name, name_end; // of its name in letters_
         uint64_t first, end;           // its loop in crossings_, see pulled()
         double length;                 // tilted
-        double where_found;            // likewise, of that loop on the level where loops are found
         double doubt;                  // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
         uint8_t starts; // strips that were pulled to it
@@ -97,6 +96,7 @@ private:
     LoopCare care_ = LoopCare::shortest;
     size_t found_ = 0, level_ = 0, finest_ = 0; // where loops are found, and measured
     bool started_ = false;
+    double error_[3] = {0.05, 0.005, 0}; // relative, of lengths of a stage; more once one was wrong by more
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     CurveWords words_;
     ClosedGeodesic geodesic_;

@@ -35,7 +35,11 @@ namespace {
 
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
-constexpr double ROOTS = 1.15;         // no search where loops are known to be longer than the best one by this factor
+constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
+// Of many handles one may be so narrow that strips round it are twice as long as they should be.  It comes last, and
+// that search reaches further, and leaves out less.
+constexpr uint32_t MANY_HANDLES = 10;
+constexpr double FAR = 2.6, FAR_ROOTS = 2;
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MANY = 16;          // with a genus from here on a batch is half of the loops that are left, else one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
@@ -132,6 +136,7 @@ private:
         if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
             return call_.stopped();
+        is_far_ = k + 1 == genus && genus >= MANY_HANDLES && !condition_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
         // Labels of a surface that meets itself may leave no loop without crossings, or only such as wind a lot.
@@ -221,7 +226,7 @@ private:
         waits_.clear();
         for (size_t i = 0; i < candidates_.size() && ids_.size() < first + most; ++i) {
             Candidate& c = candidates_[i];
-            if (!by_count_ && c.length > SLACK * shortest) break;
+            if (!by_count_ && c.length > slack() * shortest) break;
             if (!words_.empty() && shortest == UNREACHED && c.length > BATCH * best_) break;
             if (!words_.empty() && c.place == Place::open) look_at(c);
             if (c.place == Place::gone) continue;
@@ -438,7 +443,7 @@ private:
     Done search_roots(double allowed, bool& complete) {
         complete = false;
         for (size_t i = 0; i < roots_.size(); ++i) {
-            if (search_.bound(roots_[i].region) >= ROOTS * best_
+            if (search_.bound(roots_[i].region) >= roots() * best_
                 || (found_ && search_.nearest_root(roots_[i].region) < APART * best_))
                 continue;
             if (found_ ? static_cast<double>(search_.work()) >= allowed : is_hopeless(allowed)) return true;
@@ -451,11 +456,12 @@ private:
         return true;
     }
 
-    double slack() const { return is_quick() ? 1 : SLACK; }
+    double slack() const { return is_quick() ? 1 : is_far_ ? FAR : SLACK; }
+    double roots() const { return is_far_ ? FAR_ROOTS : ROOTS; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
-        if (!search_.search(root, slack() * best_)) return false;
+        if (!search_.search(root, slack() * best_, is_far_ && found_ ? slack() * best_ : 0)) return false;
         for (size_t i = 0; i < search_.count(); ++i) {
             if (!search_.strip(i, try_)) return false;
             double total = 0;
@@ -522,6 +528,7 @@ private:
     size_t states_per_region_ = 4;
     uint64_t work_before_ = 0; // of the search, before this loop
     bool by_count_ = false;
+    bool is_far_ = false;      // the search reaches further
     Array<double> face_bound_; // of the loops through a face
     Array<Root> roots_, gate_;
     Array<uint32_t> visited_; // per region

@@ -354,14 +354,44 @@ private:
         return true;
     }
 
-    // In a class with several closed geodesics a curve may lie beside another one than the shortest.
+    // In a class with several closed geodesics a curve may lie beside another one than the shortest: then as it was
+    // pulled straight, with those that are in its way; else as it was found since.
     Done straighten() {
         for (uint32_t k = 0; k < loops_.count(); ++k) {
-            const uint32_t* const strip = own_strips_.data() + own_[k].first;
+            if (!call_.tick(0, true)) return false;
             bool done = false;
-            if (!call_.tick(0, true) || (own_[k].size > 0 && !replace(&k, &strip, &own_[k].size, 1, done)))
+            if (strip_length(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k])) < strip_length(k) * (1 - LITTLE)
+                && !pull_with_others(k, done))
                 return false;
+            const uint32_t* const strip = own_strips_.data() + own_[k].first;
+            if (!done && own_[k].size > 0 && !replace(&k, &strip, &own_[k].size, 1, done)) return false;
         }
+        return true;
+    }
+
+    // Those that its pulled strip meets are pulled as well, if all are disjoint then.
+    Done pull_with_others(uint32_t k, bool& done) {
+        const size_t n = loops_.count();
+        Array<uint8_t> is_pulled;
+        if (!is_pulled.allocate_filled(memory_, n, uint8_t{0})) return false;
+        is_pulled[k] = 1;
+        Loops two, changed;
+        for (uint32_t c = 0; c < n; ++c) {
+            if (c == k) continue;
+            bool apart = false;
+            if (!two.start(memory_) || !two.add(loops_, c)
+                || !two.add(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k]))
+                || !last_is_disjoint(mesh_, two, test_, memory_, apart))
+                return false;
+            is_pulled[c] = !apart;
+        }
+        if (!changed.start(memory_)) return false;
+        for (uint32_t c = 0; c < n; ++c)
+            if (!(is_pulled[c] ? changed.add(lengths_.pulled(id_[c]), lengths_.pulled_size(id_[c]))
+                               : changed.add(loops_, c)))
+                return false;
+        if (!disjoint(mesh_, changed, 0, n, test_, nullptr, memory_, done)) return false;
+        if (done) loops_.swap(changed);
         return true;
     }
 

@@ -16,7 +16,8 @@ namespace hmf {
 namespace {
 
 // A coarser level is not the surface any more: handles are shorter there, or longer, by half.
-constexpr uint64_t VERTICES_OF_HANDLE = 420, MOST_VERTICES = 10000;
+// Many handles are of different sizes, and the small ones have few of the vertices.
+constexpr uint64_t VERTICES_OF_HANDLE = 420, MANY_HANDLES = 10, MOST_VERTICES = 10000;
 
 hmf_status find_loops(const hmf_hierarchy& h, size_t found, int32_t kind, LoopCare care, Call& call, Loops& out) {
     const Mesh& mesh = loop_mesh(h, found);
@@ -47,7 +48,7 @@ hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Cal
 }
 
 size_t search_level(const hmf_hierarchy& h) {
-    const uint64_t wanted = std::min(VERTICES_OF_HANDLE * h.genus, MOST_VERTICES);
+    const uint64_t wanted = h.genus < MANY_HANDLES ? VERTICES_OF_HANDLE * h.genus : MOST_VERTICES;
     size_t level = h.level_count - 1;
     while (level > 1 && h.levels[level].mesh.vertex_count < wanted) --level;
     return level;

@@ -12,7 +12,7 @@ inline const Mesh& loop_mesh(const hmf_hierarchy& h, size_t level) {
 }
 
 // Where loops are searched for: the coarsest level with 420 vertices for each
-// handle, 10 000 at most; not level 0, whose triangles may be of any shape.
+// handle, or with 10 000 from ten handles on; not level 0, whose triangles may be of any shape.
 size_t search_level(const hmf_hierarchy& hierarchy);
 
 // Loops of a kind on a level.  They are found on search_level (if they need no
