@@ -16,8 +16,7 @@ constexpr size_t MOST_STARTS = 4, MOST_MARKED_STARTS = 64;              // of a 
 constexpr double SAME = 1e-4;                                           // shorter by less: one curve
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
-constexpr double DOUBT_ROUND = 24;
-constexpr double ROUGH = 0.1; // a level where a length is wrong by more may be so for others
+constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t ROUNDS = 100;
 constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
@@ -242,10 +241,10 @@ size_t ClassLengths::shortest(const uint32_t* ids, size_t n) {
     double most = HUGE_VAL;
     for (size_t i = 0; i < n; ++i) {
         const Class& c = classes_[ids[i]];
-        const double upper = c.length * (1 + c.doubt + error_[c.stage]);
+        const double upper = c.length * (1 + c.doubt + DOUBT[c.stage]);
         most = std::min(most, upper);
     }
-    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + error_[c.stage]); };
+    const auto may_be = [&](const Class& c) { return c.length <= most * (1 + DOUBT[c.stage]); };
     bool other = false;
     for (size_t i = 0; i < n; ++i) other |= ids[i] != ids[best] && may_be(classes_[ids[i]]);
     for (size_t i = 0; i < n && other; ++i) {
@@ -259,8 +258,8 @@ bool ClassLengths::may_be_shorter(const uint32_t* ids, const uint32_t* others, s
     double least = 0, most = 0;
     for (size_t i = 0; i < n; ++i) {
         const Class &c = classes_[ids[i]], &other = classes_[others[i]];
-        least += c.length / (1 + error_[c.stage]);
-        most += other.length * (1 + other.doubt + error_[other.stage]);
+        least += c.length / (1 + DOUBT[c.stage]);
+        most += other.length * (1 + other.doubt + DOUBT[other.stage]);
     }
     if (!(least < most)) return false;
     for (size_t i = 0; i < n; ++i) {
@@ -293,9 +292,6 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     }
     if (ids.empty()) return true;
     changed = true;
-    Array<double> before;
-    if (!before.allocate(call_.memory, ids.size())) return false;
-    for (size_t k = 0; k < ids.size(); ++k) before[k] = classes_[ids[k]].length;
     LoopCarrier carrier;
     if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)) return false;
     while (carrier.level() > finest) {
@@ -321,13 +317,9 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
         }
         if (!last && !carrier.replace(pulled)) return false;
     }
-    for (size_t k = 0; k < ids.size(); ++k) {
-        Class& c = classes_[ids[k]];
-        const double change = std::fabs(c.length / before[k] - 1);
-        const bool is_rough = change > ROUGH;
-        if (is_rough) error_[stage] = std::max(error_[stage], change);
-        c.stage = reached;
-        c.wanted = is_rough && reached != Stage::done;
+    for (const uint32_t id : ids) {
+        classes_[id].stage = reached;
+        classes_[id].wanted = false;
     }
     return true;
 }

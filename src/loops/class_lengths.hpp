@@ -96,7 +96,6 @@ private:
     LoopCare care_ = LoopCare::shortest;
     size_t found_ = 0, level_ = 0, finest_ = 0; // where loops are found, and measured
     bool started_ = false;
-    double error_[3] = {0.05, 0.005, 0}; // relative, of lengths of a stage; more once one was wrong by more
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     CurveWords words_;
     ClosedGeodesic geodesic_;

@@ -192,7 +192,7 @@ Done Component::cut_along(const Mesh& mesh, const Array<uint32_t>& cycle, Compon
         cut.point[2 * size_t{made}] = hole[end_is_left];
         cut.point[2 * size_t{made} + 1] = surface.point[2 * size_t{s} + 1];
     }
-    // The half-segment of the left or right part, of the segment that link i crosses, on the side of the link or beyond.
+    // The half-segment of the left or right part of the segment that link i crosses, on the side of the link or beyond.
     const auto part = [&](uint32_t i, bool left, bool beyond) {
         const bool end_is_left = !(cycle[i] & 1u);
         const uint32_t segment = left == end_is_left ? segments + i : cycle[i] >> 1;
