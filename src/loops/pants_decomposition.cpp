@@ -106,7 +106,6 @@ public:
                 const hmf_status status = take_last();
                 if (status) return status;
             }
-            if (moves) break;
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
             if (!changed) break;
