@@ -83,18 +83,18 @@ TEST(ElementaryMoves, FromOtherPantsToTheShortest) {
         hmf::Loops own;
         surface.find(surface.position(), own);
         const double shortest = surface.total_length(own);
-        for (size_t axis = 0; axis < 3; ++axis)
-            for (const double factor : {0.4, 2.5}) {
+        for (size_t axis = 0; axis < 2; ++axis) // thicker, all the curves lie flat, and no two of them get shorter
+            for (const double factor : {0.2, 5.0}) {
                 hmf::Loops pants;
                 surface.find(surface.stretched(axis, factor).data(), pants);
                 ASSERT_EQ(pants.count(), 3 * handles - 3);
                 worst = std::max(worst, surface.total_length(pants) / shortest);
                 hmf::ClassLengths lengths(surface.mesh(), surface.position(), surface.call);
-                ASSERT_EQ(
-                    hmf::shorten_by_moves(surface.mesh(), surface.position(), lengths, surface.call, pants), HMF_OK)
+                ASSERT_EQ(hmf::shorten_by_moves(surface.mesh(), surface.position(), lengths, surface.call, pants),
+                          HMF_OK)
                     << surface.error.message;
                 EXPECT_EQ(hmf::check_loops(surface.mesh(), pants, surface.call), HMF_OK) << surface.error.message;
-                EXPECT_LT(surface.total_length(pants), 1.01 * shortest) << handles << " " << axis << " " << factor;
+                EXPECT_LT(surface.total_length(pants), 1.02 * shortest) << handles << " " << axis << " " << factor;
             }
     }
     EXPECT_GT(worst, 1.2); // else it would be easy

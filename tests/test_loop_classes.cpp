@@ -4,8 +4,8 @@
 // canonical walks.
 //
 // With HMF_LOOP_CLASSES=1 and HMF_MESHES the same on the corpus (up to
-// HMF_LOOP_CLASSES_VERTICES, 60 000; those named in HMF_LOOP_CLASSES_ONLY), and
-// under refinement: many minutes.  A mesh with several sets of classes gets a
+// HMF_LOOP_CLASSES_VERTICES, 60 000; those named in HMF_LOOP_CLASSES_ONLY; loops of
+// HMF_LOOP_CLASSES_KIND), and under refinement: many minutes.  A mesh with several sets of classes gets a
 // line, and fails unless they are equally long within 1 %.
 #include "support/read_obj.hpp"
 #include "support/sample.hpp"
@@ -348,23 +348,30 @@ TEST(LoopClasses, SettleUnderRefinement) {
     }
 }
 
-// The same on real ones whose cut loops could as well pass between the feet of a handle, or which have several closed
-// geodesics in a class.
+// The same on real ones whose cut loops could as well pass between the feet of a handle, which have several closed
+// geodesics in a class, a handle so narrow that strips round it are too long, or a tie early in the choice of pants.
 TEST(LoopClasses, RealMeshesSettleUnderRefinement) {
     const char* const folder = std::getenv("HMF_MESHES");
     if (!folder) GTEST_SKIP() << "skipped: no HMF_MESHES";
-    const std::pair<const char*, uint32_t> cases[] = {
-        {"cup_21k", 4}, {"eight_1.5k", 4}, {"boot_40k", 4}, {"duck-handle_60k", 16}};
-    for (const auto& [name, parts] : cases) {
+    struct Case {
+        const char* name;
+        uint32_t parts;
+        int32_t kind;
+    };
+    const Case cases[] = {{"cup_21k", 4, HMF_LOOPS_PANTS},         {"eight_1.5k", 4, HMF_LOOPS_PANTS},
+                          {"boot_40k", 4, HMF_LOOPS_CUT},          {"boot_40k", 16, HMF_LOOPS_CUT},
+                          {"boot_40k", 16, HMF_LOOPS_PANTS},       {"casting_37k", 4, HMF_LOOPS_PANTS},
+                          {"duck-handle_60k", 16, HMF_LOOPS_PANTS}};
+    for (const auto& [name, parts, kind] : cases) {
         TriMesh coarse;
         ASSERT_TRUE(read_obj(std::string(folder) + "/" + name + ".obj", coarse)) << name;
         const TriMesh fine = parts == 4 ? refined(coarse) : refined(refined(coarse));
         Reference reference(coarse);
         std::vector<uint32_t> same(coarse.triangles.size() / 3);
         std::iota(same.begin(), same.end(), 0u);
-        const Loops few = library_loops(Hierarchy(coarse), 0, HMF_LOOPS_PANTS);
-        const Loops many = library_loops(Hierarchy(fine), 0, HMF_LOOPS_PANTS);
-        EXPECT_EQ(reference.of(seen_on_coarse(many, parts), same).walks, reference.of(few, same).walks) << name;
+        const Loops few = library_loops(Hierarchy(coarse), 0, kind), many = library_loops(Hierarchy(fine), 0, kind);
+        EXPECT_EQ(reference.of(seen_on_coarse(many, parts), same).walks, reference.of(few, same).walks)
+            << name << " " << parts << " " << NAMES[kind];
     }
 }
 
@@ -373,11 +380,18 @@ TEST(LoopClasses, RealMeshesSettleUnderRefinement) {
 TEST(LoopClasses, OrderDoesNotMatter) {
     const char* const folder = std::getenv("HMF_MESHES");
     if (!folder) GTEST_SKIP() << "skipped: no HMF_MESHES";
-    const std::pair<const char*, int32_t> cases[] = {{"sf129110_10k", HMF_LOOPS_CUT},
-                                                     {"boot_40k", HMF_LOOPS_CUT},
-                                                     {"dtorus_20k", HMF_LOOPS_PANTS},
-                                                     {"botijo_24k", HMF_LOOPS_PANTS}};
-    for (const auto& [name, kind] : cases) {
+    struct Case {
+        const char* name;
+        int32_t kind;
+        double most; // total length, in the largest coordinate; 0: any
+    };
+    const Case cases[] = {{"sf129110_10k", HMF_LOOPS_CUT, 0},
+                          {"sf129110_10k", HMF_LOOPS_PANTS, 29.8}, // without moves of two curves 31.4 to 31.9
+                          {"boot_40k", HMF_LOOPS_CUT, 0},
+                          {"boot_40k", HMF_LOOPS_PANTS, 7.32}, // 7.38 to 7.43
+                          {"dtorus_20k", HMF_LOOPS_PANTS, 0},
+                          {"botijo_24k", HMF_LOOPS_PANTS, 0}};
+    for (const auto& [name, kind, most] : cases) {
         TriMesh mesh;
         ASSERT_TRUE(read_obj(std::string(folder) + "/" + name + ".obj", mesh)) << name;
         Reference reference(mesh);
@@ -390,6 +404,7 @@ TEST(LoopClasses, OrderDoesNotMatter) {
         }
         const auto ends = std::minmax_element(totals.begin(), totals.end());
         EXPECT_LE(*ends.second, 1.01 * *ends.first) << name << " " << NAMES[kind];
+        if (most > 0) { EXPECT_LT(*ends.second, most) << name; }
     }
 }
 
@@ -436,10 +451,12 @@ TEST(LoopClasses, CorpusUnderRefinement) {
 
 TEST(LoopClasses, Corpus) {
     if (!has_corpus()) GTEST_SKIP() << "skipped: no HMF_MESHES or HMF_LOOP_CLASSES";
+    const char* const only = std::getenv("HMF_LOOP_CLASSES_KIND");
     for (const std::string& path : corpus()) {
         TriMesh mesh;
         ASSERT_TRUE(read_obj(path, mesh)) << path;
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
+            if (only && kind != std::atoi(only)) continue;
             const Found found = find(mesh, kind, {1000, 2500}, 3);
             if (found.lengths.size() == 1) continue;
             // Another set of classes only where both are equally long, within 1 %.

@@ -15,12 +15,12 @@
 // Ways are those between the cells of a Voronoi diagram of the holes: one for
 // each piece of the border between two cells.
 //
-// Each loop is the shortest that those before it leave, so an early tie, or a
-// length that is wrong on the level where loops are found, would decide all the
-// others.  Elementary moves shorten them once there are all (elementary_moves.hpp).
-// Loops round pairs of marks alone know no such moves: classes that come close
-// are measured on a fine level, and from the first choice that was wrong on it is
-// made again.
+// Classes that come close are measured on a fine level once there are all loops,
+// and from the first choice that was wrong on it is made again.
+//
+// Each loop is the shortest that those before it leave, so an early tie would
+// decide all the others.  Elementary moves shorten them at the end
+// (elementary_moves.hpp); loops round pairs of marks alone know none.
 //
 // Both sides of it keep at least two holes, or one and the new one, so it is
 // essential, and parallel to no other loop.  To run along a marked vertex is to
