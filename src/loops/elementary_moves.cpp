@@ -26,7 +26,7 @@ namespace hmf {
 
 namespace {
 
-constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.35; // see cut_system.cpp
+constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.2; // see cut_system.cpp
 constexpr double FURTHER = 1.8;     // than the least estimate: see pants_decomposition.cpp
 constexpr size_t MOST_OPTIONS = 24; // of a search
 constexpr double MARGIN = 0.05;     // relative, by which two curves may be longer where they are found
