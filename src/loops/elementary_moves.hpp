@@ -13,9 +13,10 @@
 //        /       \                       | |
 //       C         D
 //
-// Each curve becomes the shortest of its component, until all are: the choice of
-// the first curves, by a tie maybe, decides no longer which ones are left for the
-// last.
+// Any two decompositions are joined by such moves.  Each curve becomes the shortest
+// of its component, and each two that bound a pair of pants together the shortest
+// two, until none changes: so an early tie in the choice of the curves decides no
+// longer which ones are left for the last.
 #pragma once
 
 #include "class_lengths.hpp"

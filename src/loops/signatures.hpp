@@ -33,7 +33,7 @@ struct Signatures {
     Done build_holes(const CutSurface& cut, const Array<uint32_t>& hole, Call& call);
 
     // Instead: on a surface with holes, whatever its genus.  The signatures along a cycle of regions add up to 0 if it
-    // leaves all holes on one side.  Trivial: goes round one hole.
+    // separates, with all holes on one side.  Trivial: separates one hole from the others.
     Done build_punctured(const CutSurface& cut, const Array<uint8_t>& is_hole, Call& call);
     bool is_trivial(uint64_t signature) const {
         size_t low = 0, high = trivial.size();
