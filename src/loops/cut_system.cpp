@@ -41,8 +41,7 @@ constexpr double ROOTS = 1.15; // no search where loops are known to be longer t
 constexpr uint32_t MANY_HANDLES = 10;
 constexpr double FAR = 2.6, FAR_ROOTS = 2;
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
-constexpr uint32_t MANY = 16;          // with a genus from here on a batch is half of the loops that are left, else one
-constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each
+constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
 constexpr double BATCH = ROOTS;        // loops longer than the best one by this factor wait for the next search
 constexpr size_t MOST_CANDIDATES = 48; // for one loop
@@ -149,8 +148,7 @@ private:
                               "No further loop was found. Please report this.");
         search_.read_bounds(face_bound_);
         if (!open_batch()) return call_.out_of_memory();
-        const uint32_t begin = k, half = std::min(std::max((genus - k) / 2, 1u), MOST_OF_BATCH);
-        const uint32_t end = k + (genus < MANY ? 1 : half);
+        const uint32_t begin = k, end = k + std::min(std::max((genus - k) / 2, 1u), MOST_OF_BATCH);
         bool changed = true;
         for (int time = 0; changed && time < MOST_CHOICES; ++time) {
             if (time > 0 && !reopen_batch(begin)) return call_.out_of_memory();
