@@ -28,6 +28,7 @@ namespace {
 
 constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.2; // see cut_system.cpp
 constexpr double FURTHER = 1.8;     // than the least estimate: see pants_decomposition.cpp
+constexpr size_t MOST_FIRST = 5;    // of two curves, the first one
 constexpr size_t MOST_OPTIONS = 24; // of a search
 constexpr double MARGIN = 0.05;     // relative, by which two curves may be longer where they are found
 constexpr double GAIN = 1e-6;       // relative, of a move
@@ -246,8 +247,11 @@ private:
                 if (!offer(pair, a, b)) return false;
             }
         while (options_.size() > cycles) options_.pop();
-        for (size_t i = 0; i < cycles; ++i) {
+        size_t tried = 0;
+        for (size_t i = 0; i < cycles && tried < MOST_FIRST; ++i) {
+            if (options_[i].id == id_[k] || options_[i].id == id_[l]) continue;
             if (2 * lengths_.length(options_[i].id) > (length(k) + length(l)) * (1 + MARGIN)) continue;
+            ++tried;
             cycle_.clear();
             for (size_t n = cycles_[i].first; n < cycles_[i].first + cycles_[i].size; ++n)
                 if (!cycle_.push(links_[n])) return false;
