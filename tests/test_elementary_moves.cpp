@@ -1,4 +1,5 @@
 // Elementary moves of pants decompositions, and the components that they are made in.
+#include "support/meter.hpp"
 #include "support/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -152,4 +153,31 @@ TEST(PantsComponents, HaveTheirHolesAndHandles) {
             for (const hmf::HoleJoins::Join& join : found) EXPECT_NE(join.hole[0], join.hole[1]);
         }
     EXPECT_GT(tori, 0u);
+}
+
+// A failed allocation anywhere in the moves is a failure, and nothing is kept.
+TEST(ElementaryMoves, AllocationsMayFail) {
+    Surface surface(uneven(pretzel(2, 1)));
+    hmf::Loops pants;
+    surface.find(surface.stretched(0, 5).data(), pants);
+    uint64_t all = 0, tried = 0;
+    for (uint64_t fail = 0; fail == 0 || fail <= all; fail += fail < 40 ? 1 : 1 + all / 150) {
+        Meter meter;
+        {
+            hmf::Memory memory(Meter::take, Meter::give, &meter, 0);
+            hmf_error error{};
+            hmf::Call call(memory, &error, nullptr, nullptr);
+            hmf::Loops loops;
+            ASSERT_TRUE(loops.copy_from(pants, memory));
+            hmf::ClassLengths lengths(surface.mesh(), surface.position(), call);
+            meter.fail = fail ? meter.calls + fail : 0;
+            const uint64_t before = meter.calls;
+            const hmf_status status = hmf::shorten_by_moves(surface.mesh(), surface.position(), lengths, call, loops);
+            EXPECT_EQ(status, fail ? HMF_ERROR_MEMORY : HMF_OK) << fail;
+            if (!fail) all = meter.calls - before;
+            tried += fail > 0;
+        }
+        EXPECT_EQ(meter.used, 0u) << fail;
+    }
+    EXPECT_GT(tried, 100u);
 }
