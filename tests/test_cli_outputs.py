@@ -383,6 +383,25 @@ class Outputs(Case):
 class Leaves(Case):
     """Leaves and quads of a surface of genus 3, the sample of the demo."""
 
+    def test_zeros_are_drawn_on_the_surface(self):
+        """In any unit: the picture of the surface made larger or smaller is the same, with a stripe beside each zero."""
+        self.run_tool("demo", self.path("demo"))
+        with open(os.path.join(self.path("demo"), "sample.obj")) as f:
+            lines = f.read().splitlines()
+        made = []
+        for unit in (1, 8, 1 / 64):
+            scaled = ["v " + " ".join(repr(unit * float(x)) for x in line.split()[1:4]) if line.startswith("v ") else line for line in lines]
+            mesh = self.write("unit.obj", "\n".join(scaled) + "\n")
+            self.run_tool("solve", mesh, "--image", self.path("i.png"), "--image-size", "400x300", "--camera", "corner")
+            made.append(pixels_of(self.read("i.png")))
+        self.assertEqual(made[1], made[0])
+        self.assertEqual(made[2], made[0])
+        blue, red = ([(x, y) for y, row in enumerate(made[0]) for x, p in enumerate(row) if test(*p)]
+                     for test in (lambda r, g, b: b > 1.5 * r and b > 1.5 * g, lambda r, g, b: r > 2 * g and r > 2 * b))
+        self.assertGreater(len(blue), 20)
+        beside = {(x + i, y + j) for x, y in red for i in range(-9, 10) for j in range(-9, 10)}
+        self.assertEqual([p for p in blue if p not in beside], [])
+
     def test_leaves_and_quads(self):
         folder = self.path("demo")
         self.run_tool("demo", folder)

@@ -169,6 +169,8 @@ void Run::draw(const double* uv, double period) {
         // In a unit in which nothing overflows; it is the last use of the positions.
         const int exponent = exponent_of(f_.positions);
         for (double& x : f_.positions) x = std::scalbn(x, -exponent);
+        for (hmf_singularity& s : f_.singular)
+            for (double& x : s.position) x = std::scalbn(x, -exponent);
         std::vector<Line> lines;
         if (!has_start_) lines = loop_lines(f_, fine_loops());
         PictureData picture;
