@@ -18,16 +18,6 @@ using namespace test;
 
 namespace {
 
-// No two handles or bars alike.
-TriMesh uneven(TriMesh mesh) {
-    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
-        double* const p = &mesh.positions[3 * v];
-        p[1] *= 1 + 0.05 * p[0] + 0.03 * p[1];
-        p[2] *= 1 + 0.04 * p[0];
-    }
-    return mesh;
-}
-
 class Surface {
 public:
     explicit Surface(const TriMesh& mesh) :

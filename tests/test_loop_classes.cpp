@@ -168,16 +168,6 @@ Found find(const TriMesh& mesh, int32_t kind, const std::vector<uint64_t>& sizes
 
 const char* const NAMES[] = {"", "cut", "handle", "tunnel", "pants"};
 
-// No two handles, bars or heights alike.
-TriMesh uneven(TriMesh mesh) {
-    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
-        double* const p = &mesh.positions[3 * v];
-        p[1] *= 1 + 0.05 * p[0] + 0.03 * p[1];
-        p[2] *= 1 + 0.04 * p[0];
-    }
-    return mesh;
-}
-
 // Each triangle in four flat ones.
 TriMesh refined(const TriMesh& mesh) {
     TriMesh fine = mesh;

@@ -393,6 +393,15 @@ TriMesh smooth(const TriMesh& mesh, size_t rounds) {
     return result;
 }
 
+TriMesh uneven(TriMesh mesh) {
+    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
+        double* const p = &mesh.positions[3 * v];
+        p[1] *= 1 + 0.05 * p[0] + 0.03 * p[1];
+        p[2] *= 1 + 0.04 * p[0];
+    }
+    return mesh;
+}
+
 TriMesh scaled(const TriMesh& mesh, double factor) {
     TriMesh result = mesh;
     for (double& x : result.positions) x *= factor;
