@@ -85,7 +85,7 @@ TriMesh joined_tori(size_t n, size_t m, double distance, size_t rings);
 TriMesh subdivide(const TriMesh& mesh); // one triangle -> four
 TriMesh smooth(const TriMesh& mesh, size_t rounds);
 TriMesh scaled(const TriMesh& mesh, double factor);
-TriMesh uneven(TriMesh mesh); // no two handles, bars or heights alike
+TriMesh uneven(TriMesh mesh);         // no two handles, bars or heights alike
 using Matrix = std::array<double, 9>; // rows
 Matrix rotation(double axis_x, double axis_y, double axis_z, double angle);
 Matrix random_rotation(Random& random);
