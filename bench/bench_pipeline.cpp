@@ -11,6 +11,7 @@
 //     --whitehead-tolerance T  of whitehead and single_level (1e-6)
 //     --whitehead-excess X     relative energy over the minimum, for which whitehead is timed too, 0 = leave out (1e-6)
 //     --no-cholesky     leave CHOLMOD out
+//     --threads N       of the library and of BLAS (1); wall time, so not with --cpu
 //     --cpu             processor time of the thread instead of wall time (the
 //                       stages inside hmf_solve are always wall time)
 //
@@ -39,6 +40,7 @@
 #endif
 
 #include "../include/hmf/hmf.h"
+#include "../include/hmf/pool.h"
 #include "soup.hpp"
 
 namespace {
@@ -48,7 +50,19 @@ double wall() {
     return duration<double>(steady_clock::now().time_since_epoch()).count();
 }
 
-// All work is on one thread, so its processor time is the wall time of an idle
+// --threads.
+hmf_pool* pool = nullptr;
+hmf_control control_of_threads() {
+    hmf_control control = {};
+    control.struct_size = sizeof control;
+    if (!pool) return control;
+    control.parallel_for = hmf_pool_run;
+    control.parallel_user = pool;
+    control.workers = hmf_pool_threads(pool);
+    return control;
+}
+
+// With --cpu all work is on one thread, so its processor time is the wall time of an idle
 // machine; on a shared one the wall time mostly measures the neighbours.
 bool processor_clock = false;
 double now() {
@@ -261,14 +275,15 @@ Solved run_solve(const hmf_hierarchy* h, const hmf_loop_set* loops, int32_t meth
     o.stop_level = stop_level;
     Deadline deadline;
     deadline.at = now() + limit;
-    hmf_control control = {};
-    control.struct_size = sizeof control;
-    control.progress = watch;
-    control.progress_user = &deadline;
+    hmf_control control = control_of_threads();
+    if (limit > 0) {
+        control.progress = watch;
+        control.progress_user = &deadline;
+    }
     hmf_error error = {};
     hmf_foliation* out = nullptr;
     const double begin = now(), wall_begin = wall();
-    s.status = hmf_solve(h, loops, &o, limit > 0 ? &control : nullptr, &out, &error);
+    s.status = hmf_solve(h, loops, &o, &control, &out, &error);
     s.seconds = now() - begin;
     s.wall_seconds = wall() - wall_begin;
     s.foliation.reset(out);
@@ -291,8 +306,9 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
     const double bandwidth = copy_bandwidth();
     out.bandwidth.add(bandwidth * 1e-9);
 
+    const hmf_control control = control_of_threads();
     const double t0 = now();
-    hmf_build(soup.position.data(), soup.vertices(), soup.triangle.data(), soup.triangles(), &bo, nullptr, &h, &error);
+    hmf_build(soup.position.data(), soup.vertices(), soup.triangle.data(), soup.triangles(), &bo, &control, &h, &error);
     const double t1 = now();
     const Owned<hmf_hierarchy> hierarchy(h);
     if (!h) {
@@ -305,7 +321,7 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
     const size_t build_peak = counter.peak;
     const double t2 = now();
     hmf_loop_set* loops = nullptr;
-    hmf_loops(h, coarsest, HMF_LOOPS_CUT, nullptr, &loops, &error);
+    hmf_loops(h, coarsest, HMF_LOOPS_CUT, &control, &loops, &error);
     const double t3 = now();
     const Owned<hmf_loop_set> loops_owner(loops);
     if (!loops) {
@@ -432,8 +448,8 @@ void run(const Soup& soup, const Options& options, Counter& counter, Result& out
 // --- Report ------------------------------------------------------------------
 
 void print(const std::vector<Soup>& soups, const std::vector<Result>& results, const Options& options) {
-    std::printf("hmf %u, %d repetitions, one thread, %s time: median [smallest, largest]\n\n", hmf_version(),
-                options.repetitions, processor_clock ? "processor" : "wall");
+    std::printf("hmf %u, %d repetitions, threads %u, %s time: median [smallest, largest]\n\n", hmf_version(),
+                options.repetitions, hmf_pool_threads(pool), processor_clock ? "processor" : "wall");
     std::printf("| mesh | edges | build M edges/s | bytes/edge held | peak of build B/edge | peak of solve B/edge | "
                 "build s | loops s | newton s | second solve s | job s | residual |\n");
     std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
@@ -509,13 +525,17 @@ void print(const std::vector<Soup>& soups, const std::vector<Result>& results, c
 } // namespace
 
 int main(int argc, char** argv) {
+    const char* threads = "1";
+    for (int i = 1; i + 1 < argc; ++i)
+        if (!std::strcmp(argv[i], "--threads")) threads = argv[i + 1];
     // BLAS and OpenMP read their number of threads before main.
-    if (!std::getenv("HMF_BENCH_ONE_THREAD")) {
-        setenv("HMF_BENCH_ONE_THREAD", "1", 1);
-        setenv("OMP_NUM_THREADS", "1", 1);
-        setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    if (!std::getenv("HMF_BENCH_THREADS")) {
+        setenv("HMF_BENCH_THREADS", threads, 1);
+        setenv("OMP_NUM_THREADS", threads, 1);
+        setenv("OPENBLAS_NUM_THREADS", threads, 1);
         execv("/proc/self/exe", argv);
     }
+    if (std::atoi(threads) > 1) pool = hmf_pool_create(static_cast<uint32_t>(std::atoi(threads)));
     Options options;
     std::vector<Soup> soups;
     for (int i = 1; i < argc; ++i) {
@@ -527,6 +547,7 @@ int main(int argc, char** argv) {
         else if (is("--whitehead")) options.whitehead = std::atof(argv[++i]);
         else if (is("--whitehead-excess")) options.whitehead_excess = std::atof(argv[++i]);
         else if (is("--whitehead-tolerance")) options.whitehead_tolerance = std::atof(argv[++i]);
+        else if (is("--threads")) ++i;
         else if (!std::strcmp(argv[i], "--cpu")) processor_clock = true;
         else if (is("--single-level")) options.single = std::atof(argv[++i]);
         else if (!std::strcmp(argv[i], "--no-cholesky")) options.cholesky = false;
