@@ -26,7 +26,7 @@ format        layout of the C and C++ sources; src/README.md names what is there
 header        hmf.h and uses.h in C89, C99, C11, C17 and C++17, hmf.hpp and uses.hpp, included twice
 symbols       exported symbols, dependencies, no global state
 abi           the interface against the recorded one; what breaks programs is seen (docs/abi.md)
-plain         compiles without a build system; same bits with both compilers, without and with optimisation
+plain         compiles without a build system; same bits with both compilers
 install       consumers: find_package, add_subdirectory, pkg-config, cc; example of the README
 packages      one version everywhere, manifests; with HMF_PACKAGES=1 wheels, Debian, Conan, vcpkg, conda
 bindings      tests of the packages for other languages; the same bits from each

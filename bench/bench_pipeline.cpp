@@ -550,6 +550,11 @@ int main(int argc, char** argv) {
         setenv("OPENBLAS_NUM_THREADS", threads, 1);
         execv("/proc/self/exe", argv);
     }
+    for (int i = 1; i < argc; ++i)
+        if (!std::strcmp(argv[i], "--cpu") && std::atoi(threads) > 1) {
+            std::fprintf(stderr, "--cpu is the time of one thread; it goes with --threads 1 only\n");
+            return 2;
+        }
     if (std::atoi(threads) > 1) pool = hmf_pool_create(static_cast<uint32_t>(std::atoi(threads)));
     Options options;
     std::vector<Soup> soups;

@@ -2,11 +2,9 @@
 //
 // A job is one call of hmf_pool_run.  Its tasks are numbers that caller and
 // threads take from a counter; what counts the tasks that have ended lets the
-// caller go.  Jobs of one solve follow each other within microseconds, and to
-// wake a thread takes tens of them: so a thread looks for the next job for a
-// while before it sleeps, and the caller waits for the last tasks in the same
-// way.  Not where there are more threads than processors, who would take them
-// from each other.
+// caller go.  Jobs of one solve follow each other within microseconds, so a
+// thread looks for the next one for a short while before it sleeps, and the
+// caller waits in the same way.
 #include "../include/hmf/pool.h"
 
 #include <atomic>
@@ -23,25 +21,14 @@ struct hmf_pool {
     std::condition_variable wake, done;
     std::atomic<uint64_t> job{0}; // counts the jobs, changed under the mutex; odd: a job may be joined
     std::atomic<bool> ending{false};
-    std::atomic<uint32_t> inside{0};  // threads that have joined the job; joined under the mutex
-    std::atomic<bool> waiting{false}; // the caller sleeps until they have left
+    uint32_t inside = 0;              // threads that have joined the job
     std::atomic<uint32_t> outside{0}; // tasks that have not ended
-    uint32_t looks = 0;               // before a thread sleeps, about half a microsecond each
     hmf_task_fn task = nullptr;
     void* context = nullptr;
     uint32_t count = 0;
     std::atomic<uint32_t> next{0};
     uint32_t started = 0;
     std::thread thread[most];
-
-    template <class Condition>
-    bool look_for(Condition met) const {
-        for (uint32_t look = 0; look < looks; ++look) {
-            if (met()) return true;
-            std::this_thread::yield();
-        }
-        return met();
-    }
 
     // Takes tasks until none is left.
     void take() {
@@ -53,7 +40,8 @@ struct hmf_pool {
     void work() {
         uint64_t seen = 0;
         for (;;) {
-            look_for([&] { return ending || job.load(std::memory_order_acquire) != seen; });
+            for (uint32_t look = 0; look < 200 && job.load(std::memory_order_acquire) == seen && !ending; ++look)
+                std::this_thread::yield();
             std::unique_lock<std::mutex> lock(mutex);
             wake.wait(lock, [&] { return ending || job.load(std::memory_order_relaxed) != seen; });
             if (ending) return;
@@ -62,10 +50,8 @@ struct hmf_pool {
             ++inside;
             lock.unlock();
             take();
-            if (--inside > 0 || !waiting) continue;
-            // Either the caller is told here, or it saw that nobody is inside after it had said that it waits.
             lock.lock();
-            done.notify_one();
+            if (--inside == 0) done.notify_one();
         }
     }
 
@@ -82,17 +68,12 @@ struct hmf_pool {
         if (given_count > 2) wake.notify_all();
         else wake.notify_one();
         take();
-        look_for([&] { return outside.load(std::memory_order_acquire) == 0; });
-        {
-            // Nobody joins from now on, and those inside leave.
-            const std::lock_guard<std::mutex> lock(mutex);
-            job.fetch_add(1, std::memory_order_release);
-        }
-        if (look_for([&] { return inside == 0; })) return;
+        for (uint32_t look = 0; look < 200 && outside.load(std::memory_order_acquire) > 0; ++look)
+            std::this_thread::yield();
+        // Nobody joins from now on, and those inside leave.
         std::unique_lock<std::mutex> lock(mutex);
-        waiting = true;
+        job.fetch_add(1, std::memory_order_release);
         done.wait(lock, [&] { return inside == 0; });
-        waiting = false;
     }
 };
 
@@ -101,10 +82,8 @@ extern "C" {
 hmf_pool* hmf_pool_create(uint32_t threads) {
     hmf_pool* const pool = new (std::nothrow) hmf_pool;
     if (!pool) return nullptr;
-    const uint32_t processors = std::thread::hardware_concurrency(); // 0: not known
-    if (threads == 0) threads = processors;
+    if (threads == 0) threads = std::thread::hardware_concurrency();
     if (threads > hmf_pool::most) threads = hmf_pool::most;
-    pool->looks = threads <= processors ? 1000 : 20;
     while (pool->started + 1 < threads) {
         try {
             pool->thread[pool->started] = std::thread([pool] { pool->work(); });

@@ -21,7 +21,6 @@
 #include <map>
 #include <numeric>
 #include <random>
-#include <set>
 
 #include "../src/hierarchy/caller_numbers.hpp"
 #include "../src/homotopy/curve_words.hpp"
@@ -135,12 +134,10 @@ TriMesh in_order(const TriMesh& mesh, uint32_t order, std::vector<uint32_t>& t) 
     return same;
 }
 
-// How many different sets of classes all settings find; each with its lengths.  A class may have several closed
-// geodesics, and loops may lie beside any of them: it is as long as the shortest that was found.
+// How many different sets of classes all settings find; each with its lengths.
 Found find(const TriMesh& mesh, int32_t kind, const std::vector<uint64_t>& sizes, uint32_t orders) {
     Reference reference(mesh);
-    std::set<std::vector<std::vector<uint32_t>>> sets;
-    std::map<std::vector<uint32_t>, double> shortest; // of each class
+    std::map<std::vector<std::vector<uint32_t>>, std::vector<double>> sets;
     Found found;
     std::vector<uint32_t> t;
     for (uint32_t order = 0; order < orders; ++order) {
@@ -152,17 +149,10 @@ Found find(const TriMesh& mesh, int32_t kind, const std::vector<uint64_t>& sizes
                     const Loops loops = library_loops(hierarchy, 0, kind);
                     const Reference::Classes classes = reference.of(loops, t);
                     found.genus = hierarchy.get()->genus;
-                    sets.insert(classes.walks);
-                    for (const auto& [walk, length] : classes.length_of) {
-                        double& least = shortest.emplace(walk, length).first->second;
-                        least = std::min(least, length);
-                    }
+                    sets.emplace(classes.walks, classes.lengths);
                 }
     }
-    for (const auto& walks : sets) {
-        found.lengths.emplace_back();
-        for (const std::vector<uint32_t>& walk : walks) found.lengths.back().push_back(shortest.at(walk));
-    }
+    for (const auto& set : sets) found.lengths.push_back(set.second);
     return found;
 }
 
