@@ -191,6 +191,9 @@ struct Row {
 struct Tally {
     size_t problems = 0, wrong = 0, errors = 0;
     Row all, by_stretch[6], by_kind[kinds], bad, flipped, decimated;
+    struct Use {
+        size_t made = 0, refused = 0;
+    } maps, lines, quads, atlases;
 };
 
 void count(Row& row, const Solution& s) {
@@ -244,20 +247,32 @@ void check_uses(uint64_t seed, const Problem& p, const Solution& s, Tally& tally
         ++tally.errors;
         ADD_FAILURE() << "seed " << seed << ": cylinders: " << status << " " << error.message;
     }
+    const auto use = [&](const char* name, Tally::Use& count, hmf_status got) {
+        ++(got == HMF_OK ? count.made : count.refused);
+        if (got != HMF_OK && number("HMF_CAMPAIGN_VERBOSE", 0) != 0)
+            std::printf("seed %llu: %s: %d %s\n", static_cast<unsigned long long>(seed), name, got, error.message);
+        if (got != HMF_ERROR_INTERNAL) return;
+        ++tally.errors;
+        ADD_FAILURE() << "seed " << seed << ": " << name << ": " << error.message;
+    };
     hmf_parameterization* uv = nullptr;
-    status = hmf_parameterize(s.foliation.get(), nullptr, nullptr, &uv, &error);
+    use("map", tally.maps, hmf_parameterize(s.foliation.get(), nullptr, nullptr, &uv, &error));
     const Owned<hmf_parameterization> uv_owner(uv);
-    if (status == HMF_ERROR_INTERNAL) {
-        ++tally.errors;
-        ADD_FAILURE() << "seed " << seed << ": parameterisation: " << error.message;
+    if (uv) {
+        int64_t turns = 0;
+        for (size_t v = 0; v < uv->vertex_count; ++v) turns += 2 - uv->cone[v];
+        EXPECT_EQ(turns, 4 - 4 * static_cast<int64_t>(p.mesh.genus)) << "seed " << seed;
     }
+    hmf_lines* lines = nullptr;
+    use("lines", tally.lines, hmf_trace(s.foliation.get(), nullptr, nullptr, &lines, &error));
+    const Owned<hmf_lines> line_owner(lines);
     hmf_quad_mesh* quads = nullptr;
-    status = hmf_quads(s.foliation.get(), nullptr, nullptr, &quads, &error);
+    use("quads", tally.quads, hmf_quads(s.foliation.get(), nullptr, nullptr, &quads, &error));
     const Owned<hmf_quad_mesh> quad_owner(quads);
-    if (status == HMF_ERROR_INTERNAL) {
-        ++tally.errors;
-        ADD_FAILURE() << "seed " << seed << ": quads: " << error.message;
-    }
+    if (p.mesh.vertex_count() > 1000) return; // packing takes longer than all the rest
+    hmf_chart_set* charts = nullptr;
+    use("atlas", tally.atlases, hmf_atlas(s.foliation.get(), nullptr, nullptr, &charts, &error));
+    const Owned<hmf_chart_set> chart_owner(charts);
 }
 
 void solve_problem(uint64_t seed, Tally& tally, Marks marks = Marks::none) {
@@ -351,6 +366,9 @@ void run(size_t usual, Marks marks) {
     print("bad triangles", tally.bad);
     print("flipped", tally.flipped);
     print("decimated", tally.decimated);
+    std::printf("  what follows, made and refused: maps %zu %zu, lines %zu %zu, quads %zu %zu, atlases %zu %zu\n",
+                tally.maps.made, tally.maps.refused, tally.lines.made, tally.lines.refused, tally.quads.made,
+                tally.quads.refused, tally.atlases.made, tally.atlases.refused);
     EXPECT_EQ(tally.wrong, 0u);
     EXPECT_EQ(tally.errors, 0u);
     // 1e-8 on 99.5 %; in a small sample one may miss it.

@@ -75,8 +75,9 @@ typedef struct hmf_parameterization {
  * square of d(u + i v) / dz with z = x + i y in the frame of the triangle: x
  * along its side 0, y to the left of it.
  *
- * Zeros in triangles move to a corner: cone angles are (2 + order) * pi, at
- * vertices, and the sum of (2 - cone) is 4 - 4 * genus.  At a vertex of the
+ * Zeros in triangles move to a corner, or to a vertex further away where the
+ * corners serve other zeros: cone angles are (2 + order) * pi, at vertices, and
+ * the sum of (2 - cone) is 4 - 4 * genus.  At a vertex of the
  * boundary it is the angle in the double: 2 where the boundary is straight, and 1
  * at a corner of 90 degrees.
  * A marked vertex that is a pole has the cone angle pi.  Near the zeros u differs
@@ -84,8 +85,8 @@ typedef struct hmf_parameterization {
  * goes round) triangles are degenerate.
  *
  * Returns HMF_OK, HMF_CANCELLED, HMF_ERROR_VALUE_NOT_HARMONIC,
- * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that two zeros need the same
- * vertex, or an error of classes 100, 200, 500.
+ * HMF_ERROR_UNSUPPORTED if the mesh is so coarse that it has no vertex for each
+ * zero, or an error of classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_parameterize(const hmf_foliation *foliation, const hmf_parameterize_options *options,
                                     const hmf_control *control, hmf_parameterization **out, hmf_error *error);

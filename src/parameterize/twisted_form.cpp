@@ -14,6 +14,8 @@
 // No other triangle notices: at a closed corner of i one side grows as the
 // other shrinks, at an open one both change alike.  So a regular vertex serves
 // as the place of one zero; which tripod takes which corner is a matching.
+// Where zeros are so dense that corners run out, one is dragged to a vertex
+// further away (zero_drag.hpp).
 //
 // At a marked vertex the chart comes back with the opposite sign, as round a
 // pole.  A zero that shares its place with one gets a vertex of its own: the
@@ -23,6 +25,7 @@
 
 #include "../foliation/restriction.hpp"
 #include "../mesh/weights.hpp"
+#include "zero_drag.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +51,8 @@ Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Call& call)
 
 namespace {
 
-constexpr uint32_t STRIDE = 131072; // elements between two reports
+constexpr uint32_t STRIDE = 131072;                   // elements between two reports
+constexpr uint32_t unseen = NONE, without = NONE - 1; // clusters: not yet; no zero edge
 
 class FormOfFoliation {
 public:
@@ -59,6 +63,7 @@ public:
         const uint32_t m = mesh_.edge_count, n = mesh_.vertex_count;
         tripod_.start(memory_);
         corner_.start(memory_);
+        without_corner_.start(memory_);
         queue_.start(memory_);
         if (mesh_.marked_count > 0 && !part_zeros_from_marks()) return call_.stopped();
         if (!sign_.allocate_filled(memory_, size_t{2} * m, 0) || !owner_.allocate_filled(memory_, n, NONE)
@@ -66,7 +71,7 @@ public:
             || !du_.value.allocate(memory_, m))
             return call_.out_of_memory();
         if (!call_.tick(0)) return call_.was_cancelled();
-        if (!sign_faces() || !match()) return call_.status() ? call_.status() : call_.stopped();
+        if (!sign_faces() || !match()) return call_.stopped();
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!call_.pass(m, 0, [&](size_t begin, size_t end) {
                 for (size_t e = begin; e < end; ++e) {
@@ -76,9 +81,11 @@ public:
                 }
             }))
             return call_.was_cancelled();
-        for (size_t t = 0; t < tripod_.size(); ++t) move_to_branch_point(corner_[t]);
+        for (const uint32_t h : corner_)
+            if (h != NONE) move_to_branch_point(h);
         if (!call_.tick(0)) return call_.was_cancelled();
-        return turn_zero_edges() ? HMF_OK : call_.stopped();
+        if (!place_zeros_of_clusters() || !turn_zero_edges()) return call_.stopped();
+        return without_corner_.empty() ? HMF_OK : drag_zeros();
     }
 
 private:
@@ -136,9 +143,9 @@ private:
         return closed == 2 && !mesh_.is_marked(v);
     }
 
-    // A corner for each tripod, no vertex twice: the nearest that is free,
-    // else along an augmenting path.  The star of the vertex gets an angle of
-    // 3 pi: with fewer than six triangles they would be stretched.
+    // A corner for as many tripods as possible, no vertex twice: the nearest that
+    // is free, else along an augmenting path.  The star of the vertex gets an
+    // angle of 3 pi: with fewer than six triangles they would be stretched.
     Done match() {
         for (uint32_t t = 0; t < tripod_.size(); ++t) {
             uint32_t h = tripod_[t], best = NONE;
@@ -155,8 +162,27 @@ private:
         }
         for (uint32_t t = 0; t < tripod_.size(); ++t)
             if (corner_[t] == NONE && !augment(t)) return false;
-        for (const uint32_t h : corner_) sign_face(mesh_.next[h]);
+        for (size_t t = 0; t < tripod_.size(); ++t) {
+            if (corner_[t] != NONE) {
+                sign_face(mesh_.next[corner_[t]]);
+                continue;
+            }
+            const uint32_t h = tripod_[t];
+            sign_[h] = sign_[mesh_.next[h]] = 1; // as ZeroDrags wants it
+            sign_[mesh_.prev(h)] = -1;
+            if (!without_corner_.push(h)) return false;
+        }
         return true;
+    }
+
+    hmf_status drag_zeros() {
+        size_t left = 0;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v)
+            if (seen_[v] == without) taken_[v] = owner_[v] != NONE || !is_regular(v);
+        if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, memory_, left)) return call_.out_of_memory();
+        if (left == 0) return HMF_OK;
+        return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+                          "The mesh is too coarse: it has fewer vertices than the foliation has zeros. Subdivide it.");
     }
 
     // How far the zero of a tripod is from the regular vertex at its corner, as far as
@@ -184,7 +210,7 @@ private:
         owner_[mesh_.origin[h]] = t;
     }
 
-    // seen_ holds the tripod that a vertex was reached from.
+    // A corner for one more tripod, if others can give way.  seen_ holds the tripod that a vertex was reached from.
     Done augment(uint32_t start) {
         queue_.clear();
         Array<uint32_t> reached;
@@ -202,13 +228,8 @@ private:
                 else if (!queue_.push(owner_[v])) return false;
             }
         }
-        if (end == NONE) {
-            call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                       "The mesh is too coarse: two zeros of the foliation need the same vertex. Subdivide the mesh.");
-            return false;
-        }
         // Back along the path: each tripod gives its vertex to the one before.
-        for (;;) {
+        while (end != NONE) {
             const uint32_t t = seen_[end], given_up = corner_[t];
             uint32_t h = tripod_[t];
             while (mesh_.origin[h] != end) h = mesh_.next[h];
@@ -259,29 +280,27 @@ private:
         return a == 0 || b == 0 ? 1 : static_cast<int8_t>(-a * b);
     }
 
-    // The zeros of a cluster go one by one to the vertices with most closed corners, all others
-    // shall be even: the turns along a spanning tree see to that.  Round a closed leaf made of edges
-    // they are even both ways, if u goes on across all edges and if it turns back at all: turn_across decides.
-    Done turn_zero_edges() {
-        Array<uint32_t> parent; // half-edge to the parent
-        Array<uint8_t> closed, odd;
-        if (!parent.allocate(memory_, mesh_.vertex_count) || !closed.allocate(memory_, mesh_.vertex_count)
-            || !odd.allocate_filled(memory_, mesh_.vertex_count, 0))
+    // The zeros of a cluster go one by one to the vertices with most closed corners.  Sets odd_ and taken_.
+    Done place_zeros_of_clusters() {
+        Array<uint8_t> closed;
+        if (!closed.allocate(memory_, mesh_.vertex_count) || !odd_.allocate_filled(memory_, mesh_.vertex_count, 0)
+            || !taken_.allocate(memory_, mesh_.vertex_count))
             return false;
-        constexpr uint32_t unseen = NONE, without = NONE - 1; // without: no zero edge
         const auto look = [&](size_t begin, size_t end) {
-            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v)
+            for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
                 seen_[v] = has_zero_edge(v) ? unseen : without;
+                taken_[v] = mesh_.is_marked(v);
+            }
         };
         if (!call_.pass(mesh_.vertex_count, 0, look)) return false;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
             if (v % STRIDE == 0 && !call_.tick(0)) return false;
             if (seen_[v] != unseen) continue;
-            const Cluster cluster = explore_cluster(f_, v);
-            const int64_t index = cluster.index();
+            const int64_t index = explore_cluster(f_, v).index();
             for (const uint32_t u : f_.members) {
+                seen_[u] = v;
                 closed[u] = closed_corners(u);
-                odd[u] = mesh_.is_marked(u);
+                odd_[u] = mesh_.is_marked(u);
             }
             // Where vertices run out two zeros lie on one, which is even then, or one on a marked vertex.
             size_t zeros = index < 0 ? static_cast<size_t>(-index) : 0;
@@ -289,22 +308,37 @@ private:
             for (; zeros > 0; --zeros) {
                 uint32_t best = NONE;
                 for (const uint32_t u : f_.members)
-                    if (!odd[u] && !mesh_.is_marked(u) && (best == NONE || closed[u] > closed[best])) best = u;
+                    if (!taken_[u] && (best == NONE || closed[u] > closed[best])) best = u;
                 if (best == NONE) break;
-                odd[best] = 1;
+                odd_[best] = taken_[best] = 1;
                 last = best;
             }
-            if (zeros % 2) odd[last] ^= 1;
+            if (zeros % 2) odd_[last] ^= 1;
+        }
+        return true;
+    }
+
+    // All vertices of a cluster but its zeros shall be even: the turns along a spanning tree see to that.  Round a
+    // closed leaf made of edges they are even both ways, if u goes on across all edges and if it turns back at all:
+    // turn_across decides.
+    Done turn_zero_edges() {
+        Array<uint32_t> parent; // half-edge to the parent
+        if (!parent.allocate(memory_, mesh_.vertex_count)) return false;
+        for (const uint32_t h : without_corner_) odd_[mesh_.target(h)] ^= 1; // until its zero is dragged away
+        constexpr uint32_t done = NONE - 2;
+        for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
+            if (v % STRIDE == 0 && !call_.tick(0)) return false;
+            if (seen_[v] == without || seen_[v] == done) continue;
             // Breadth first from v; its own parity follows from the others.
             queue_.clear();
             if (!queue_.push(v)) return false;
-            seen_[v] = v;
+            seen_[v] = done;
             parent[v] = NONE;
             for (size_t i = 0; i < queue_.size(); ++i) {
                 for (const uint32_t h : mesh_.around(queue_[i])) {
                     const uint32_t w = mesh_.target(h);
-                    if (f_.at(h) == 0 && seen_[w] == unseen) {
-                        seen_[w] = v;
+                    if (f_.at(h) == 0 && seen_[w] != done) {
+                        seen_[w] = done;
                         parent[w] = twin(h);
                         if (!queue_.push(w)) return false;
                     }
@@ -315,7 +349,7 @@ private:
                 int8_t turn = 1;
                 for (const uint32_t h : mesh_.around(u)) turn = static_cast<int8_t>(turn * bundle_.turn[edge_of(h)]);
                 int8_t& of_parent = bundle_.turn[edge_of(parent[u])];
-                if ((turn < 0) != (odd[u] != 0)) of_parent = static_cast<int8_t>(-of_parent);
+                if ((turn < 0) != (odd_[u] != 0)) of_parent = static_cast<int8_t>(-of_parent);
             }
         }
         return true;
@@ -341,10 +375,12 @@ private:
     TwistedForm& du_;
     Call& call_;
     Memory& memory_;
-    Array<int8_t> sign_;     // per half-edge: of du in the chart of its face; 0: zero edge
-    Array<uint32_t> tripod_; // a half-edge of each
-    Array<uint32_t> corner_; // per tripod: the half-edge out of the vertex that takes its zero
-    Array<uint32_t> owner_;  // per vertex: the tripod whose zero it takes
+    Array<int8_t> sign_;             // per half-edge: of du in the chart of its face; 0: zero edge
+    Array<uint32_t> tripod_;         // a half-edge of each
+    Array<uint32_t> corner_;         // per tripod: the half-edge out of the vertex that takes its zero
+    Array<uint32_t> owner_;          // per vertex: the tripod whose zero it takes
+    Array<uint32_t> without_corner_; // a half-edge of each tripod that has none
+    Array<uint8_t> odd_, taken_;     // per vertex of a cluster: the turn round it shall be odd; it has a zero or a mark
     Array<uint32_t> seen_, queue_;
 };
 

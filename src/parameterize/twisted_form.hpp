@@ -46,8 +46,8 @@ struct VertexCharts {
 };
 
 // The sign bundle and du of a foliation, |du| = F but beside the tripods:
-// the zero in each moves to one of its corners.  HMF_ERROR_UNSUPPORTED if
-// the mesh is so coarse that two zeros would need the same vertex.
+// the zero in each moves to one of its corners, or to a vertex near by.
+// HMF_ERROR_UNSUPPORTED if the mesh is so coarse that there are not enough.
 [[nodiscard]] hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du,
                                            Call& call);
 

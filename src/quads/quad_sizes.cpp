@@ -332,7 +332,8 @@ hmf_status QuadSizes::of_step(double step, Call& call) {
     if (round_all(step, matched, call)) return call.status();
     if (!matched)
         return call.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_OPTION, 0,
-                         "The cylinders cannot be matched with quads of this size. Choose a smaller edge_length.");
+                         "No numbers of columns match on all cylinders. Choose a smaller edge_length; if that does not "
+                         "help, the mesh is too coarse for the foliation, so subdivide it.");
     return HMF_OK;
 }
 

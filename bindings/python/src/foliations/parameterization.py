@@ -76,7 +76,7 @@ def parameterize(
     FoliationError
         The values have a pole, or are too far from harmonic.
     UnsupportedError
-        The mesh is so coarse that two zeros need the same vertex.
+        The mesh is so coarse that it has no vertex for each zero.
     """
     seams = as_indices([] if seam_edges is None else seam_edges, "seam_edges")
     options = structure(

@@ -72,8 +72,8 @@ impl<'a> Parameterizer<'a> {
     /// # Errors
     ///
     /// [`Status::ERROR_VALUE_NOT_HARMONIC`] if the residual is above the
-    /// tolerance, [`Status::ERROR_UNSUPPORTED`] if the mesh is so coarse that two
-    /// zeros need the same vertex, [`Status::CANCELLED`], or a status of the
+    /// tolerance, [`Status::ERROR_UNSUPPORTED`] if the mesh is so coarse that it
+    /// has no vertex for each zero, [`Status::CANCELLED`], or a status of the
     /// classes 100, 200, 500.
     pub fn parameterize(&mut self) -> Result<Parameterization> {
         let options = sys::hmf_parameterize_options {

@@ -1,0 +1,146 @@
+#include "zero_drag.hpp"
+
+#include <algorithm>
+
+namespace hmf {
+
+namespace {
+
+constexpr size_t MOST_CROSSED = 65536;               // in one search
+constexpr int64_t LARGEST_HEIGHT = int64_t{1} << 59; // the sum of two leaves room for two more
+
+bool is_too_high(int64_t height) { return height > LARGEST_HEIGHT || height < -LARGEST_HEIGHT; }
+
+} // namespace
+
+Done ZeroDrags::drag(const Array<uint32_t>& tripods, Memory& memory, size_t& left) {
+    Array<uint32_t> waiting;
+    queue_.start(memory);
+    way_.start(memory);
+    waiting.start(memory);
+    if (!waiting.extend(tripods.size()) || !reached_from_.allocate_filled(memory, mesh_.face_count, NONE))
+        return false;
+    std::copy(tripods.begin(), tripods.end(), waiting.begin());
+    // u is not defined there: no way leads through before the zero has left.
+    for (const uint32_t h : tripods) reached_from_[mesh_.face[h]] = BARRED;
+    for (size_t before = waiting.size() + 1; !waiting.empty() && waiting.size() < before;) {
+        before = waiting.size();
+        for (size_t i = 0; i < waiting.size();) {
+            if (!find_way(waiting[i])) return false;
+            if (vertex_ == NONE) {
+                ++i;
+                continue;
+            }
+            move_odd_turn(waiting[i], way_[0]);
+            waiting[i] = waiting.back();
+            waiting.pop();
+            for (uint32_t& other : waiting) // the turn round the vertex has to be even before
+                for (uint32_t side = 0; side < 2 && mesh_.target(other) == vertex_; ++side) {
+                    move_odd_turn(other, mesh_.next[other]);
+                    other = mesh_.next[other];
+                }
+            if (!follow_way()) {
+                left = waiting.size() + 1;
+                return true;
+            }
+            taken_[vertex_] = 1;
+        }
+    }
+    left = waiting.size();
+    return true;
+}
+
+Done ZeroDrags::cross(uint32_t h) {
+    uint32_t& from = reached_from_[mesh_.face[twin(h)]];
+    if (from != NONE) return true;
+    from = h;
+    return queue_.push(h);
+}
+
+Done ZeroDrags::find_way(uint32_t tripod) {
+    way_.clear();
+    vertex_ = NONE;
+    const uint32_t sides[3] = {tripod, mesh_.next[tripod], mesh_.prev(tripod)};
+    for (const uint32_t h : sides) {
+        if (taken_[mesh_.target(h)]) continue;
+        vertex_ = mesh_.target(h);
+        reached_from_[mesh_.face[h]] = NONE;
+        return way_.push(h);
+    }
+    const uint32_t start = mesh_.face[tripod];
+    reached_from_[start] = START;
+    queue_.clear();
+    for (const uint32_t h : sides)
+        if (!cross(h)) return false;
+    for (size_t i = 0; i < queue_.size() && i < MOST_CROSSED && vertex_ == NONE; ++i) {
+        const uint32_t into = twin(queue_[i]), apex = mesh_.origin[mesh_.prev(into)];
+        if (taken_[apex]) {
+            if (!cross(mesh_.next[into]) || !cross(mesh_.prev(into))) return false;
+            continue;
+        }
+        vertex_ = apex;
+        for (uint32_t h = queue_[i]; h != START; h = reached_from_[mesh_.face[h]])
+            if (!way_.push(h)) return false;
+        if (!way_.push(way_.back())) return false;
+        std::reverse(way_.begin(), way_.end());
+    }
+    for (const uint32_t h : queue_) reached_from_[mesh_.face[twin(h)]] = NONE;
+    reached_from_[start] = vertex_ == NONE ? BARRED : NONE;
+    return true;
+}
+
+// False: heights need too many bits.
+bool ZeroDrags::follow_way() {
+    // The sides of the tripod are a_r + a_l, a_l + a, a + a_r, where a are the heights of its corners.
+    const uint32_t first = way_[0];
+    const int64_t side[3] = {du(first), du(mesh_.next[first]), -du(mesh_.prev(first))};
+    for (const int64_t s : side)
+        if (is_too_high(s)) return false;
+    int64_t right = (side[1] - side[2] - side[0]) / 2, left = (side[2] - side[0] - side[1]) / 2;
+    if (way_.size() == 1) lower(twin(first), -bundle_.turn[edge_of(first)] * left);
+    for (size_t i = 1; i < way_.size(); ++i) {
+        const uint32_t h = way_[i], e = edge_of(h), to_apex = mesh_.next[twin(h)], from_apex = mesh_.next[to_apex];
+        const int8_t turn = bundle_.turn[e];
+        du_.value[e] = h % 2 == 0 ? left - right : -turn * (left - right);
+        right *= turn;
+        left *= turn;
+        const int64_t apex = right + du(to_apex);
+        if (is_too_high(apex)) return false;
+        if (i + 1 == way_.size()) {
+            lower(from_apex, apex);
+            change_chart(from_apex);
+        } else if (way_[i + 1] == from_apex) {
+            right = apex;
+        } else {
+            left = -apex;
+            change_chart(from_apex);
+        }
+    }
+    return true;
+}
+
+// From the target of one half-edge of a tripod to that of another: the two sides that
+// meet at the third corner change their signs.
+void ZeroDrags::move_odd_turn(uint32_t from, uint32_t to) {
+    if (from == to) return;
+    const uint32_t third = to == mesh_.next[from] ? mesh_.prev(from) : mesh_.next[from];
+    change_chart(third);
+    change_chart(to == mesh_.next[from] ? from : to);
+}
+
+// Across h the chart of its face changes its sign.
+void ZeroDrags::change_chart(uint32_t h) {
+    const uint32_t e = edge_of(h);
+    bundle_.turn[e] = static_cast<int8_t>(-bundle_.turn[e]);
+    if (h % 2 == 0) du_.value[e] = -du_.value[e];
+}
+
+// The origin of h goes down by `height`, in the chart of the face of h.
+void ZeroDrags::lower(uint32_t h, int64_t height) {
+    for (const uint32_t out : mesh_.around_from(h)) {
+        if (out != h) height *= bundle_.turn[edge_of(out)];
+        du_.add(bundle_, out, height);
+    }
+}
+
+} // namespace hmf

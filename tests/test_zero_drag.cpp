@@ -1,0 +1,149 @@
+// Zeros dragged to vertices further away: du is closed, the turns are odd where the zeros are, and the class is that of
+// the foliation, so on a fine mesh the energy is nearly that of the foliation.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "../src/api/foliation_object.hpp"
+#include "../src/parameterize/harmonic_form.hpp"
+#include "../src/parameterize/zero_drag.hpp"
+#include "support/meshes.hpp"
+#include "support/surface.hpp"
+
+using namespace test;
+
+namespace {
+
+// A foliation on the finest level, and du with tripods as ZeroDrags wants them.
+struct Tripods {
+    hmf::Memory memory{nullptr, nullptr, nullptr, 0};
+    hmf::Call call{memory, nullptr, nullptr, nullptr};
+    hmf::State state;
+    const hmf::Mesh& mesh = state.foliation.mesh;
+    hmf::SignBundle bundle;
+    hmf::TwistedForm du;
+    hmf::Array<uint32_t> tripod;
+    hmf::Array<uint8_t> taken;
+
+    explicit Tripods(const Solution& s) {
+        EXPECT_EQ(hmf::load_solved_in_unit_of_values(*s.foliation, state, call), HMF_OK);
+        const hmf::Foliation& f = state.foliation;
+        std::vector<int> sign(2 * mesh.edge_count, 0);
+        tripod.start(memory);
+        EXPECT_TRUE(taken.allocate_filled(memory, mesh.vertex_count, uint8_t{0}));
+        EXPECT_TRUE(bundle.turn.allocate(memory, mesh.edge_count) && du.value.allocate(memory, mesh.edge_count));
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+            EXPECT_GT(f.at(h), 0);
+            const uint32_t n = mesh.next[h], p = mesh.prev(h);
+            if (n < h || p < h) continue;
+            uint32_t longest = hmf::NONE;
+            for (const uint32_t x : {h, n, p})
+                if (f.at(x) == f.at(mesh.next[x]) + f.at(mesh.prev(x))) longest = x;
+            if (longest == hmf::NONE) EXPECT_TRUE(tripod.push(h));
+            for (const uint32_t x : {h, n, p})
+                sign[x] = longest == hmf::NONE ? (x == p ? -1 : 1) : (x == longest ? 1 : -1);
+        }
+        for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+            bundle.turn[e] = static_cast<int8_t>(-sign[2 * e] * sign[2 * e + 1]);
+            du.value[e] = sign[2 * e] * f.value[e];
+        }
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            uint32_t closed = 0;
+            for (const uint32_t h : mesh.around(v)) closed += f.corner2(h) == 0;
+            taken[v] = closed != 2;
+        }
+    }
+
+    bool is_odd(uint32_t v) const {
+        int turn = 1;
+        for (const uint32_t h : mesh.around(v)) turn *= bundle.turn[hmf::edge_of(h)];
+        return turn < 0;
+    }
+    // The corners of the tripods, and what is up to so many edges away.
+    void take_corners(int rings) {
+        std::vector<uint32_t> near;
+        for (const uint32_t h : tripod)
+            for (const uint32_t x : {h, mesh.next[h], mesh.prev(h)}) near.push_back(mesh.origin[x]);
+        for (; rings > 0; --rings)
+            for (size_t i = 0, n = near.size(); i < n; ++i)
+                for (const uint32_t h : mesh.around(near[i])) near.push_back(mesh.target(h));
+        for (const uint32_t v : near) taken[v] = 1;
+    }
+    // How many are left.
+    size_t drag(size_t genus) {
+        const std::vector<uint8_t> before(taken.begin(), taken.end());
+        size_t left = tripod.size();
+        EXPECT_TRUE(hmf::ZeroDrags(mesh, bundle, du, taken).drag(tripod, memory, left));
+        size_t open = 0, odd = 0, came = 0;
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+            open += du.at(bundle, h) + du.at(bundle, mesh.next[h]) + du.at(bundle, mesh.prev(h)) != 0;
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            odd += is_odd(v);
+            if (!taken[v] || before[v]) continue;
+            ++came;
+            EXPECT_TRUE(left > 0 || is_odd(v)) << v;
+        }
+        EXPECT_EQ(open, 3 * left);
+        EXPECT_EQ(came + left, tripod.size());
+        if (left == 0) { EXPECT_EQ(odd, 4 * genus - 4); }
+        return left;
+    }
+    void make_harmonic() {
+        hmf::VertexCharts charts;
+        hmf::TwistedLaplacian laplacian;
+        ASSERT_TRUE(charts.build(mesh, bundle, call));
+        ASSERT_EQ(laplacian.build(mesh, bundle, charts, weight(), call), HMF_OK);
+        ASSERT_EQ(laplacian.make_harmonic(du, 1e-9, call), HMF_OK);
+    }
+    double energy() const { // in units
+        double sum = 0;
+        for (uint32_t e = 0; e < mesh.edge_count; ++e)
+            sum += weight()[e] * static_cast<double>(du.value[e]) * static_cast<double>(du.value[e]);
+        return sum;
+    }
+    const double* weight() const { return state.hierarchy->levels[0].weight; }
+};
+
+} // namespace
+
+// Also where the vertices near the zeros are taken.
+TEST(ZeroDrag, EnergyOfTheClass) {
+    for (const size_t genus : {2, 3}) {
+        const SolvedSurface surface(pretzel(genus, 4));
+        for (const int rings : {-1, 0, 1, 3}) {
+            SCOPED_TRACE("genus " + std::to_string(genus) + ", rings " + std::to_string(rings));
+            Tripods t(surface.solution);
+            ASSERT_GT(t.tripod.size(), 0u);
+            const double energy = t.energy();
+            if (rings >= 0) t.take_corners(rings);
+            EXPECT_EQ(t.drag(genus), 0u);
+            t.make_harmonic();
+            EXPECT_NEAR(t.energy(), energy, 1e-3 * energy);
+        }
+    }
+}
+
+// Long ways, across each other and through triangles that others have left.
+TEST(ZeroDrag, ToAFewVerticesAnywhere) {
+    const size_t genus = 4;
+    const SolvedSurface surface(pretzel(genus, 2));
+    for (size_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        Tripods t(surface.solution);
+        ASSERT_GT(t.tripod.size(), 2u);
+        Random random(seed);
+        std::vector<uint32_t> free;
+        for (uint32_t v = 0; v < t.mesh.vertex_count; ++v)
+            if (!t.taken[v]) free.push_back(v);
+        const size_t kept = t.tripod.size() - seed % 3; // one or two too few, or enough
+        while (free.size() > kept) {
+            const size_t i = random.below(free.size());
+            t.taken[free[i]] = 1;
+            free[i] = free.back();
+            free.pop_back();
+        }
+        EXPECT_EQ(t.drag(genus), seed % 3);
+    }
+}
