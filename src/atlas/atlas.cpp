@@ -68,9 +68,10 @@ private:
         return true;
     }
 
+    // column: of a square that is no wider than twice GRID.  Where long charts or many margins make it
+    // wider, columns are as well.
     hmf_status add_charts(double column, double margin, Packer& packer) {
-        packer.start(call_.memory, column, margin);
-        packer.add_area(area_);
+        packer.start(call_.memory, column * (widest_ / (2 * GRID)), margin);
         for (uint32_t c = 0; c < grid_.chart_count; ++c) {
             if (c % 256 == 0 && !call_.tick(0.9)) return call_.was_cancelled();
             if (!packer.begin_shape(box_[c].u0, box_[c].v0, box_[c].u1, box_[c].v1)) return call_.out_of_memory();
@@ -90,6 +91,7 @@ private:
     // The side of a rough packing tells the margin in units.
     hmf_status find_margin(double& margin) {
         margin = pieces_.margin * GRID * 1.12;
+        for (const Box& b : box_) widest_ = std::max(widest_, std::min(b.u1 - b.u0, b.v1 - b.v0));
         for (int round = 0;; ++round) {
             if (round == ROUNDS || margin > LARGEST_MARGIN)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
@@ -97,6 +99,7 @@ private:
                                   static_cast<unsigned>(grid_.chart_count));
             if (add_charts(COARSE_COLUMN, margin, packer_) || packer_.search(0, nullptr, call_)) return call_.status();
             if (margin >= pieces_.margin * packer_.side()) return HMF_OK;
+            widest_ = std::max(widest_, packer_.side());
             margin = pieces_.margin * packer_.side() * 1.02;
         }
     }
@@ -119,7 +122,8 @@ private:
     Packer packer_;
     Array<uint32_t> first_, faces_; // triangles of each chart
     Array<Box> box_;                // per chart
-    double area_ = 0;
+    double area_ = 0;               // of all triangles
+    double widest_ = 2 * GRID;      // square that is reckoned with
 };
 
 } // namespace

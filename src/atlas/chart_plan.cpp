@@ -64,7 +64,6 @@ hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
             const double x0 = b.u0 * k - rim, y0 = b.v0 * k - rim, x1 = b.u1 * k + rim, y1 = b.v1 * k + rim;
             const double xy[8] = {x0, y0, x1, y0, x1, y1, x0, y1};
             packer.add_part(xy, 4);
-            packer.add_area(b.area() * k * k);
         }
     }
     if (packer.search(effort, nullptr, call_)) return call_.status();

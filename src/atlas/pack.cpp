@@ -18,7 +18,7 @@ void Packer::start(Memory& memory, double column, double margin) {
     memory_ = &memory;
     column_ = std::floor(std::max(1.0, column));
     margin_ = margin;
-    area_ = side_ = 0;
+    side_ = 0;
     steps_ = 0;
     items_.start(memory);
     bottom_.start(memory);
@@ -120,6 +120,7 @@ bool Packer::lowest(const Profile& p, uint32_t x, double most, uint32_t& hint, d
     // It rises beyond all intervals of one column.  False: too far.
     const auto rise = [&](uint32_t j) {
         ++steps_;
+        if (!(bottom[j] < top[j])) return true;
         for (uint32_t k = column_first_[x + j]; k != none; k = intervals_[k].next) {
             const Interval& i = intervals_[k];
             if (y + top[j] <= i.bottom) break;
@@ -145,11 +146,24 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
     const double *bottom = bottom_.data() + p.first, *top = top_.data() + p.first;
     for (uint32_t j = 0; j < p.columns; ++j) {
         if (!(bottom[j] < top[j])) continue;
+        uint32_t before = none;
         uint32_t* at = &column_first_[x + j];
-        while (*at != none && intervals_[*at].bottom < y + bottom[j]) at = &intervals_[*at].next;
+        while (*at != none && intervals_[*at].bottom < y + bottom[j]) {
+            before = *at;
+            at = &intervals_[before].next;
+        }
         const uint32_t next = *at;
         *at = static_cast<uint32_t>(intervals_.size());
         intervals_.add({y + bottom[j], y + top[j], next});
+        // Room between two that is too narrow for every shape is no room: nothing but the length of the list changes.
+        const auto join_with_next = [this](Interval& i) {
+            while (i.next != none && intervals_[i.next].bottom - i.top < narrowest_) {
+                i.top = intervals_[i.next].top;
+                i.next = intervals_[i.next].next;
+            }
+        };
+        join_with_next(intervals_.back());
+        if (before != none) join_with_next(intervals_[before]);
     }
 }
 
@@ -220,15 +234,27 @@ hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
         || !turn_upside_down())
         return call.out_of_memory();
     size_t most_intervals = 0;
+    double area = 0; // of the profiles, with margins and what columns are too wide
     width.row = width.least = 1;
+    narrowest_ = HUGE_VAL;
     for (const Item& item : items_) {
+        double filled[2] = {0, 0};
+        for (int turned = 0; turned < 2; ++turned) {
+            const Profile& p = item.side[turned];
+            for (size_t j = p.first; j < p.first + p.columns; ++j) {
+                if (!(bottom_[j] < top_[j])) continue;
+                filled[turned] += top_[j] - bottom_[j];
+                narrowest_ = std::min(narrowest_, top_[j] - bottom_[j]);
+            }
+        }
+        area += std::min(filled[0], filled[1]) * column_;
         const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns),
                        wide = std::max(item.side[0].columns, item.side[1].columns);
         width.row += wide + 1;
         width.least = std::max(width.least, narrow);
         most_intervals += wide;
     }
-    width.now = std::max(width.least, static_cast<uint32_t>(std::sqrt(area_) / column_));
+    width.now = std::max(width.least, static_cast<uint32_t>(std::sqrt(area) / column_));
     width.row = std::max(width.row, width.now);
     intervals_.start(*memory_);
     return column_first_.allocate(*memory_, width.row) && intervals_.reserve(most_intervals) ? HMF_OK

@@ -26,7 +26,6 @@ public:
     // A shape: its box, then what it consists of, convex parts of at most four corners inside the box.
     Done begin_shape(double x0, double y0, double x1, double y1);
     void add_part(const double* xy, int corners);
-    void add_area(double area) { area_ += area; }
 
     // coarser: one of the same shapes with wider columns, with whose arrangement the search begins; or NULL.
     // Searches until about so many steps are taken, columns of shapes that were looked at; side is the width of the
@@ -80,9 +79,10 @@ private:
     void change(Arrangement& state, uint32_t missed);
 
     Memory* memory_ = nullptr;
-    double column_ = 1, margin_ = 0, area_ = 0, side_ = 0;
+    double column_ = 1, margin_ = 0, side_ = 0;
     uint64_t steps_ = 0, random_ = 0;
-    uint32_t missed_ = 0; // place in the order of a shape that did not fit
+    double narrowest_ = 0; // height of the thinnest column of a shape
+    uint32_t missed_ = 0;  // place in the order of a shape that did not fit
     Array<Item> items_;
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
