@@ -18,8 +18,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, Memory& memory, size_t& lef
     queue_.start(memory);
     way_.start(memory);
     waiting.start(memory);
-    if (!waiting.extend(tripods.size()) || !reached_from_.allocate_filled(memory, mesh_.face_count, NONE))
-        return false;
+    if (!waiting.extend(tripods.size()) || !reached_from_.allocate_filled(memory, mesh_.face_count, NONE)) return false;
     std::copy(tripods.begin(), tripods.end(), waiting.begin());
     // u is not defined there: no way leads through before the zero has left.
     for (const uint32_t h : tripods) reached_from_[mesh_.face[h]] = BARRED;
