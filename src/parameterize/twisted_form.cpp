@@ -178,7 +178,7 @@ private:
     hmf_status drag_zeros() {
         size_t left = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v)
-            if (seen_[v] == without) taken_[v] = owner_[v] != NONE || !is_regular(v);
+            if (seen_[v] == without) taken_[v] = owner_[v] != NONE || mesh_.is_marked(v) || closed_corners(v) != 2;
         if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, memory_, left)) return call_.out_of_memory();
         if (left == 0) return HMF_OK;
         return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,

@@ -30,19 +30,20 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, Memory& memory, size_t& lef
                 ++i;
                 continue;
             }
+            taken_[vertex_] = 1;
             move_odd_turn(waiting[i], way_[0]);
-            waiting[i] = waiting.back();
-            waiting.pop();
             for (uint32_t& other : waiting) // the turn round the vertex has to be even before
-                for (uint32_t side = 0; side < 2 && mesh_.target(other) == vertex_; ++side) {
+                for (uint32_t side = 0; &other != &waiting[i] && side < 2 && mesh_.target(other) == vertex_; ++side)
                     move_odd_turn(other, mesh_.next[other]);
-                    other = mesh_.next[other];
-                }
+            // A tripod with all of its corners there has its odd turn nowhere else.
+            if (turn_round(vertex_) != (way_.size() == 1 ? -1 : 1)) continue;
             if (!follow_way()) {
-                left = waiting.size() + 1;
+                left = waiting.size();
                 return true;
             }
-            taken_[vertex_] = 1;
+            reached_from_[mesh_.face[waiting[i]]] = NONE;
+            waiting[i] = waiting.back();
+            waiting.pop();
         }
     }
     left = waiting.size();
@@ -63,7 +64,6 @@ Done ZeroDrags::find_way(uint32_t tripod) {
     for (const uint32_t h : sides) {
         if (taken_[mesh_.target(h)]) continue;
         vertex_ = mesh_.target(h);
-        reached_from_[mesh_.face[h]] = NONE;
         return way_.push(h);
     }
     const uint32_t start = mesh_.face[tripod];
@@ -84,7 +84,7 @@ Done ZeroDrags::find_way(uint32_t tripod) {
         std::reverse(way_.begin(), way_.end());
     }
     for (const uint32_t h : queue_) reached_from_[mesh_.face[twin(h)]] = NONE;
-    reached_from_[start] = vertex_ == NONE ? BARRED : NONE;
+    reached_from_[start] = BARRED;
     return true;
 }
 
@@ -120,11 +120,18 @@ bool ZeroDrags::follow_way() {
 
 // From the target of one half-edge of a tripod to that of another: the two sides that
 // meet at the third corner change their signs.
-void ZeroDrags::move_odd_turn(uint32_t from, uint32_t to) {
+void ZeroDrags::move_odd_turn(uint32_t& from, uint32_t to) {
     if (from == to) return;
-    const uint32_t third = to == mesh_.next[from] ? mesh_.prev(from) : mesh_.next[from];
-    change_chart(third);
-    change_chart(to == mesh_.next[from] ? from : to);
+    const bool is_next = to == mesh_.next[from];
+    change_chart(is_next ? mesh_.prev(from) : mesh_.next[from]);
+    change_chart(is_next ? from : to);
+    from = to;
+}
+
+int ZeroDrags::turn_round(uint32_t v) const {
+    int turn = 1;
+    for (const uint32_t h : mesh_.around(v)) turn *= bundle_.turn[edge_of(h)];
+    return turn;
 }
 
 // Across h the chart of its face changes its sign.

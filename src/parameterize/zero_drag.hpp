@@ -33,7 +33,8 @@ private:
     Done find_way(uint32_t tripod);
     Done cross(uint32_t h);
     bool follow_way();
-    void move_odd_turn(uint32_t from, uint32_t to);
+    void move_odd_turn(uint32_t& from, uint32_t to);
+    int turn_round(uint32_t v) const;
     void change_chart(uint32_t h);
     void lower(uint32_t h, int64_t height);
     int64_t du(uint32_t h) const { return du_.at(bundle_, h); }
