@@ -405,8 +405,8 @@ TEST(Campaign, SeedsThatFailedWithMarkedVertices) {
     EXPECT_EQ(tally.all.converged, tally.all.solves);
 }
 
-// Zeros without a corner of their own.  9: nothing is left of the foliation at two thirds of the vertices.  941059: 572 zeros
-// on 1360 vertices, of which nearly all have an edge to themselves.
+// Zeros without a corner of their own.  9: nothing is left of the foliation at two thirds of the vertices.
+// 941059: 572 zeros on 1360 vertices, of which nearly all have an edge to themselves.
 TEST(Campaign, EveryZeroHasAVertex) {
     Tally tally;
     for (const uint64_t seed : {1, 9, 941059}) solve_problem(seed, tally);
