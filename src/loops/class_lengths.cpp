@@ -18,6 +18,7 @@ constexpr double SAME = 1e-4;                                           // short
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
 constexpr size_t ROUNDS = 100;
+constexpr double OTHER = 0.01;                    // relative: another strip, or another length where it was found
 constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
 
@@ -25,14 +26,16 @@ constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from e
 
 ClassLengths::ClassLengths(const hmf_hierarchy& hierarchy, size_t found, Call& call, LoopCare care) :
     hierarchy_(&hierarchy), mesh_(loop_mesh(hierarchy, found)), position_(hierarchy.levels[found].position),
-    call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call) {
+    call_(call), care_(care), found_(found), level_(found), geodesic_(mesh_, position_, 0, call),
+    dual_length_(mesh_, position_) {
     while (level_ > 0 && hierarchy.levels[level_].mesh.vertex_count < MEASURED_VERTICES) --level_;
     finest_ = level_;
     while (finest_ > 0 && hierarchy.levels[finest_].mesh.vertex_count < FINEST_VERTICES) --finest_;
 }
 
 ClassLengths::ClassLengths(const Mesh& mesh, const double* position, Call& call) :
-    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call) {}
+    hierarchy_(nullptr), mesh_(mesh), position_(position), call_(call), geodesic_(mesh, position, 0, call),
+    dual_length_(mesh, position) {}
 
 Done ClassLengths::start() {
     Memory& memory = call_.memory;
@@ -45,6 +48,7 @@ Done ClassLengths::start() {
     name_.start(memory);
     letters_.start(memory);
     measure_extent();
+    if (!strip_length_.allocate_filled(memory, mesh_.edge_count, -1.0)) return false;
     if (!table_.allocate_filled(memory, 256, NONE) || !visited_.allocate_filled(memory, mesh_.face_count, 0u))
         return false;
     if (!geodesic_.keep_lengths() || !one_.start(memory) || !curve_.allocate(mesh_, memory)) return false;
@@ -130,6 +134,16 @@ Done ClassLengths::grow_table() {
     return true;
 }
 
+double ClassLengths::strip_length(const uint32_t* crossings, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double& length = strip_length_[edge_of(crossings[i])];
+        if (length < 0) length = dual_length_(edge_of(crossings[i]));
+        sum += length;
+    }
+    return sum;
+}
+
 Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     if (care_ == LoopCare::quick) {
         id = 0;
@@ -138,9 +152,11 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     if (!started_ && !start()) return false;
     size_t place = 0;
     if (!find_class(crossings, n, id, place)) return false;
-    if (id != NONE) {
-        // Another strip of a class may lead to another of its geodesics, unless it is half the same; with marked
-        // vertices, on which they may hang, unless it is all the same.
+    const double strip = strip_length(crossings, n);
+    if (id != NONE && !(strip < classes_[id].strip * (1 - OTHER))) {
+        // Another strip of a class may lead to another of its geodesics.  A shorter one is always pulled.  Of the
+        // others the first ones are, unless half of one is the same; with marked vertices, on which they may hang,
+        // unless all of it is.
         const bool marked = mesh_.marked_count > 0;
         const Class& c = classes_[id];
         size_t met = 0;
@@ -156,11 +172,20 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     Curve curve{};
     if (id != NONE) {
         Class& c = classes_[id];
-        ++c.starts;
+        if (c.starts < UINT8_MAX) ++c.starts;
+        c.strip = std::min(c.strip, strip);
+        if (c.stage != made.stage && made.length < c.found * (1 - OTHER)) { // a longer one was measured
+            c.stage = made.stage;
+            c.length = HUGE_VAL;
+            c.wanted = true;
+            c.wide = false;
+            c.last = NONE;
+        }
         if (c.stage != made.stage || made.length >= c.length * (1 + BESIDE)) return true;
         if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
         curve.before = c.last;
         c.last = static_cast<uint32_t>(curves_.size());
+        c.found = std::min(c.found, made.length);
         if (made.length < c.length * (1 - SAME)) {
             c.first = curve.first;
             c.end = curve.end;
@@ -172,6 +197,8 @@ Done ClassLengths::add(const uint32_t* crossings, size_t n, uint32_t& id) {
     id = static_cast<uint32_t>(classes_.size());
     if (!keep_curve(crossings, n, curve.first, curve.end)) return false;
     curve.before = NONE;
+    made.found = made.length;
+    made.strip = strip;
     made.first = curve.first;
     made.end = curve.end;
     made.last = static_cast<uint32_t>(curves_.size());
@@ -210,6 +237,7 @@ Done ClassLengths::look_beside(Class& c) {
         if (found.length >= c.length * (1 - SAME)) continue;
         if (!keep_curve(from.data(), from.size(), found.first, found.end)) return false;
         const uint32_t last = c.last;
+        found.found = found.length;
         c = found;
         c.last = last;
     }

@@ -11,7 +11,8 @@
 // that are close even there are measured on the coarsest one that has 100 000, or
 // else on the mesh of the caller.  A surface with bumps has several closed geodesics
 // in a class: on the level where a loop was found those beside it are tried
-// (closed_geodesic.hpp), in classes that may be the shortest of those to choose from.
+// (closed_geodesic.hpp), in classes that may be the shortest of those to choose from.  And other strips of the class
+// are pulled: the first ones, and after them those that are shorter than all before.
 //
 // Ties: lengths are measured in a metric that grows by 0.5 % along the x axis,
 // from end to end of the surface, by 0.3 % along y and 0.2 % along z.  So of two
@@ -22,6 +23,7 @@
 #include "../hierarchy/hierarchy.hpp"
 #include "../homotopy/curve_words.hpp"
 #include "closed_geodesic.hpp"
+#include "dual_length.hpp"
 #include "loops.hpp"
 #include "multicurve.hpp"
 
@@ -65,6 +67,8 @@ private:
         uint64_t hash, name, name_end; // of its name in letters_
         uint64_t first, end;           // its loop in crossings_, see pulled()
         double length;                 // tilted
+        double found;                  // likewise, where it was found
+        double strip;                  // dual length, the shortest that was pulled
         double doubt;                  // relative: it may be longer by so much, beside the error of the stage
         Stage stage;
         uint8_t starts; // strips that were pulled to it
@@ -85,6 +89,7 @@ private:
     Done find_class(const uint32_t* crossings, size_t n, uint32_t& id, size_t& place);
     Done pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double* position, const uint32_t* crossings, size_t n,
               bool widely, Class& c);
+    double strip_length(const uint32_t* crossings, size_t n);
     Done grow_table();
     Done keep_curve(const uint32_t* crossings, size_t n, uint64_t& first, uint64_t& end);
     Done look_beside(Class& c);
@@ -99,6 +104,8 @@ private:
     double lowest_[3] = {0, 0, 0}, tilt_[3] = {0, 0, 0}; // of the box, and growth of the metric per unit
     CurveWords words_;
     ClosedGeodesic geodesic_;
+    DualLength dual_length_;
+    Array<double> strip_length_; // dual length per edge; below 0: not known yet
     Array<Class> classes_;
     Array<Curve> curves_;
     Array<uint32_t> crossings_, loop_, start_, table_;
