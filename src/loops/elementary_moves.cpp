@@ -33,6 +33,7 @@ constexpr size_t MOST_OPTIONS = 24; // of a search
 constexpr double MARGIN = 0.05;     // relative, by which two curves may be longer where they are found
 constexpr double GAIN = 1e-6;       // relative, of a move
 constexpr double LITTLE = 1e-3;     // relative, of another strip in the class
+constexpr size_t MOST_TOGETHER = 8; // curves that are pulled at once
 constexpr int MOST_PASSES = 64, MOST_MEASURES = 4;
 
 class ElementaryMoves {
@@ -91,7 +92,8 @@ private:
         own_strips_.start(memory_);
         if (!test_.allocate(mesh_, memory_) || !length_.allocate(memory_, mesh_.edge_count) || !id_.allocate(memory_, n)
             || !alone_.allocate_filled(memory_, n, uint8_t{1}) || !paired_.allocate_filled(memory_, n, uint8_t{1})
-            || !own_.allocate_filled(memory_, n, Strip{0, 0}))
+            || !own_.allocate_filled(memory_, n, Strip{0, 0})
+            || !stamped_.allocate_filled(memory_, mesh_.edge_count, 0u))
             return false;
         const DualLength length(mesh_, position_);
         for (uint32_t e = 0; e < mesh_.edge_count; ++e) length_[e] = length(e);
@@ -373,21 +375,33 @@ private:
         return true;
     }
 
-    // Those that its pulled strip meets are pulled as well, if all are disjoint then.
+    // Those that its pulled strip meets are pulled as well, and those that these meet, if all are disjoint then.
     Done pull_with_others(uint32_t k, bool& done) {
         const size_t n = loops_.count();
+        Array<uint32_t> pulled;
         Array<uint8_t> is_pulled;
-        if (!is_pulled.allocate_filled(memory_, n, uint8_t{0})) return false;
+        pulled.start(memory_);
+        if (!is_pulled.allocate_filled(memory_, n, uint8_t{0}) || !pulled.push(k)) return false;
         is_pulled[k] = 1;
         Loops two, changed;
-        for (uint32_t c = 0; c < n; ++c) {
-            if (c == k) continue;
-            bool apart = false;
-            if (!two.start(memory_) || !two.add(loops_, c)
-                || !two.add(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k]))
-                || !last_is_disjoint(mesh_, two, test_, memory_, apart))
-                return false;
-            is_pulled[c] = !apart;
+        for (size_t i = 0; i < pulled.size(); ++i) {
+            if (i == MOST_TOGETHER) return true;
+            const uint32_t id = id_[pulled[i]];
+            ++stamp_;
+            for (size_t x = 0; x < lengths_.pulled_size(id); ++x) stamped_[edge_of(lengths_.pulled(id)[x])] = stamp_;
+            for (uint32_t c = 0; c < n; ++c) {
+                bool apart = true; // without a common edge
+                for (size_t x = 0; x < loops_.length(c) && !is_pulled[c]; ++x)
+                    apart &= stamped_[edge_of(loops_.loop(c)[x])] != stamp_;
+                if (apart) continue;
+                if (!two.start(memory_) || !two.add(loops_, c)
+                    || !two.add(lengths_.pulled(id), lengths_.pulled_size(id))
+                    || !last_is_disjoint(mesh_, two, test_, memory_, apart))
+                    return false;
+                if (apart) continue;
+                is_pulled[c] = 1;
+                if (!pulled.push(c)) return false;
+            }
         }
         if (!changed.start(memory_)) return false;
         for (uint32_t c = 0; c < n; ++c)
@@ -448,6 +462,8 @@ private:
     Array<Move> moves_;
     Array<Strip> own_; // per curve: in own_strips_, a shorter one of its class, or none
     Array<uint32_t> own_strips_;
+    Array<uint32_t> stamped_; // per edge: the last of the pulled strips that cross it
+    uint32_t stamp_ = 0;
 };
 
 } // namespace
