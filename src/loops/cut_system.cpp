@@ -36,10 +36,10 @@ namespace {
 constexpr double UNREACHED = HUGE_VAL;
 constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
-// Of many handles one may be so narrow that strips round it are twice as long as they should be.  It comes last, and
-// that search reaches further, and leaves out less.
+// Of many handles some are so narrow that strips round them are half as long again as they should be, or one twice as
+// long.  That one comes last, and its search reaches further, and leaves out less.
 constexpr uint32_t MANY_HANDLES = 10;
-constexpr double FAR = 2.6, FAR_ROOTS = 2;
+constexpr double MANY_ROOTS = 1.5, FAR = 2.6, FAR_ROOTS = 2;
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
 constexpr int MOST_CHOICES = 4;        // of a batch, as its classes are measured
@@ -135,7 +135,8 @@ private:
         if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
             return call_.stopped();
-        is_far_ = k + 1 == genus && genus >= MANY_HANDLES && !condition_;
+        has_many_ = genus >= MANY_HANDLES && !condition_;
+        is_far_ = k + 1 == genus && has_many_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;
         // Labels of a surface that meets itself may leave no loop without crossings, or only such as wind a lot.
@@ -455,7 +456,7 @@ private:
     }
 
     double slack() const { return is_quick() ? 1 : is_far_ ? FAR : SLACK; }
-    double roots() const { return is_far_ ? FAR_ROOTS : ROOTS; }
+    double roots() const { return is_far_ ? FAR_ROOTS : has_many_ && !is_quick() ? MANY_ROOTS : ROOTS; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
@@ -526,6 +527,7 @@ private:
     size_t states_per_region_ = 4;
     uint64_t work_before_ = 0; // of the search, before this loop
     bool by_count_ = false;
+    bool has_many_ = false;    // handles
     bool is_far_ = false;      // the search reaches further
     Array<double> face_bound_; // of the loops through a face
     Array<Root> roots_, gate_;
