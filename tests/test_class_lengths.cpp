@@ -24,7 +24,8 @@ TriMesh with_two_necks() {
     for (size_t v = 0; v < mesh.vertex_count(); ++v) {
         const double angle = 2 * PI * static_cast<double>(v / m) / COLUMNS;
         const double middle[3] = {3 * std::cos(angle), 3 * std::sin(angle), 0};
-        const double thick = 1 - 0.5 * std::exp(-9 * (1 - std::cos(angle))) - 0.25 * std::exp(-9 * (1 + std::cos(angle)));
+        const double thick =
+            1 - 0.5 * std::exp(-9 * (1 - std::cos(angle))) - 0.25 * std::exp(-9 * (1 + std::cos(angle)));
         for (size_t a = 0; a < 3; ++a)
             mesh.positions[3 * v + a] = middle[a] + thick * (mesh.positions[3 * v + a] - middle[a]);
     }
@@ -48,9 +49,8 @@ public:
             for (uint32_t& f : faces) f = hmf::internal_face(h, f);
         const uint64_t offsets[] = {0, faces.size()};
         hmf::Loops read;
-        EXPECT_EQ(
-            hmf::read_loops(hmf::loop_mesh(h, level_), HMF_LOOP_TRIANGLES, 1, offsets, faces.data(), call_, read),
-            HMF_OK)
+        EXPECT_EQ(hmf::read_loops(hmf::loop_mesh(h, level_), HMF_LOOP_TRIANGLES, 1, offsets, faces.data(), call_, read),
+                  HMF_OK)
             << error_.message;
         uint32_t id = 0;
         EXPECT_TRUE(lengths.add(read.loop(0), read.length(0), id));
