@@ -58,8 +58,8 @@ struct Root {
 
 class CutSystem {
 public:
-    CutSystem(const Mesh& mesh, const LoopCondition* condition, ClassLengths& lengths, Call& call) :
-        mesh_(mesh), condition_(condition), lengths_(lengths), call_(call), memory_(call.memory),
+    CutSystem(const Mesh& mesh, const LoopCondition* condition, ClassLengths& lengths, RootReach reach, Call& call) :
+        mesh_(mesh), condition_(condition), lengths_(lengths), reach_(reach), call_(call), memory_(call.memory),
         search_(cut_, length_, condition ? condition->label : nullptr, call) {}
 
     // kept_loops: loops that the others must not meet, or NULL; the first of out.
@@ -456,7 +456,7 @@ private:
     }
 
     double slack() const { return is_quick() ? 1 : is_far_ ? FAR : SLACK; }
-    double roots() const { return is_far_ ? FAR_ROOTS : has_many_ && !is_quick() ? MANY_ROOTS : ROOTS; }
+    double roots() const { return is_far_ ? FAR_ROOTS : has_many_ && reach_ == RootReach::far ? MANY_ROOTS : ROOTS; }
 
     // The short loops through a region are candidates.
     Done look_from(uint32_t root) {
@@ -516,6 +516,7 @@ private:
     const Mesh& mesh_;
     const LoopCondition* condition_; // or NULL
     ClassLengths& lengths_;
+    const RootReach reach_;
     Call& call_;
     Memory& memory_;
     Loops* out_ = nullptr; // the loops so far
@@ -553,14 +554,14 @@ private:
 } // namespace
 
 hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition, ClassLengths& lengths,
-                      Call& call, Loops& out) {
-    CutSystem system(mesh, condition, lengths, call);
+                      Call& call, Loops& out, RootReach reach) {
+    CutSystem system(mesh, condition, lengths, reach, call);
     return system.run(position, nullptr, out);
 }
 
 hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept, ClassLengths& lengths,
                              Call& call, Loops& out) {
-    CutSystem system(mesh, nullptr, lengths, call);
+    CutSystem system(mesh, nullptr, lengths, RootReach::near, call);
     return system.run(position, &kept, out);
 }
 

@@ -59,11 +59,16 @@ class ClassLengths; // class_lengths.hpp
 // the lengths of the strips in which they are found.
 enum class LoopCare : uint8_t { shortest, quick };
 
+// Where loops are searched: where strips are nearly as short as the shortest one, or of many handles also where they
+// are half as long again.  Cut loops get hardly shorter by that, but which of equally long ones pants begin with no
+// longer depends on the order of the vertices.
+enum class RootReach : uint8_t { near, far };
+
 // genus many disjoint simple loops, jointly non-separating, each with the shortest
 // class that is found one after another.  position: 3 per vertex of the mesh.
 // condition: NULL for none.
 [[nodiscard]] hmf_status cut_system(const Mesh& mesh, const double* position, const LoopCondition* condition,
-                                    ClassLengths& lengths, Call& call, Loops& out);
+                                    ClassLengths& lengths, Call& call, Loops& out, RootReach reach = RootReach::near);
 // The same beside disjoint loops that separate the surface; those are the first of out.
 [[nodiscard]] hmf_status cut_system_beside(const Mesh& mesh, const double* position, const Loops& kept,
                                            ClassLengths& lengths, Call& call, Loops& out);

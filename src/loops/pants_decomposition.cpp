@@ -583,7 +583,8 @@ static hmf_status put_last(const Loops& loops, size_t first, Call& call, Loops& 
 
 hmf_status pants_decomposition(const Mesh& mesh, const double* position, ClassLengths& lengths, Call& call,
                                Loops& out) {
-    hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out);
+    const RootReach reach = lengths.care() == LoopCare::quick ? RootReach::near : RootReach::far;
+    hmf_status status = cut_system(mesh, position, nullptr, lengths, call, out, reach);
     if (status) return status;
     Loops necks;
     bool crossed = false;
