@@ -75,7 +75,7 @@ struct Tripods {
     size_t drag(size_t genus) {
         const std::vector<uint8_t> before(taken.begin(), taken.end());
         size_t left = tripod.size();
-        EXPECT_TRUE(hmf::ZeroDrags(mesh, bundle, du, taken).drag(tripod, memory, left));
+        EXPECT_TRUE(hmf::ZeroDrags(mesh, bundle, du, taken).drag(tripod, call, left));
         size_t open = 0, odd = 0, came = 0;
         for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
             open += du.at(bundle, h) + du.at(bundle, mesh.next[h]) + du.at(bundle, mesh.prev(h)) != 0;

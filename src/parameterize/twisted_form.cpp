@@ -179,7 +179,7 @@ private:
         size_t left = 0;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v)
             if (seen_[v] == without) taken_[v] = owner_[v] != NONE || mesh_.is_marked(v) || closed_corners(v) != 2;
-        if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, memory_, left)) return call_.out_of_memory();
+        if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, call_, left)) return call_.stopped();
         if (left == 0) return HMF_OK;
         return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                           "The mesh is too coarse: it has fewer vertices than the foliation has zeros. Subdivide it.");

@@ -13,7 +13,8 @@ bool is_too_high(int64_t height) { return height > LARGEST_HEIGHT || height < -L
 
 } // namespace
 
-Done ZeroDrags::drag(const Array<uint32_t>& tripods, Memory& memory, size_t& left) {
+Done ZeroDrags::drag(const Array<uint32_t>& tripods, Call& call, size_t& left) {
+    Memory& memory = call.memory;
     Array<uint32_t> waiting;
     queue_.start(memory);
     way_.start(memory);
@@ -25,7 +26,7 @@ Done ZeroDrags::drag(const Array<uint32_t>& tripods, Memory& memory, size_t& lef
     for (size_t before = waiting.size() + 1; !waiting.empty() && waiting.size() < before;) {
         before = waiting.size();
         for (size_t i = 0; i < waiting.size();) {
-            if (!find_way(waiting[i])) return false;
+            if (!call.tick(0) || !find_way(waiting[i])) return false;
             if (vertex_ == NONE) {
                 ++i;
                 continue;

@@ -26,7 +26,7 @@ public:
     // tripods: a half-edge h of each triangle where du is not closed.  The sides are a sum and its two
     // parts up to sign, which is 1 on h and the next one, -1 on the third: the turn round the target of h is
     // odd.  Each zero goes to the nearest vertex that is not taken, across few edges.  left: how many find none.
-    Done drag(const Array<uint32_t>& tripods, Memory& memory, size_t& left);
+    Done drag(const Array<uint32_t>& tripods, Call& call, size_t& left);
 
 private:
     static constexpr uint32_t START = NONE - 1, BARRED = NONE - 2;
