@@ -414,6 +414,16 @@ TEST(Campaign, EveryZeroHasAVertex) {
     EXPECT_EQ(tally.maps.made, 3u);
 }
 
+// 942007: the length of a chart was scaled twice.  943566: a chart many times as long as the square had so many columns
+// that there was no end, and no memory.
+TEST(Campaign, AtlasesWithLongCharts) {
+    Tally tally;
+    for (const uint64_t seed : {942007, 943566})
+        if (tally.problems < sample<size_t>(2, 1)) solve_problem(seed, tally);
+    EXPECT_EQ(tally.errors, 0u);
+    EXPECT_EQ(tally.atlases.made, tally.problems);
+}
+
 // Which flips come first depends on the numbers of the edges.  Triangles 40 000 times as long as wide have areas that
 // lengths in doubles know to 6 digits: three hierarchies had weights up to 68 % apart and energies 3e-5 apart.
 TEST(Campaign, WeightsDoNotDependOnTheOrderOfFlips) {

@@ -91,7 +91,7 @@ private:
     // The side of a rough packing tells the margin in units.
     hmf_status find_margin(double& margin) {
         margin = pieces_.margin * GRID * 1.12;
-        for (const Box& b : box_) widest_ = std::max(widest_, std::min(b.u1 - b.u0, b.v1 - b.v0));
+        for (const Box& b : box_) widest_ = std::max(widest_, std::max(b.u1 - b.u0, b.v1 - b.v0));
         for (int round = 0;; ++round) {
             if (round == ROUNDS || margin > LARGEST_MARGIN)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,

@@ -27,7 +27,7 @@ constexpr double LONG = 1.6;                   // sides of the square: longer ch
 constexpr double MOST_PARTS = 1000;            // each
 constexpr int MOST_CUTS = 12, PARTS_TRIED = 3; // of the longest parts, for each cut
 constexpr double SHORTEST = 8;                 // triangles
-constexpr double LONGEST = 1000;               // sides of the square: the packer has columns for it
+constexpr double LONGEST = 1000;               // sides of the square: nothing beside it could be seen
 constexpr size_t FEW_PARTS = 8;
 constexpr int FINE_STEPS = 32, COARSE_STEPS = 12; // places tried: with few parts, with more
 
@@ -44,14 +44,19 @@ Box ChartPlan::piece_in_chart(uint32_t p) const {
 hmf_status ChartPlan::try_packing(uint64_t effort, double& side) {
     const double size = std::sqrt(pieces_.whole), rim = 0.35 * pieces_.triangle;
     Packer packer;
-    packer.start(call_.memory, size / COLUMNS, pieces_.margin * size * 1.15);
+    double widest = 2 * size; // square that is reckoned with: it holds the longest part
     for (const ChartPart& part : parts) {
-        const double k = part.scale, length = length_of(part) * k;
+        const double length = length_of(part);
         if (!(length < LONGEST * size))
             return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, part.chart,
                               "A chart is %.3g times as long as a square of the area of the surface. Repair triangles "
                               "that are nearly without area.",
                               length / size);
+        widest = std::max(widest, length);
+    }
+    packer.start(call_.memory, widest / (2 * COLUMNS), pieces_.margin * size * 1.15);
+    for (const ChartPart& part : parts) {
+        const double k = part.scale;
         if (!packer.begin_shape(part.box.u0 * k - rim, part.box.v0 * k - rim, part.box.u1 * k + rim,
                                 part.box.v1 * k + rim))
             return call_.out_of_memory();

@@ -248,10 +248,9 @@ hmf_status Packer::prepare(Arrangement& state, Widths& width, Call& call) {
             }
         }
         area += std::min(filled[0], filled[1]) * column_;
-        const uint32_t narrow = std::min(item.side[0].columns, item.side[1].columns),
-                       wide = std::max(item.side[0].columns, item.side[1].columns);
+        const uint32_t wide = std::max(item.side[0].columns, item.side[1].columns);
         width.row += wide + 1;
-        width.least = std::max(width.least, narrow);
+        width.least = std::max(width.least, wide - 1); // of a square; the last column may be hardly met
         most_intervals += wide;
     }
     width.now = std::max(width.least, static_cast<uint32_t>(std::sqrt(area) / column_));
