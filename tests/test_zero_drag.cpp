@@ -125,7 +125,7 @@ TEST(ZeroDrag, EnergyOfTheClass) {
     }
 }
 
-// Long ways, across each other and through triangles that others have left.
+// Long ways, across each other.
 TEST(ZeroDrag, ToAFewVerticesAnywhere) {
     const size_t genus = 4;
     const SolvedSurface surface(pretzel(genus, 2));

@@ -287,7 +287,8 @@ typedef struct hmf_quad_mesh {
  * (all of their corners on it, as a rule) may be left out.
  *
  * HMF_ERROR_UNSUPPORTED if a zero goes round a part of the surface that no leaf
- * crosses, or if there is no match for edges so long; HMF_ERROR_OPTIONS if there
+ * crosses, or if no numbers of columns match on all cylinders, for edges so long or
+ * on a mesh so coarse; HMF_ERROR_OPTIONS if there
  * would be more than 2^28 quads.  Other errors: classes 100, 200, 500.
  */
 HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_options *options,

@@ -75,7 +75,8 @@ impl Foliation {
     /// # Errors
     ///
     /// [`Status::ERROR_UNSUPPORTED`] if a zero goes round a part of the surface that no
-    /// leaf crosses, or if there is no match for edges so long; [`Status::CANCELLED`];
+    /// leaf crosses, or if no numbers of columns match on all cylinders, for edges so
+    /// long or on a mesh so coarse; [`Status::CANCELLED`];
     /// classes 100, 200, 500.
     pub fn quads(&self, edge_length: Option<f64>) -> Result<QuadMesh> {
         self.quads_with(&QuadOptions { edge_length: edge_length.unwrap_or(0.0), ..Default::default() })
