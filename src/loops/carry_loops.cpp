@@ -1,8 +1,9 @@
 #include "carry_loops.hpp"
 
-#include "disjoint.hpp"
+#include "../base/heap_sort.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace hmf {
 
@@ -10,17 +11,18 @@ Done LoopCarrier::load(const hmf_hierarchy& hierarchy, size_t level, size_t fine
                        Memory& memory) {
     hierarchy_ = &hierarchy;
     level_ = level;
-    const Mesh& room = hierarchy.levels[finest].mesh;
+    const Mesh& room = mesh_of(finest);
     entries_.start(memory);
     scratch_.start(memory);
     free_ = NONE;
-    if (!copy_.allocate(room, memory) || !head_.allocate_filled(memory, room.edge_count, NONE)) return false;
-    mesh_ = copy_.of(mesh_of(level));
-    return replace(loops);
+    const size_t sides =
+        level > finest ? size_t{2} * mesh_of(finest + 1).edge_count : 0; // levels are refined from there
+    return next_.allocate(memory, sides) && head_.allocate_filled(memory, room.edge_count, NONE)
+        && curve_.allocate(room, memory) && replace(loops);
 }
 
 Done LoopCarrier::replace(const Loops& loops) {
-    for (uint32_t e = 0; e < mesh_.edge_count; ++e) head_[e] = NONE;
+    for (const Entry& entry : entries_) head_[entry.edge] = NONE;
     entries_.clear();
     free_ = NONE;
     loop_count_ = loops.count();
@@ -52,7 +54,7 @@ Done LoopCarrier::add(uint32_t edge, uint32_t loop, uint32_t count, int32_t sign
         at = static_cast<uint32_t>(entries_.size());
         if (!entries_.push({})) return false;
     }
-    entries_[at] = {loop, count, signed_count, head_[edge]};
+    entries_[at] = {edge, loop, count, signed_count, head_[edge]};
     head_[edge] = at;
     return true;
 }
@@ -61,6 +63,7 @@ void LoopCarrier::drop_edge(uint32_t edge) {
     while (head_[edge] != NONE) {
         const uint32_t at = head_[edge];
         head_[edge] = entries_[at].next;
+        entries_[at].loop = NONE;
         entries_[at].next = free_;
         free_ = at;
     }
@@ -77,12 +80,12 @@ Done LoopCarrier::copy_edge(uint32_t from, uint32_t to, bool reversed) {
 
 Done LoopCarrier::unflip_edge(uint32_t edge) {
     const uint32_t h = 2 * edge, t = twin(h);
-    const uint32_t a = mesh_.next[h], b = mesh_.prev(h), c = mesh_.next[t], d = mesh_.prev(t);
+    const uint32_t a = next_[h], b = next_[a], c = next_[t], d = next_[c];
     const uint32_t around[5] = {edge, edge_of(a), edge_of(b), edge_of(c), edge_of(d)};
     bool any = false;
     for (uint32_t e : around) any |= head_[e] != NONE;
     if (!any) {
-        unflip(mesh_, edge);
+        unflip_sides(next_.data(), edge);
         return true;
     }
     scratch_.clear();
@@ -90,11 +93,11 @@ Done LoopCarrier::unflip_edge(uint32_t edge) {
         for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) {
             bool known = false;
             for (const Entry& entry : scratch_) known |= entry.loop == entries_[i].loop;
-            if (!known && !scratch_.push({entries_[i].loop, 0, 0, NONE})) return false;
+            if (!known && !scratch_.push({edge, entries_[i].loop, 0, 0, NONE})) return false;
         }
     // After the reversal h is followed by d and a (as seen from the right, see mesh.hpp).
-    unflip(mesh_, edge);
-    const uint32_t left[2] = {mesh_.next[h], mesh_.prev(h)};
+    unflip_sides(next_.data(), edge);
+    const uint32_t left[2] = {next_[h], next_[next_[h]]};
     for (Entry& entry : scratch_) {
         const auto count = [&](uint32_t e) -> int64_t {
             const Entry* f = find(e, entry.loop);
@@ -118,6 +121,7 @@ Done LoopCarrier::unflip_edge(uint32_t edge) {
 Done LoopCarrier::refine(Call& call) {
     const Level& finer = hierarchy_->levels[level_ - 1];
     if (!call.tick(0, true)) return false;
+    std::memcpy(next_.data(), mesh().next, size_t{2} * mesh().edge_count * sizeof(uint32_t));
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 16384 == 0 && !call.tick(0, true)) return false;
         if (!unflip_edge(hierarchy_->flips[i])) return false;
@@ -138,41 +142,40 @@ Done LoopCarrier::refine(Call& call) {
             return false;
     }
     --level_;
-    mesh_ = copy_.of(mesh_of(level_)); // the hierarchy keeps what the splits make
     return true;
 }
 
 Done LoopCarrier::read(size_t first, size_t last, Loops& out, Memory& memory) {
     if (!out.start(memory)) return false;
     // One loop after another, each from its crossing numbers.
+    const Mesh& mesh = mesh_of(level_);
     Array<uint32_t> edge, begin; // of all loops, sorted by loop
-    Multicurve curve;
-    if (!begin.allocate_filled(memory, loop_count_ + 2, 0u) || !curve.allocate(mesh_, memory)) return false;
-    for (uint32_t e = 0; e < mesh_.edge_count; ++e)
-        for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) ++begin[entries_[i].loop + 2];
+    if (!begin.allocate_filled(memory, loop_count_ + 2, 0u) || !edge.allocate(memory, entries_.size())) return false;
+    for (const Entry& entry : entries_)
+        if (entry.loop != NONE) ++begin[entry.loop + 2];
     for (size_t c = 0; c < loop_count_; ++c) begin[c + 2] += begin[c + 1];
-    if (!edge.allocate(memory, begin[loop_count_ + 1])) return false;
-    for (uint32_t e = 0; e < mesh_.edge_count; ++e)
-        for (uint32_t i = head_[e]; i != NONE; i = entries_[i].next) edge[begin[entries_[i].loop + 1]++] = e;
+    for (const Entry& entry : entries_)
+        if (entry.loop != NONE) edge[begin[entry.loop + 1]++] = entry.edge;
     for (size_t c = first; c < last; ++c) {
-        curve.clear();
+        curve_.clear();
+        heap_sort(edge.data() + begin[c], begin[c + 1] - begin[c], [](uint32_t a, uint32_t b) { return a < b; });
         uint32_t oriented = NONE;
         for (uint32_t i = begin[c]; i < begin[c + 1]; ++i) {
             const Entry& entry = *find(edge[i], static_cast<uint32_t>(c));
             if (oriented == NONE && entry.signed_count) oriented = edge[i];
-            curve.count[edge[i]] = entry.count;
-            curve.total += entry.count;
-            if (entry.count && !curve.edges.push(edge[i])) return false;
+            curve_.count[edge[i]] = entry.count;
+            curve_.total += entry.count;
+            if (entry.count && !curve_.edges.push(edge[i])) return false;
         }
-        if (!curve.trace(mesh_, memory)) return false;
+        if (!curve_.trace(mesh, memory)) return false;
         int64_t sum = 0;
-        for (uint32_t h : curve.components.crossings)
+        for (uint32_t h : curve_.components.crossings)
             if (edge_of(h) == oriented) sum += h & 1u ? -1 : 1;
         const bool reversed = oriented != NONE && sum != find(oriented, static_cast<uint32_t>(c))->signed_count;
-        const size_t n = curve.components.crossings.size();
+        const size_t n = curve_.components.crossings.size();
         for (size_t i = 0; i < n; ++i)
-            if (!out.crossings.push(reversed ? twin(curve.components.crossings[n - 1 - i])
-                                             : curve.components.crossings[i]))
+            if (!out.crossings.push(reversed ? twin(curve_.components.crossings[n - 1 - i])
+                                             : curve_.components.crossings[i]))
                 return false;
         if (!out.offsets.push(out.crossings.size())) return false;
     }

@@ -10,12 +10,13 @@
 //          l                     l
 //
 // The flip of a diagonal of a quadrilateral with sides a, b, c, d (in turn)
-// gives crossings max(a + c, b + d) - diagonal, since the loops are tight.
+// gives crossings max(a + c, b + d) - diagonal, since the loops are tight.  What
+// follows what in its triangle is all that flips need; a level has it after its
+// splits, so only that of the coarser one is copied, to be changed.
 #pragma once
 
 #include "../hierarchy/hierarchy.hpp"
-#include "../mesh/mesh_copy.hpp"
-#include "loops.hpp"
+#include "multicurve.hpp"
 
 namespace hmf {
 
@@ -31,14 +32,16 @@ public:
     // Other loops in their place: same number, same level.
     Done replace(const Loops& loops);
 
-    const Mesh& mesh() const { return mesh_; }
+    const Mesh& mesh() const { return mesh_of(level_); }
     size_t level() const { return level_; }
 
 private:
     struct Entry {
-        uint32_t loop, count;
+        uint32_t edge; // e
+        uint32_t loop; // NONE: the entry is free
+        uint32_t count;
         int32_t signed_count; // positive: from the left of half-edge 2e to its right
-        uint32_t next;
+        uint32_t next;        // of the edge
     };
 
     const Mesh& mesh_of(size_t level) const { return level == 0 ? hierarchy_->input : hierarchy_->levels[level].mesh; }
@@ -50,9 +53,9 @@ private:
 
     const hmf_hierarchy* hierarchy_ = nullptr;
     size_t level_ = 0, loop_count_ = 0;
-    MeshCopy copy_;
-    Mesh mesh_;            // in copy_
+    Array<uint32_t> next_; // of the half-edges of a level, while its flips are reversed
     Array<uint32_t> head_; // first entry of each edge, or NONE
+    Multicurve curve_;     // one loop
     Array<Entry> entries_;
     Array<Entry> scratch_;
     uint32_t free_ = NONE;

@@ -321,16 +321,18 @@ Done ClassLengths::measure_stage(Stage stage, bool& changed) {
     if (ids.empty()) return true;
     changed = true;
     LoopCarrier carrier;
-    if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)) return false;
+    Multicurve curve; // on the levels between
+    if (!carrier.load(*hierarchy_, found_, finest, loops, call_.memory)
+        || (found_ > finest + 1 && !curve.allocate(hierarchy_->levels[finest + 1].mesh, call_.memory)))
+        return false;
     while (carrier.level() > finest) {
         if (!carrier.refine(call_) || !carrier.read(0, ids.size(), loops, call_.memory)) return false;
         const bool last = carrier.level() == finest;
         const double* const position = hierarchy_->levels[carrier.level()].position;
         const Mesh& mesh = carrier.mesh();
         ClosedGeodesic geodesic(mesh, position, geodesic_.scale(), call_);
-        Multicurve curve;
         Loops pulled;
-        if (!pulled.start(call_.memory) || (!last && !curve.allocate(mesh, call_.memory))) return false;
+        if (!pulled.start(call_.memory)) return false;
         for (size_t k = 0; k < ids.size(); ++k) {
             Class& c = classes_[ids[k]];
             // It starts from a curve that is the shortest but for small bumps.

@@ -14,10 +14,13 @@ namespace hmf {
 
 namespace {
 
+void set_sides(uint32_t* next, uint32_t a, uint32_t b, uint32_t c) {
+    next[a] = b;
+    next[b] = c;
+    next[c] = a;
+}
 void set_triangle(Mesh& mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t face) {
-    mesh.next[a] = b;
-    mesh.next[b] = c;
-    mesh.next[c] = a;
+    set_sides(mesh.next, a, b, c);
     mesh.face[a] = mesh.face[b] = mesh.face[c] = face;
 }
 
@@ -47,6 +50,13 @@ void unflip(Mesh& mesh, uint32_t edge) {
     mesh.origin[t] = mesh.origin[jk];
     set_triangle(mesh, h, jk, ki, left);
     set_triangle(mesh, t, il, lj, right);
+}
+
+void unflip_sides(uint32_t* next, uint32_t edge) {
+    const uint32_t h = 2 * edge, ki = next[h], il = next[ki];
+    const uint32_t t = twin(h), lj = next[t], jk = next[lj];
+    set_sides(next, h, jk, ki);
+    set_sides(next, t, il, lj);
 }
 
 } // namespace hmf

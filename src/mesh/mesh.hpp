@@ -138,6 +138,8 @@ HMF_INLINE void prefetch_split(const Mesh& mesh, const Collapse* log, size_t i, 
 // Rotates half-edge 2e from i -> j to l -> k.  unflip is its exact reversal.
 void flip(Mesh& mesh, uint32_t edge);
 void unflip(Mesh& mesh, uint32_t edge);
+// Likewise where only mesh.next is wanted.
+void unflip_sides(uint32_t* next, uint32_t edge);
 
 // Every structural invariant; for tests and debug builds.  Returns nullptr or a sentence.
 const char* check(const Mesh& mesh);
