@@ -221,7 +221,7 @@ void expect_atlas(const TriMesh& mesh, const Foliation& foliation, const hmf_cha
 } // namespace
 
 TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
-    for (size_t genus = 0; genus < 4; ++genus) {
+    for (size_t genus = 0; genus < 4; genus += sample(1, 2)) {
         const TriMesh mesh = genus == 1 ? torus(36, 18, 2, 0.8) : pretzel(genus, 2);
         for (size_t n = genus == 0 ? 4 : 0; n <= 8; n += sample<size_t>(4, 8)) {
             SCOPED_TRACE("genus " + std::to_string(genus) + ", marks " + std::to_string(n));
@@ -243,7 +243,7 @@ TEST(Atlas, NothingOverlapsOnRandomSurfaces) {
 
 // Strips from boundary to boundary, rings round boundaries, both and neither.
 TEST(Atlas, NothingOverlapsOnSurfacesWithHoles) {
-    for (uint64_t seed = sample<uint64_t>(1, 3); seed <= 4; ++seed) {
+    for (uint64_t seed = sample<uint64_t>(1, 4); seed <= 4; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
         const size_t m = sample(48, 24);
         const TriMesh base = seed % 3 == 0 ? pretzel(2, sample(3, 2)) : torus(2 * m, m, 3, 1, {true, 1, 0.3, seed});

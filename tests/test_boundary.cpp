@@ -3,6 +3,7 @@
 #include "../src/loops/double_loops.hpp"
 #include "../src/loops/surface_loops.hpp"
 #include "support/boundary.hpp"
+#include "support/sample.hpp"
 
 #include <gtest/gtest.h>
 
@@ -268,7 +269,7 @@ TEST(Boundary, InterpolatedFromACoarserLevel) {
 
 TEST(Boundary, RandomArcs) {
     size_t solved = 0, made = 0, refused = 0;
-    for (uint64_t seed = 1; seed <= 24; ++seed) {
+    for (uint64_t seed = 1; seed <= sample<uint64_t>(24, 8); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         Random random(seed);
         const TriMesh base =
@@ -303,7 +304,7 @@ TEST(Boundary, RandomArcs) {
             ++made;
         }
     }
-    EXPECT_GE(solved, 12u);
+    EXPECT_GE(solved, sample(12u, 4u));
     EXPECT_GE(made, 3 * refused);
 }
 

@@ -395,6 +395,7 @@ class Repairs(Case):
         self.assertEqual([(r["exit_status"], r["repairs"], r["mesh"]["components"]) for r in rows],
                          [(0, ["dropped 1 duplicate triangle"], 1), (0, [], 2)])
 
+    @tool_case.without_sanitizers
     def test_real_meshes(self):
         """Meshes of the folder HMF_SURFACES: solved, or refused with every component named; never a crash."""
         folder = os.environ.get("HMF_SURFACES", "")

@@ -456,6 +456,7 @@ class Leaves(Case):
         self.assertTrue(surface.is_watertight and surface.is_winding_consistent)
         self.assertEqual(surface.euler_number, -4)
 
+    @tool_case.without_sanitizers
     def test_quads_of_few_triangles(self):
         """A long box of 12 triangles has no vertices for leaves to bend at."""
         corners = [(x, y, z) for x in (0, 6) for y in (0, 1) for z in (0, 1)]

@@ -719,7 +719,7 @@ TEST(Marked, RealSurfaces) {
     for (const std::string& path : paths) {
         TriMesh mesh;
         if (!read_obj(path, mesh) || mesh.triangle_count() + 4 != 2 * mesh.vertex_count()
-            || mesh.vertex_count() > sample<size_t>(SIZE_MAX, 10000))
+            || mesh.vertex_count() > sample<size_t>(SIZE_MAX, 5000))
             continue;
         for (const size_t count : {4, 12}) {
             SCOPED_TRACE(path + ", " + std::to_string(count) + " marks");

@@ -10,6 +10,9 @@ import zlib
 
 TOOL = None  # path
 
+# As in sample.hpp: cases of long runs, whose code shorter ones reach as well.
+without_sanitizers = unittest.skipIf(os.environ.get("HMF_WITH_SANITIZERS"), "long with sanitizers")
+
 
 def torus(n=24, m=16):
     """Vertices and quads of a torus."""
