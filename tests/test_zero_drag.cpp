@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,7 +17,32 @@ using namespace test;
 
 namespace {
 
-// A foliation on the finest level, and du with tripods as ZeroDrags wants them.
+// Triangles by the half-edges round them, and a value per edge.
+struct Glued {
+    std::vector<std::array<uint32_t, 3>> faces;
+    std::vector<int64_t> value;
+
+    // A vertex inside a face, so far from its corners; the first of the three faces has the first side.
+    void insert(size_t face, const std::array<int64_t, 3>& distance) {
+        const auto e = static_cast<uint32_t>(value.size());
+        const auto [a, b, c] = faces[face];
+        faces[face] = {a, 2 * e + 2, 2 * e + 1};
+        faces.push_back({b, 2 * e + 4, 2 * e + 3});
+        faces.push_back({c, 2 * e, 2 * e + 5});
+        value.insert(value.end(), distance.begin(), distance.end());
+    }
+};
+
+// Genus 2 with one vertex, which is regular: each edge leads from it to itself.  Faces 0 and 1, on both sides of the
+// longest edge, have one closed corner each, the others none.  Round face 5 lie the other three of these, of which
+// each has another neighbour.
+Glued one_vertex() {
+    Glued g{{{7, 11, 16}, {9, 15, 17}, {1, 6, 8}, {3, 10, 12}, {5, 13, 14}, {0, 4, 2}}, std::vector<int64_t>(9, 32)};
+    g.value[8] = 64;
+    return g;
+}
+
+// A foliation on the finest level, or on what is glued, and du with tripods as ZeroDrags wants them.
 struct Tripods {
     hmf::Memory memory{nullptr, nullptr, nullptr, 0};
     hmf::Call call{memory, nullptr, nullptr, nullptr};
@@ -26,9 +52,43 @@ struct Tripods {
     hmf::TwistedForm du;
     hmf::Array<uint32_t> tripod;
     hmf::Array<uint8_t> taken;
+    Glued glued;
+    std::vector<uint32_t> origin, next, face, out;
 
     explicit Tripods(const Solution& s) {
         EXPECT_EQ(hmf::load_solved_in_unit_of_values(*s.foliation, state, call), HMF_OK);
+        look();
+    }
+    explicit Tripods(const Glued& g) : glued(g) {
+        const size_t sides = 2 * g.value.size();
+        origin.assign(sides, hmf::NONE);
+        next.resize(sides);
+        face.resize(sides);
+        for (uint32_t t = 0; t < g.faces.size(); ++t)
+            for (size_t i = 0; i < 3; ++i) {
+                next[g.faces[t][i]] = g.faces[t][(i + 1) % 3];
+                face[g.faces[t][i]] = t;
+            }
+        for (uint32_t h = 0; h < sides; ++h) {
+            if (origin[h] != hmf::NONE) continue;
+            for (uint32_t x = h; origin[x] == hmf::NONE; x = next[hmf::twin(x)])
+                origin[x] = static_cast<uint32_t>(out.size());
+            out.push_back(h);
+        }
+        hmf::Mesh& m = state.foliation.mesh;
+        m.vertex_count = static_cast<uint32_t>(out.size());
+        m.edge_count = static_cast<uint32_t>(g.value.size());
+        m.face_count = static_cast<uint32_t>(g.faces.size());
+        m.origin = origin.data();
+        m.next = next.data();
+        m.face = face.data();
+        m.out = out.data();
+        state.foliation.value = glued.value.data();
+        EXPECT_EQ(hmf::check(m), nullptr);
+        EXPECT_EQ(m.euler(), -2);
+        look();
+    }
+    void look() {
         const hmf::Foliation& f = state.foliation;
         std::vector<int> sign(2 * mesh.edge_count, 0);
         tripod.start(memory);
@@ -56,6 +116,12 @@ struct Tripods {
         }
     }
 
+    size_t open_faces() const {
+        size_t sides = 0;
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
+            sides += du.at(bundle, h) + du.at(bundle, mesh.next[h]) + du.at(bundle, mesh.prev(h)) != 0;
+        return sides / 3;
+    }
     bool is_odd(uint32_t v) const {
         int turn = 1;
         for (const uint32_t h : mesh.around(v)) turn *= bundle.turn[hmf::edge_of(h)];
@@ -76,16 +142,14 @@ struct Tripods {
         const std::vector<uint8_t> before(taken.begin(), taken.end());
         size_t left = tripod.size();
         EXPECT_TRUE(hmf::ZeroDrags(mesh, bundle, du, taken).drag(tripod, call, left));
-        size_t open = 0, odd = 0, came = 0;
-        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
-            open += du.at(bundle, h) + du.at(bundle, mesh.next[h]) + du.at(bundle, mesh.prev(h)) != 0;
+        size_t odd = 0, came = 0;
         for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
             odd += is_odd(v);
             if (!taken[v] || before[v]) continue;
             ++came;
             EXPECT_TRUE(left > 0 || is_odd(v)) << v;
         }
-        EXPECT_EQ(open, 3 * left);
+        EXPECT_EQ(open_faces(), left);
         EXPECT_EQ(came + left, tripod.size());
         if (left == 0) { EXPECT_EQ(odd, 4 * genus - 4); }
         return left;
@@ -146,4 +210,40 @@ TEST(ZeroDrag, ToAFewVerticesAnywhere) {
         }
         EXPECT_EQ(t.drag(genus), seed % 3);
     }
+}
+
+// Face 5 is shut in by triangles whose zeros find their ways: it waits for them, and its way leads through one of them.
+TEST(ZeroDrag, ThroughTrianglesWhoseZerosHaveLeft) {
+    Glued g = one_vertex();
+    // Four vertices in face 0, whose corners lie at -32, 0 and 32: at 5, -3, -7 and -9.
+    g.insert(0, {37, 5, 27});
+    g.insert(0, {29, 3, 8});
+    g.insert(0, {25, 7, 4});
+    g.insert(0, {23, 9, 2});
+    Tripods t(g);
+    ASSERT_EQ(t.tripod.size(), 4u);
+    EXPECT_EQ(t.mesh.face[t.tripod[0]], 5u);
+    for (const uint32_t h : g.faces[5]) t.taken[t.mesh.origin[h]] = 1;
+    EXPECT_EQ(t.drag(2), 0u);
+}
+
+// Where all corners of four tripods lie at one vertex, the turn round it is even with a zero and odd without: no zero
+// may come.
+TEST(ZeroDrag, NotWhereTheTurnIsNotEven) {
+    Tripods t(one_vertex());
+    ASSERT_EQ(t.tripod.size(), 4u);
+    ASSERT_FALSE(t.taken[0]);
+    size_t left = 0;
+    EXPECT_TRUE(hmf::ZeroDrags(t.mesh, t.bundle, t.du, t.taken).drag(t.tripod, t.call, left));
+    EXPECT_EQ(left, 4u);
+    EXPECT_EQ(t.open_faces(), 4u);
+}
+
+// Of three such tripods one may stay there; a fourth has a vertex of its own.
+TEST(ZeroDrag, ToAVertexWithAllCorners) {
+    Glued g = one_vertex();
+    g.insert(2, {12, 20, 20});
+    Tripods t(g);
+    ASSERT_EQ(t.tripod.size(), 4u);
+    EXPECT_EQ(t.drag(2), 2u);
 }
