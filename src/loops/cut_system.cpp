@@ -105,7 +105,7 @@ public:
             }
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
-            if (!changed) break;
+            if (!changed || round + 1 == MOST_ROUNDS) break; // the last round keeps what it has
             for (k = fixed; k < wanted; ++k) {
                 Choice& choice = choice_[k - fixed];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);

@@ -46,10 +46,11 @@ public:
     hmf_status run() {
         if (!start()) return call_.stopped();
         bool in_pairs = false;
-        for (int pass = 0; pass < MOST_PASSES; ++pass) {
+        for (int pass = 0;; ++pass) {
             bool moved = false;
             const hmf_status status = components_.start(loops_, call_);
             if (status) return status;
+            if (pass == MOST_PASSES) break; // the components are those of the last moves
             moves_.clear();
             strips_.clear();
             if (!find_moves(in_pairs) || !measure() || !make_moves(moved)) return call_.stopped();
@@ -317,6 +318,7 @@ private:
                 alone_[k] = paired_[k] = 1;
                 if (!done) continue;
                 id_[k] = m.id[i];
+                own_[k] = {0, 0}; // that was of another class
                 for (size_t left = 0; left < 2; ++left) taken[components_.pants(k, left)] = 1;
                 for (uint32_t l = 0; l < loops_.count(); ++l)
                     if (components_.touch(k, l)) alone_[l] = paired_[l] = 1;
