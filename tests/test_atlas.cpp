@@ -385,6 +385,41 @@ TEST(Packer, BeginsWithTheWidthOfItsArea) {
     EXPECT_LT(first.steps(), 2 * again.steps());
 }
 
+// Of many shapes one packing takes long: it reports in between, and whenever the answer is to cancel, it ends.
+TEST(Packer, ReportsWithinAPacking) {
+    struct Reports {
+        hmf::Packer packer;
+        uint64_t count = 0, last = 0, most = 0, end = UINT64_MAX; // most: steps between two
+    };
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    const auto search = [&](Reports& reports) {
+        const auto report = [](void* user, double) -> int32_t {
+            Reports& r = *static_cast<Reports*>(user);
+            r.most = std::max(r.most, r.packer.steps() - r.last);
+            r.last = r.packer.steps();
+            return ++r.count < r.end ? HMF_PROGRESS_CONTINUE : HMF_PROGRESS_CANCEL;
+        };
+        hmf::Call call(memory, &error, report, &reports);
+        reports.packer.start(memory, 10, 0);
+        for (int k = 0; k < 1500; ++k) {
+            const double side = 20 + k % 70, xy[8] = {0, 0, side, 0, side, side, 0, side};
+            EXPECT_TRUE(reports.packer.begin_shape(0, 0, side, side));
+            reports.packer.add_part(xy, 4);
+        }
+        return reports.packer.search(0, nullptr, call);
+    };
+    Reports all;
+    ASSERT_EQ(search(all), HMF_OK);
+    EXPECT_LT(all.most, 5000u);
+    for (const uint64_t end : {uint64_t{1}, all.count / 3, all.count - 1, all.count}) {
+        Reports some;
+        some.end = end;
+        EXPECT_EQ(search(some), HMF_CANCELLED) << end;
+        EXPECT_EQ(some.count, end);
+    }
+}
+
 // Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would
 // hang together by them, and a quarter of the square would be all that is used.
 TEST(Atlas, IslandsGoToTheirNeighbours) {

@@ -11,7 +11,8 @@ namespace {
 constexpr uint32_t ROUND = 300;                   // packings after which higher ones are accepted again
 constexpr uint32_t TRIES = 200, TRIES_EACH = 700; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
-constexpr uint8_t ANY = 4; // quarter turns: those with which a shape lies lowest
+constexpr uint8_t ANY = 4;        // quarter turns: those with which a shape lies lowest
+constexpr uint64_t STRIDE = 4096; // steps between two reports
 } // namespace
 
 void Packer::start(Memory& memory, double column, double margin) {
@@ -19,7 +20,7 @@ void Packer::start(Memory& memory, double column, double margin) {
     column_ = std::floor(std::max(1.0, column));
     margin_ = margin;
     side_ = 0;
-    steps_ = 0;
+    steps_ = reported_ = 0;
     items_.start(memory);
     bottom_.start(memory);
     top_.start(memory);
@@ -167,8 +168,9 @@ void Packer::occupy(const Profile& p, uint32_t x, double y) {
     }
 }
 
-// The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`.
-double Packer::let_down(const Arrangement& state, uint32_t width, double most, Place* places) {
+// The area of the boxes that do not fit into the square of this width; HUGE_VAL if it is more than `most`, or if the
+// call was cancelled.
+double Packer::let_down(const Arrangement& state, uint32_t width, double most, Place* places, Call& call) {
     for (uint32_t j = 0; j < width; ++j) column_first_[j] = none;
     intervals_.clear();
     double missing = 0;
@@ -183,6 +185,10 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
             double limit = (best_x == none ? best_top : best_top - 1) - side.height, y = 0;
             uint32_t hint = 0;
             for (uint32_t x = 0; x + side.columns <= width && limit >= 0; ++x) {
+                if (steps_ - reported_ >= STRIDE) {
+                    reported_ = steps_;
+                    if (!call.tick(0.9)) return HUGE_VAL;
+                }
                 if (!lowest(side, x, limit, hint, y)) continue;
                 turns = t;
                 best_x = x;
@@ -268,7 +274,7 @@ hmf_status Packer::find_first(uint64_t effort, const Packer* coarser, Arrangemen
         width.now = std::min(width.row, std::max(width.now, static_cast<uint32_t>(coarser->side_ / column_)));
         for (;; ++width.now) {
             if (!call.tick(0.9)) return call.was_cancelled();
-            if (let_down(state, width.now, 0, nullptr) == 0) return HMF_OK;
+            if (let_down(state, width.now, 0, nullptr, call) == 0) return HMF_OK;
             if (width.now >= width.row) break;
         }
     }
@@ -277,8 +283,9 @@ hmf_status Packer::find_first(uint64_t effort, const Packer* coarser, Arrangemen
         for (int kind = 0; kind < kinds; ++kind) {
             if (!call.tick(0.9)) return call.was_cancelled();
             sort(state, kind % 3, kind / 3 == 0);
-            if (let_down(state, width.now, 0, nullptr) == 0) return HMF_OK;
+            if (let_down(state, width.now, 0, nullptr, call) == 0) return HMF_OK;
         }
+        if (call.cancelled()) return call.was_cancelled();
         if (width.now >= width.row)
             return call.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_NONE, 0, "The charts cannot be packed. Please report it.");
         const uint32_t part = steps_ > 10 * effort + 10000000 ? 4 : n < 100 ? 100 : 20;
@@ -318,7 +325,7 @@ hmf_status Packer::narrow(uint64_t effort, Arrangement& state, Widths& width, Ca
         fresh = false;
         const double part = 1 - static_cast<double>(i % ROUND) / ROUND;
         const double most = least * (1 + 0.5 * part * part);
-        const double missing = let_down(state, width.now - 1, most, nullptr);
+        const double missing = let_down(state, width.now - 1, most, nullptr, call);
         if (missing > most) continue;
         least = std::min(least, missing);
         missed = missed_;
@@ -338,7 +345,8 @@ hmf_status Packer::search(uint64_t effort, const Packer* coarser, Call& call) {
     if (prepare(state, width, call) || find_first(effort, coarser, state, width, call)
         || narrow(effort, state, width, call))
         return call.status();
-    let_down(best_, width.now, HUGE_VAL, best_places_.data());
+    let_down(best_, width.now, HUGE_VAL, best_places_.data(), call);
+    if (call.cancelled()) return call.was_cancelled();
     side_ = column_ * width.now;
     return HMF_OK;
 }

@@ -65,7 +65,7 @@ private:
     void occupy(const Profile& p, uint32_t x, double y);
     void add_to(const Profile& profile, double x0, double y0, const double* xy, int corners);
     Done turn_upside_down();
-    double let_down(const Arrangement& state, uint32_t width, double most, Place* places);
+    double let_down(const Arrangement& state, uint32_t width, double most, Place* places, Call& call);
     void sort(Arrangement& state, int key, bool upright) const;
 
     // Of the square, in columns.
@@ -80,9 +80,9 @@ private:
 
     Memory* memory_ = nullptr;
     double column_ = 1, margin_ = 0, side_ = 0;
-    uint64_t steps_ = 0, random_ = 0;
-    double narrowest_ = 0; // height of the thinnest column of a shape
-    uint32_t missed_ = 0;  // place in the order of a shape that did not fit
+    uint64_t steps_ = 0, random_ = 0, reported_ = 0; // reported_: steps before the last report
+    double narrowest_ = 0;                           // height of the thinnest column of a shape
+    uint32_t missed_ = 0;                            // place in the order of a shape that did not fit
     Array<Item> items_;
     Array<double> bottom_, top_;
     Array<uint32_t> column_first_; // of intervals_
