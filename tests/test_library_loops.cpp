@@ -13,7 +13,9 @@
 #include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/cut_surface.hpp"
 #include "../src/loops/disjoint.hpp"
+#include "../src/loops/handle_system.hpp"
 #include "../src/loops/library_loops.hpp"
+#include "../src/loops/linking.hpp"
 
 using namespace test;
 
@@ -597,3 +599,40 @@ INSTANTIATE_TEST_SUITE_P(Meshes, RealHandles,
                          mesh_name);
 
 } // namespace
+
+// Each crossing of two loops is looked at: where they are long that takes long, so it reports in between, and any of
+// these reports may cancel it.
+TEST(Linking, ReportsWhileItCounts) {
+    const Hierarchy hierarchy(torus(150, 100, 2, 0.8));
+    const hmf::Mesh& mesh = hierarchy.get()->input;
+    const double* const position = hierarchy.get()->levels[0].position;
+    struct Reports {
+        size_t count = 0, end = SIZE_MAX;
+    };
+    const auto report = [](void* user, double) -> int32_t {
+        Reports& r = *static_cast<Reports*>(user);
+        return ++r.count < r.end ? HMF_PROGRESS_CONTINUE : HMF_PROGRESS_CANCEL;
+    };
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf_error error{};
+    hmf::Loops handle, tunnel;
+    {
+        hmf::Call call(memory, &error, nullptr, nullptr);
+        ASSERT_EQ(hmf::handle_system(*hierarchy.get(), 0, true, call, handle), HMF_OK) << error.message;
+        ASSERT_EQ(hmf::handle_system(*hierarchy.get(), 0, false, call, tunnel), HMF_OK) << error.message;
+    }
+    const size_t crossings = 2 * handle.crossings.size() + tunnel.crossings.size();
+    Reports all;
+    hmf::SeifertForm form;
+    hmf::Call whole(memory, &error, report, &all);
+    ASSERT_EQ(hmf::seifert_form(mesh, position, handle, tunnel, whole, form), HMF_OK) << error.message;
+    EXPECT_GE(all.count, crossings / 100);
+    EXPECT_GT(crossings, 500u);
+    for (size_t end = 1; end <= all.count; ++end) {
+        Reports some;
+        some.end = end;
+        hmf::Call call(memory, &error, report, &some);
+        EXPECT_EQ(hmf::seifert_form(mesh, position, handle, tunnel, call, form), HMF_CANCELLED) << end;
+        EXPECT_EQ(some.count, end);
+    }
+}

@@ -30,6 +30,7 @@ namespace hmf {
 namespace {
 
 constexpr int POSITION_BITS = 32, EDGE_BITS = 12, VIEW_BITS = 12, VIEWS = 12;
+constexpr size_t STRIDE = 64; // segments between two reports
 
 // Sum of products of integers, in two's complement.
 class Wide {
@@ -146,7 +147,7 @@ public:
                 factor = static_cast<int64_t>(seed >> (64 - VIEW_BITS)) - (int64_t{1} << (VIEW_BITS - 1));
             }
             bool usable = true;
-            if (!look(g, out, usable)) return call_.out_of_memory();
+            if (!look(g, out, usable)) return call_.stopped();
             if (usable) return HMF_OK;
         }
         return call_.fail(
@@ -265,7 +266,7 @@ private:
     }
 
     // Adds what the crossings of the segments say; tables are g x g, first loop
-    // of s.  With `meet` they belong to different sets and may meet in a triangle.
+    // of s.  Not usable: some meet in a corner, or are seen from an edge.
     struct Tables {
         Array<int64_t> top, below;              // lk by the crossings with s on top, and below
         Array<int64_t> local_front, local_back; // intersections in triangles seen from the front, and from the back
@@ -275,11 +276,14 @@ private:
                 && local_back.allocate_filled(memory, n, int64_t{0});
         }
     };
-    bool count_crossings(const Array<Segment>& s, const Array<Segment>& t, size_t g, Tables& tables) {
+    Done count_crossings(const Array<Segment>& s, const Array<Segment>& t, size_t g, Tables& tables, bool& usable) {
+        usable = false;
         int64_t widest = 0;
         for (const Segment& b : t) widest = std::max(widest, b.high - b.low);
         size_t begin = 0;
-        for (const Segment& a : s) {
+        for (size_t k = 0; k < s.size(); ++k) {
+            if (k % STRIDE == 0 && !call_.tick(0, true)) return false;
+            const Segment& a = s[k];
             while (begin < t.size() && t[begin].low < a.low - widest) ++begin;
             for (size_t i = begin; i < t.size() && t[i].low <= a.high; ++i) {
                 const Segment& b = t[i];
@@ -292,20 +296,21 @@ private:
                 if (o1 * o2 > 0) continue;
                 const int o3 = turn(v, a.from - b.from), o4 = turn(v, a.to - b.from);
                 if (o3 * o4 > 0) continue;
-                if (o1 * o2 * o3 * o4 == 0) return false;
+                if (o1 * o2 * o3 * o4 == 0) return true;
                 const size_t at = g * a.loop + b.loop;
                 if (a.face == b.face) {
                     const int front = facing(a.face);
-                    if (front == 0) return false;
+                    if (front == 0) return true;
                     (front > 0 ? tables.local_front : tables.local_back)[at] += o2;
                     continue;
                 }
                 const int above = o2 * volume(u, v, b.from - a.from); // of b over a
-                if (above == 0) return false;
+                if (above == 0) return true;
                 if (above < 0) tables.top[at] += o2;
                 else tables.below[at] -= o2;
             }
         }
+        usable = true;
         return true;
     }
 
@@ -324,7 +329,7 @@ private:
         for (size_t s = 0; s < 2; ++s) {
             Tables tables;
             if (!tables.allocate(call_.memory, g * g)) return false;
-            usable = count_crossings(loops[s], parallels[s], g, tables);
+            if (!count_crossings(loops[s], parallels[s], g, tables, usable)) return false;
             for (size_t i = 0; i < g * g && usable; ++i) {
                 usable = tables.top[i] == tables.below[i] && tables.local_front[i] == 0 && tables.local_back[i] == 0;
                 out.linking[n * (s * g + i / g) + s * g + i % g] = tables.top[i];
@@ -333,7 +338,7 @@ private:
         }
         Tables tables;
         if (!tables.allocate(call_.memory, g * g)) return false;
-        usable = count_crossings(loops[0], loops[1], g, tables);
+        if (!count_crossings(loops[0], loops[1], g, tables, usable)) return false;
         for (size_t i = 0; i < g && usable; ++i)
             for (size_t j = 0; j < g; ++j) {
                 const size_t at = g * i + j;
