@@ -34,6 +34,7 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t SLICE = 16384;    // vertices between ticks
+constexpr size_t SLICE_OF_BAD = 256; // quads whose corners are improved, likewise
 constexpr double WELL = 0.1;         // sine of a corner that needs no care
 constexpr double NEAR_CREASE = 0.25; // of the side whose middle lies on it
 constexpr double MOMENTUM = 0.8;
@@ -200,13 +201,15 @@ private:
         const size_t count = quads_.quad_count();
         Array<uint8_t> next;
         if (!region_.allocate_filled(memory, n, 0) || !next.allocate(memory, n)) return call_.out_of_memory();
-        for (size_t q = 0; q < count; ++q)
-            if (worst(q) < WELL)
-                for (size_t k = 0; k < 4; ++k) {
-                    region_[quads_.quads[4 * q + k]] = 1;
-                    uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
-                    if (round > 0 && !is_at_boundary(held)) held = 0; // without them it did not help
-                }
+        for (size_t q = 0; q < count; ++q) {
+            if (q % SLICE == 0 && !call_.tick(0)) return call_.was_cancelled();
+            if (!(worst(q) < WELL)) continue;
+            for (size_t k = 0; k < 4; ++k) {
+                region_[quads_.quads[4 * q + k]] = 1;
+                uint8_t& held = quads_.held[quads_.quads[4 * q + k]];
+                if (round > 0 && !is_at_boundary(held)) held = 0; // without them it did not help
+            }
+        }
         list_.clear();
         const int rings = RINGS * (round + 1);
         for (int ring = 0; ring <= rings; ++ring) {
@@ -241,8 +244,9 @@ private:
             }
         for (int k = 0; k < IMPROVEMENTS && may_move(); ++k) {
             bool moved = false;
-            if (!call_.tick(0)) return call_.was_cancelled();
-            for (const uint32_t q : list_) {
+            for (size_t i = 0; i < list_.size(); ++i) {
+                if (i % SLICE_OF_BAD == 0 && !call_.tick(0)) return call_.was_cancelled();
+                const uint32_t q = list_[i];
                 if (worst(q) >= WELL) continue;
                 for (size_t c = 0; c < 4; ++c) {
                     const uint32_t v = quads_.quads[4 * size_t{q} + c];
