@@ -181,8 +181,10 @@ private:
             if (seen_[v] == without) taken_[v] = owner_[v] != NONE || mesh_.is_marked(v) || closed_corners(v) != 2;
         if (!ZeroDrags(mesh_, bundle_, du_, taken_).drag(without_corner_, call_, left)) return call_.stopped();
         if (left == 0) return HMF_OK;
-        return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
-                          "The mesh is too coarse: it has fewer vertices than the foliation has zeros. Subdivide it.");
+        return call_.fail(
+            HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
+            "The mesh is too coarse: the number of zeros that find no vertex of their own is %llu. Subdivide it.",
+            static_cast<unsigned long long>(left));
     }
 
     // How far the zero of a tripod is from the regular vertex at its corner, as far as
