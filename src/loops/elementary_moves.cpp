@@ -331,8 +331,8 @@ private:
     Done make(const Move& m, bool& done) {
         done = false;
         for (uint32_t found = 0; !done && found < (1u << m.count); ++found) {
-            const uint32_t* strip[2];
-            size_t size[2];
+            const uint32_t* strip[2] = {};
+            size_t size[2] = {};
             for (uint32_t i = 0; i < m.count; ++i) {
                 const bool as_found = (found >> i) & 1u;
                 strip[i] = as_found ? strips_.data() + m.strip[i].first : lengths_.pulled(m.id[i]);
