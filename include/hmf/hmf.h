@@ -157,9 +157,10 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_LOOP_WEIGHT 407 /* a weight is not in [1e-100, 1e100), or the weights span more than 2^20 */
 
 /* values */
-#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, not a number or above 1e300, or all are below 1e-270 */
+#define HMF_ERROR_VALUE_NOT_FINITE 500 /* a value is negative, not a number or above 1e300, or the largest is
+                                          below 1e-270 */
 #define HMF_ERROR_VALUE_NOT_CLOSED 501 /* a triangle inequality is violated, or a value is not a multiple of the unit */
-#define HMF_ERROR_VALUE_POLE 502 /* the values have a pole */
+#define HMF_ERROR_VALUE_POLE 502 /* the values have a pole, or are all 0 */
 #define HMF_ERROR_VALUE_NOT_HARMONIC 503 /* the values are too far from the minimum */
 #define HMF_ERROR_VALUE_CLASS 504 /* the values do not belong to the given loops, or to no loops that can be followed */
 
@@ -633,7 +634,7 @@ HMF_API hmf_status hmf_even_design(const double *positions, size_t vertex_count,
  * A foliation from values, one for each edge of a level: results of the
  * library, also written with 17 digits and read again, or multiplied by a
  * power of two.  Validates them once: closed, not negative, at most 1e300 and
- * the largest at least 1e-270 (class 500).
+ * the largest at least 1e-270 (class 500); all 0 are HMF_ERROR_VALUE_POLE.
  * Other numbers cannot be rounded edge by edge, for that breaks triangle
  * inequalities that hold with equality; start from loops instead.  Values with
  * poles are accepted for hmf_singularities and hmf_energy; all other calls

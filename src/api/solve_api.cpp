@@ -31,7 +31,7 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
     if (options.iteration_limit == 0) options.iteration_limit = defaults.iteration_limit;
     if (options.stop_level >= h.level_count)
         return call.fail(HMF_ERROR_LEVEL, HMF_ELEMENT_LEVEL, options.stop_level,
-                         "stop_level is %llu; the hierarchy has %llu levels, counted from 0.",
+                         "stop_level is %llu; the hierarchy has %llu, counted from 0.",
                          static_cast<unsigned long long>(options.stop_level),
                          static_cast<unsigned long long>(h.level_count));
     options.largest_value = largest_inner_value;
