@@ -249,6 +249,9 @@ class Outputs(Case):
         self.assertEqual(report["options"]["loops"], "even")
         self.run_tool("solve", self.mesh, "--atlas", self.path("a.glb"), "--loops", "cut")
         self.assertEqual(self.read("a.glb")[:4], b"glTF")
+        # Only an .obj has a picture beside it.
+        self.run_tool("solve", self.mesh, "--atlas", self.path("b.glb"), "--loops", "cut", "--image", self.path("b.png"), "--image-size", "64x48")
+        self.refused(2, "solve", self.mesh, "--atlas", self.path("b.obj"), "--image", self.path("b.png"), says=["two options"])
         self.refused(2, "solve", self.mesh, "--atlas", self.path("a.ply"), says=[".glb"])
 
     def test_coordinates_beyond_floats(self):

@@ -133,6 +133,11 @@ struct Get {
     }
 };
 
+// An .obj has others beside it, a .glb is one file.
+std::vector<std::string> beside(const Option& o, const std::string& path) {
+    return extension_of(path) == ".glb" ? std::vector<std::string>{} : words_of(o.beside);
+}
+
 void check_file(const Option& o, const std::string& path) {
     if (path == "-") {
         if (o.beside[0])
@@ -250,8 +255,7 @@ std::vector<std::string> outputs_of(const Options& options) {
         if (o.role == Option::OUTPUT)
             for (const std::string& path : o.given) {
                 outputs.push_back(path);
-                for (const std::string& extension : words_of(o.beside))
-                    outputs.push_back(with_extension(path, extension));
+                for (const std::string& extension : beside(o, path)) outputs.push_back(with_extension(path, extension));
             }
     return outputs;
 }

@@ -32,7 +32,7 @@ struct Option {
     Role role = SETTING;
     const char* range = "";      // of a number, such as "(0, 0.5]"
     const char* extensions = ""; // that a file may have, such as ".csv .npy"; "-" stands for standard input or output
-    const char* beside = "";     // extensions of files that are written beside it; then "-" is refused
+    const char* beside = "";     // extensions of files that are written beside an .obj; then "-" is refused
     const char* needs = "";      // has no effect unless one of these is given
     const char* excludes = "";   // these must not be given
     bool optional = false;       // goes by its place, but has a default
