@@ -27,10 +27,13 @@ class Usage(Case):
         """Every option of every command is in the manual page and in the completion of each shell."""
         page = self.run_tool("manual").stdout
         self.assertTrue(page.startswith(".TH HMF 1"))
+        self.assertIn("with boundary", page)
         shells = {shell: self.run_tool("completion", shell).stdout for shell in ("bash", "zsh", "fish")}
         for command in ("solve", "info", "batch", "demo"):
             for option in re.findall(r"^  (--[a-z-]+)", self.run_tool(command, "--help").stdout, re.M):
                 self.assertIn(option.replace("-", "\\-"), page)
+            for default in re.findall(r"\(default [^)]*\)", self.run_tool(command, "--help").stdout):
+                self.assertIn(default.replace("-", "\\-"), page)
                 for shell, text in shells.items():
                     self.assertIn(option[2:] if shell == "fish" else option, text, shell)
         build = os.path.dirname(os.path.abspath(tool_case.TOOL))
@@ -58,6 +61,13 @@ class Usage(Case):
             if shutil.which(shell):
                 subprocess.run([shell, "-n", self.write("completion", shells[shell])], check=True)
         self.refused(2, "completion", "sh", says=["bash, zsh or fish"])
+
+    def test_defaults_can_be_given(self):
+        """A default that the help names is one that the option takes."""
+        for command, rest in ("solve", ()), ("quads", (self.path("q.obj"),)):
+            rows = re.findall(r"^  (--[a-z-]+) N (?:.*\n {28})*.*\(default (\d+)\)$", self.run_tool(command, "--help").stdout, re.M)
+            self.assertIn(("--threads", "0"), rows)
+            self.run_tool(command, self.mesh, *rest, *(word for row in rows for word in row))
 
     def test_usage_errors(self):
         self.refused(2)

@@ -58,6 +58,15 @@ class Batch(Case):
         self.assertEqual([r["exit_status"] for r in self.lines()], [0, 3, 3, 0])
         self.refused(2, "batch", self.path("meshes"), "--out", self.out, "--save-marks", "m.txt", says=["--save-marks"])
 
+    def test_threads(self):
+        """0 is what is taken without the option, and a number goes to each mesh."""
+        taken = []
+        for words in (), ("--threads", "0"), ("--threads", "3"):
+            self.run_tool("batch", self.path("meshes"), "--jobs", "1000", "--out", self.out, *words)
+            taken.append(self.lines()[0]["threads"])
+            os.remove(self.out)
+        self.assertEqual(taken, [1, 1, 3])
+
     def test_resumes(self):
         self.run_tool("batch", self.path("meshes"), "--out", self.out)
         whole = self.read("out.ndjson").splitlines(keepends=True)

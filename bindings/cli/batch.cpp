@@ -100,6 +100,7 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
     std::vector<std::string> how;
     for (size_t i = own; i < options.size(); ++i)
         for (const std::string& value : options[i].given) {
+            if (unused.threads == 0 && std::strcmp(options[i].name, "--threads") == 0) continue; // see below
             const bool flag = std::holds_alternative<bool*>(options[i].target);
             how.push_back(flag ? options[i].name : std::string(options[i].name) + "=" + value);
         }

@@ -9,12 +9,14 @@ namespace {
 struct Table {
     Options options;
     std::string command, about;
+    std::vector<std::string> descriptions; // of the options, whose targets are gone later
 };
 
 std::vector<Table> tables_of(const DescribeAll& all) {
     std::vector<Table> tables;
     all([&](const Options& options, const std::string& command, const std::string& about) {
-        tables.push_back({options, command, about});
+        tables.push_back({options, command, about, {}});
+        for (const Option& o : options) tables.back().descriptions.push_back(description_of(o));
     });
     return tables;
 }
@@ -173,16 +175,16 @@ std::string manual_page(const std::string& version, const DescribeAll& all) {
         out += "[\\fIOPTIONS\\fR]\n.br\n";
     }
     out +=
-        ".SH DESCRIPTION\nComputes harmonic measured foliations on closed triangle meshes of genus 1 and more, and on "
-        "spheres with marked vertices, and from them conformal parameterisations, quad meshes and stripe patterns.\n"
+        ".SH DESCRIPTION\nComputes harmonic measured foliations on triangle meshes, closed or with boundary (spheres "
+        "and disks with marked vertices), and from them conformal parameterisations, quad meshes and stripe patterns.\n"
         ".SH COMMANDS\n";
     for (const Table& t : tables) {
         out += ".SS hmf " + t.command + "\n" + roff(t.about) + "\n";
-        for (const Option& o : t.options) {
+        for (size_t i = 0; i < t.options.size(); ++i) {
+            const Option& o = t.options[i];
             out += ".TP\n\\fB" + roff(o.name) + "\\fR";
             if (!by_place(o) && !is_flag(o)) out += " \\fI" + roff(o.value) + "\\fR";
-            std::string range = o.range[0] ? std::string(", in ") + o.range : "";
-            out += "\n" + roff(one_line(o.help) + range) + "\n";
+            out += "\n" + roff(one_line(t.descriptions[i].c_str())) + "\n";
         }
     }
     return out

@@ -221,17 +221,21 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
     check_files(options);
 }
 
+std::string description_of(const Option& o) {
+    std::string text = o.help;
+    if (o.range[0]) text += std::string(", in ") + o.range;
+    const readers::Json value = std::visit(Get{o}, o.target);
+    if (value.text() || value.is_number()) text += " (default " + (value.text() ? *value.text() : value.dump()) + ")";
+    return text;
+}
+
 void print_help(const Options& options, const std::string& command, const std::string& about) {
     std::printf("%s\n\nusage: hmf %s", about.c_str(), command.c_str());
     for (const Option& o : options)
         if (by_place(o)) std::printf(o.optional ? " [%s]" : " %s", o.name);
     std::printf(" [OPTIONS]\n\n");
     for (const Option& o : options) {
-        std::string text = o.help;
-        if (o.range[0]) text += std::string(", in ") + o.range;
-        const readers::Json value = std::visit(Get{o}, o.target);
-        if (value.text() || value.is_number())
-            text += " (default " + (value.text() ? *value.text() : value.dump()) + ")";
+        const std::string text = description_of(o);
         const std::string head = std::string("  ") + o.name + (by_place(o) || is_flag(o) ? "" : " ") + o.value;
         std::printf("%s", head.c_str());
         if (head.size() > 26) std::printf("\n%*s", 28, "");

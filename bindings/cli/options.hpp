@@ -59,6 +59,8 @@ using Options = std::vector<Option>;
 
 // Sets the targets, and checks everything that can be checked without reading a file.  Throws Failure(EXIT_USAGE).
 void parse(Options& options, const std::vector<std::string>& words, const std::string& command);
+// What the help says of an option, with its range and its default.
+std::string description_of(const Option& o);
 void print_help(const Options& options, const std::string& command, const std::string& about);
 
 // What is done with the table of a command; print_help is one.

@@ -51,8 +51,8 @@ Option marks_option(SolveRequest& r) {
 }
 
 Option threads_option(SolveRequest& r) {
-    return Option{"--threads", &r.threads, "N", "else one for each processor; 1: none is started; the same results"}.in(
-        "[1, 256]");
+    return Option{"--threads", &r.threads, "N", "0: one for each processor; 1: none is started; the same results"}.in(
+        "[0, 256]");
 }
 
 Option camera_option(SolveRequest& r) {
