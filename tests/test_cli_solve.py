@@ -171,14 +171,14 @@ class Solve(Case):
         n = len(self.points)
         done = self.run_tool("solve", scene, "--through", "0 5 10; %d %d %d" % (n, n + 5, n + 10))
         self.assertIn("2 components, 2 solved", done.stdout)
-        self.refused(2, "solve", scene, "--through", "0 5 %d" % n, says=["--through: loop 1", "one component"])
-        for picked, says in (("", "nothing is picked"), (" ; ", "loop 1 has 0"), ("0 5", "loop 1 has 2 picked vertices"), ("0 0 5 0", "loop 1 has 2"),
+        self.refused(2, "solve", scene, "--through", "0 5 %d" % n, says=["--through: loop 0", "one component"])
+        for picked, says in (("", "nothing is picked"), (" ; ", "loop 0 has 0"), ("0 5", "loop 0 has 2 picked vertices"), ("0 0 5 0", "loop 0 has 2"),
                              ("0 5 x", "\"x\""), ("0 5 -1", "\"-1\""), ("0 5 99999", "vertex 99999 does not exist"), ("0 5 1,2", "no place"), ("0 5 1,2,nan", "no place"),
-                             ("0 5 1,2,3,4", "no place"), ("0 5 10;0 1", "loop 2 has 2")):
+                             ("0 5 1,2,3,4", "no place"), ("0 5 10;0 1", "loop 1 has 2")):
             self.refused(2, "solve", self.mesh, "--through", picked, says=["--through", says])
-        self.refused(3, "solve", self.mesh, "--through", "0 1 2", says=["--through, loop 1", "goes back the way it came"])
+        self.refused(3, "solve", self.mesh, "--through", "0 1 2", says=["--through, loop 0", "goes back the way it came"])
         self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--loops", "cut", says=["--through", "--loops"])
-        self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--weights", "1,2", says=["2 weights for 1 loops"])
+        self.refused(2, "solve", self.mesh, "--through", "0 5 10", "--weights", "1,2", says=["2 weights for 1 loop;"])
 
     def test_bad_loops(self):
         def bad(text, *says):

@@ -138,8 +138,9 @@ ExitStatus batch(const std::vector<std::string>& words, const Describe* help) {
             const Json* const errors = result.find("errors");
             const bool solved = status_in(result) == EXIT_SOLVED || !errors || errors->elements().empty();
             const std::string* const sentence = solved ? nullptr : errors->elements()[0].text();
-            std::printf("[%zu/%zu] %s: %s\n", ++count, all, child.mesh.c_str(),
-                        sentence ? sentence->c_str() : "solved");
+            const std::string prefix = child.mesh + ": ", text = sentence ? *sentence : "solved";
+            const bool named = text.compare(0, child.mesh.size() + 1, child.mesh + ":") == 0;
+            std::printf("[%zu/%zu] %s%s\n", ++count, all, named ? "" : prefix.c_str(), text.c_str());
             std::fflush(stdout);
         }
     }

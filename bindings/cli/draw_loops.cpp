@@ -142,7 +142,7 @@ LoopList draw_loops(const std::string& picked, const TriangleMesh& mesh) {
             if (stops.empty() || stops.back() != v) stops.push_back(v);
         }
         if (stops.size() > 1 && stops.front() == stops.back()) stops.pop_back();
-        const size_t number = loops.count() + 1;
+        const size_t number = loops.count(); // from 0, as the library counts
         if (stops.size() < 3)
             refuse("loop " + std::to_string(number) + " has " + std::to_string(stops.size())
                    + " picked vertices that differ; three and more, on all sides, say which way it goes round");

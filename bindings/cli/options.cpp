@@ -94,7 +94,8 @@ struct Set {
     void operator()(uint64_t* target) const {
         const std::from_chars_result parsed = std::from_chars(word.data(), word.data() + word.size(), *target);
         if (parsed.ec != std::errc() || parsed.ptr != word.data() + word.size())
-            refuse(std::string(o.name) + ": \"" + word + "\" is not a whole number");
+            refuse(std::string(o.name) + ": \"" + word
+                   + (parsed.ec == std::errc::result_out_of_range ? "\" is too large" : "\" is not a whole number"));
         if (o.range[0]) number_of(o, word);
     }
     void operator()(std::vector<double>* target) const {

@@ -31,7 +31,7 @@ std::string read_file(const std::string& path) {
 
 std::string extension_of(const std::string& path) {
     const size_t dot = path.find_last_of("./\\");
-    if (dot == std::string::npos || path[dot] != '.') return "";
+    if (dot == std::string::npos || path[dot] != '.' || dot + 1 == path.size()) return "";
     std::string extension = path.substr(dot);
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });

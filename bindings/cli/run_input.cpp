@@ -6,6 +6,7 @@
 
 #include "../readers/components.hpp"
 #include "../readers/refine.hpp"
+#include "counted.hpp"
 #include "draw_loops.hpp"
 #include "marks.hpp"
 #include "read_mesh.hpp"
@@ -172,8 +173,8 @@ void Run::choose_loops() {
     // Without loops the weights are for the pictures only.
     if (!weights_given_) r_.weights = own_weights(count);
     if (r_.weights.size() != count && !has_start_)
-        throw Failure(EXIT_USAGE, "--weights: " + std::to_string(r_.weights.size()) + " weights for "
-                                      + std::to_string(count) + " loops; give one weight per loop");
+        throw Failure(EXIT_USAGE, "--weights: " + counted(r_.weights.size(), "weight") + " for "
+                                      + counted(count, "loop") + "; give one weight per loop");
 }
 
 std::vector<double> Run::own_weights(size_t count) const {

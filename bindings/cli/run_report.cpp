@@ -75,8 +75,9 @@ void Run::report() {
         counted(static_cast<size_t>(number(json, "poles")), "pole").c_str(), seconds);
     outcome_.summary = summary + line;
     if (r_.count > 0 && quads_ > 0)
-        outcome_.summary += "\n" + r_.quads + ": " + std::to_string(quads_) + " quads, " + std::to_string(irregular_)
-                          + " irregular vertices, " + std::to_string(inverted_) + " inverted quads";
+        outcome_.summary += "\n" + r_.quads + ": " + counted(quads_, "quad") + ", " + std::to_string(irregular_)
+                          + (irregular_ == 1 ? " irregular vertex, " : " irregular vertices, ")
+                          + counted(inverted_, "inverted quad");
     if (fewest_ > 0)
         outcome_.summary += "; " + std::to_string(r_.count)
                           + " were wished, and these loops and marked vertices need about " + std::to_string(fewest_);
@@ -89,7 +90,8 @@ void Run::report() {
 }
 
 std::string Run::design_sentence() const {
-    std::string text = "even: " + std::to_string(marks_.size()) + " marked vertices, " + counted(loop_count_, "loop")
+    std::string text = "even: " + std::to_string(marks_.size())
+                     + (marks_.size() == 1 ? " marked vertex, " : " marked vertices, ") + counted(loop_count_, "loop")
                      + (loop_count_ == 1 ? " with a weight" : " with weights");
     if (is_alone()) {
         char numbers[100];
