@@ -98,7 +98,16 @@ END
         build_with_pkg_config "$1" c89 "$root/bindings/c/solve_obj.c" "$2/solve_obj" -Wpedantic &&
         "$2/solve_obj" "$2/torus.obj" "$2/values.csv" && cut -d, -f3 "$2/values.csv" > "$2/values.txt" &&
         tail -n +2 "$3" | cmp - "$2/values.txt" && [ "$(wc -l < "$2/values.txt")" -eq 21 ] &&
-        ! "$2/solve_obj" "$2/no.obj" "$2/no.csv"
+        ! "$2/solve_obj" "$2/no.obj" "$2/no.csv" && refuses_others "$2"
+}
+
+# Faces that the C example does not read.
+refuses_others() { # folder
+    for face in 'f 1 2 3 4' 'f 1/1 2/1 3/1 4/1' 'f -1 -2 -3' 'f 1 2'; do
+        printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n%s\n' "$face" > "$1/other.obj"
+        "$1/solve_obj" "$1/other.obj" "$1/other.csv"
+        [ $? -eq 3 ] || return 1
+    done
 }
 
 # Each line of the C++ block of the README is one of the example.

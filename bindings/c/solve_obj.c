@@ -28,7 +28,7 @@ static void add_vertex(struct mesh* m, double x, double y, double z) {
     p[0] = x, p[1] = y, p[2] = z;
 }
 
-static void add_triangle(struct mesh* m, unsigned long a, unsigned long b, unsigned long c) {
+static void add_triangle(struct mesh* m, long a, long b, long c) {
     uint32_t* t = m->triangles = (uint32_t*)grow(m->triangles, m->triangle_count, sizeof *t);
     t += 3 * m->triangle_count++;
     t[0] = (uint32_t)a, t[1] = (uint32_t)b, t[2] = (uint32_t)c;
@@ -38,14 +38,18 @@ static void add_triangle(struct mesh* m, unsigned long a, unsigned long b, unsig
 static int read_obj(struct mesh* m, const char* path) {
     char line[1024];
     double x, y, z;
-    unsigned long a, b, c;
+    long a, b, c, d;
+    int corners;
     FILE* file = fopen(path, "r");
     if (!file) return 0;
     while (fgets(line, sizeof line, file)) {
         if (sscanf(line, "v %lf %lf %lf", &x, &y, &z) == 3) add_vertex(m, x, y, z);
-        else if (sscanf(line, "f %lu%*[^ ] %lu%*[^ ] %lu", &a, &b, &c) == 3
-                 || sscanf(line, "f %lu %lu %lu", &a, &b, &c) == 3)
-            add_triangle(m, a - 1, b - 1, c - 1);
+        if (line[0] != 'f' || line[1] != ' ') continue;
+        corners = sscanf(line, "f %ld%*[^ ] %ld%*[^ ] %ld%*[^ ] %ld", &a, &b, &c, &d);
+        if (corners < 3) corners = sscanf(line, "f %ld %ld %ld %ld", &a, &b, &c, &d);
+        if (corners != 3 || a < 1 || b < 1 || c < 1)
+            exit((fprintf(stderr, "%s: this example reads triangles with positive numbers only: %s", path, line), 3));
+        add_triangle(m, a - 1, b - 1, c - 1);
     }
     fclose(file);
     return 1;
