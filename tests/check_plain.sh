@@ -31,7 +31,7 @@ for cxx in g++ clang++; do
     done
     case ${HMF_PLAIN_ALL:-}$cxx in
     g++) levels=-O2 ;;
-    clang++) levels=-O0 ;;; # bindings compares gcc's -O3 with clang's, of WebAssembly
+    clang++) levels=-O0 ;; # bindings compares gcc's -O3 with clang's, of WebAssembly
     *) levels="-O0 -O2 -O3" ;;
     esac
     for level in $levels; do
