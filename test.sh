@@ -194,7 +194,7 @@ variant_release() { run_ctest release; }
 variant_debug() { run_ctest debug -E '^UniqueLong'; }
 variant_asan-ubsan() {
     choose_sanitizing_compiler
-    # The large meshes of these reach what the small ones of the same tests do.
+    # The large meshes of these reach what the small ones do, of the same tests or of others of the loops.
     run_ctest asan-ubsan -E '^UniqueLong|_3[0-9]k|ZerosDeepInLimbs|RealMeshesSettle|OrderDoesNotMatter|BelongToTheSurface'
 }
 

@@ -32,10 +32,10 @@ class Usage(Case):
         for command in ("solve", "info", "batch", "demo"):
             for option in re.findall(r"^  (--[a-z-]+)", self.run_tool(command, "--help").stdout, re.M):
                 self.assertIn(option.replace("-", "\\-"), page)
-            for default in re.findall(r"\(default [^)]*\)", self.run_tool(command, "--help").stdout):
-                self.assertIn(default.replace("-", "\\-"), page)
                 for shell, text in shells.items():
                     self.assertIn(option[2:] if shell == "fish" else option, text, shell)
+            for default in re.findall(r"\(default [^)]*\)", self.run_tool(command, "--help").stdout):
+                self.assertIn(default.replace("-", "\\-"), page)
         build = os.path.dirname(os.path.abspath(tool_case.TOOL))
         if shutil.which("cmake") and os.path.exists(os.path.join(build, "CMakeCache.txt")):
             subprocess.run(["cmake", "--install", build, "--prefix", self.path("prefix")], check=True, stdout=subprocess.PIPE)
