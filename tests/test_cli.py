@@ -22,6 +22,11 @@ class Usage(Case):
         self.assertIn("solve", self.run_tool("--help").stdout)
         self.assertIn("--loops", self.run_tool("solve", "--help").stdout)
         self.assertRegex(self.run_tool("--version").stdout, r"hmf \d+\.\d+\.\d+")
+        self.assertEqual(self.run_tool("help").stdout, self.run_tool("--help").stdout)
+        for command in ("demo", "quads"):
+            self.assertEqual(self.run_tool("help", command).stdout, self.run_tool(command, "--help").stdout)
+        self.refused(2, "help", "paint", says=["paint"])
+        self.refused(2, "help", "solve", "quads", says=["one command"])
 
     def test_manual_and_completion(self):
         """Every option of every command is in the manual page and in the completion of each shell."""
@@ -103,6 +108,8 @@ class Usage(Case):
         self.refused(2, "solve", self.mesh, "--ratio", "0.5", "--ratio=0.6", says=["--ratio", "twice"])
         for weights in ("", "1,", ",1", "1,,2", "1;2", "x"):
             self.refused(2, "solve", self.mesh, "--weights=" + weights, says=["--weights", "not a number"])
+        for weights in ("-1", "0", "1,-2", "inf"):
+            self.refused(2, "solve", self.mesh, "--weights=" + weights, says=["--weights", "is not in (0, inf)"])
         self.refused(2, "solve", self.mesh, "--conjugate=1", says=["--conjugate", "no value"])
         self.refused(2, "solve", self.mesh, "--coarsest", "1.5", says=["--coarsest", "whole number"])
         self.refused(2, "solve", self.mesh, "--coarsest", "-1", says=["--coarsest", "whole number"])
@@ -165,6 +172,15 @@ class Meshes(Case):
         self.assertTrue(report["valid"])
         self.assertEqual(report["suggested_marks"], [])
         self.assertNotIn("tips", text)
+
+    def test_info_always_has_its_json(self):
+        """Also of a file that is no mesh, and once."""
+        for status, path in ((5, self.path("missing.obj")), (3, self.write("text.obj", "no mesh")), (3, self.write("bad.obj", "v 0 0 0\nf 1 2 3\n"))):
+            done = self.refused(status, "info", path, "--json")
+            report = json.loads(done.stdout)
+            self.assertEqual((report["mesh"], report["valid"]), (path, False))
+            self.assertIn(report["message"], done.stderr)
+            self.assertEqual(self.refused(status, "info", path).stdout, "")
 
     def test_info_of_sphere(self):
         points, triangles = box(12, 3, 3)

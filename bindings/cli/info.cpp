@@ -98,10 +98,8 @@ Quality quality_of(const TriangleMesh& mesh) {
     return q;
 }
 
-} // namespace
-
-void info(const InfoRequest& request) {
-    const std::string mesh_name = shown(request.mesh);
+// Whether standard output has its JSON is told by `printed`, also where this throws.
+void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool& printed) {
     TriangleMesh mesh = read_mesh(request.mesh);
     readers::Repairs repairs;
     if (request.repairs) repairs = repair_mesh(mesh, request.joins, mesh_name);
@@ -190,6 +188,7 @@ void info(const InfoRequest& request) {
         if (alone) report.set("components", 1);
         else report.set("components", rows);
         std::printf("%s\n", report.dump(2).c_str());
+        printed = true;
     }
     if (total.status != HMF_OK)
         fail_with(total.status, total.error, mesh_name, repair_advice(total.status, request.repairs, request.joins));
@@ -220,6 +219,22 @@ void info(const InfoRequest& request) {
         for (const std::string& line : lines) std::printf("  %s\n", line.c_str());
     }
     if (good == 0) throw Failure(EXIT_BAD_INPUT, mesh_name + ": no component carries a foliation");
+}
+
+} // namespace
+
+void info(const InfoRequest& request) {
+    const std::string mesh_name = shown(request.mesh);
+    bool printed = false;
+    try {
+        look_at_all(request, mesh_name, printed);
+    } catch (const Failure& failure) {
+        // Who asked for JSON gets some, also of a file that is none.
+        if (request.json && !printed)
+            std::printf("%s\n",
+                        Json({{"mesh", mesh_name}, {"valid", false}, {"message", failure.what()}}).dump(2).c_str());
+        throw;
+    }
 }
 
 } // namespace cli

@@ -157,7 +157,8 @@ int completion_command(const Words& words, const Describe* help) {
 void print_commands() {
     std::printf("Harmonic measured foliations on triangle meshes\n\nusage: hmf COMMAND ...\n\n");
     for (const Command& command : commands) std::printf("  %-12s%s\n", command.name, command.help);
-    std::printf("\nhmf COMMAND --help lists the options of a command, hmf --version tells the version.\n\n"
+    std::printf("\nhmf COMMAND --help, or hmf help COMMAND, lists the options of a command, hmf --version tells the "
+                "version.\n\n"
                 "exit status: 0 solved; 2 usage; 3 bad input, or not supported for it; 4 limit reached before\n"
                 "convergence (the best result is still written); 5 out of memory or file error\n");
 }
@@ -166,18 +167,21 @@ int run(const Words& words) {
     std::string names;
     for (const Command& command : commands) names += (names.empty() ? "" : ", ") + std::string(command.name);
     if (words.empty()) throw Failure(EXIT_USAGE, "a command is missing; the commands are " + names);
-    if (words[0] == "--help" || words[0] == "-h") print_commands();
+    const bool asks = words[0] == "help" || words[0] == "--help" || words[0] == "-h";
+    if (asks && words.size() > 2) throw Failure(EXIT_USAGE, "help tells of one command at a time");
+    if (asks && words.size() == 1) print_commands();
     else if (words[0] == "--version") std::printf("hmf %s\n", version_text().c_str());
     else {
+        const std::string& name = asks ? words[1] : words[0];
         for (const Command& command : commands) {
-            if (words[0] != command.name) continue;
-            const Words rest(words.begin() + 1, words.end());
+            if (name != command.name) continue;
+            const Words rest = asks ? Words{"--help"} : Words(words.begin() + 1, words.end());
             const bool help =
                 std::count(rest.begin(), rest.end(), "--help") + std::count(rest.begin(), rest.end(), "-h") > 0;
             const Describe describe = print_help;
             return command.run(rest, help ? &describe : nullptr);
         }
-        throw Failure(EXIT_USAGE, "there is no command \"" + words[0] + "\"; the commands are " + names);
+        throw Failure(EXIT_USAGE, "there is no command \"" + name + "\"; the commands are " + names);
     }
     return EXIT_SOLVED;
 }

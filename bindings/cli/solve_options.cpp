@@ -39,7 +39,8 @@ Option through_option(SolveRequest& r) {
 
 Option weights_option(SolveRequest& r) {
     return Option{"--weights", &r.weights, "W,W,...",
-                  "one weight > 0 per loop, else those of the FILE of --loops or of even, else all 1"};
+                  "one weight > 0 per loop, else those of the FILE of --loops or of even, else all 1"}
+        .in("(0, inf)");
 }
 
 Option marks_option(SolveRequest& r) {
@@ -112,8 +113,9 @@ Options solve_options(SolveRequest& r) {
             .in("(0, 1)"),
         Option{"--time-limit", &r.time_limit, "X", "seconds"}.in("[0, inf)"),
         threads_option(r),
-        Option{"--values", &r.values, "FILE", "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV"}.writes(
-            ".csv .npy"),
+        Option{"--values", &r.values, "FILE",
+               "F per edge: .csv (vertex,vertex,value) or .npy; - is CSV; may be given once for each"}
+            .writes(".csv .npy"),
         Option{"--report", &r.report, "FILE.json", "numbers of the run"}.writes(".json"),
         Option{"--conformality", &r.conformality, "", "report: also how conformal the parameterisation is"}
             .requires_one_of("--report"),

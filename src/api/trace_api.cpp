@@ -5,6 +5,7 @@
 #include "result.hpp"
 #include "use_entry.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace hmf;
@@ -62,15 +63,27 @@ hmf_status hand_over(const hmf_foliation& foliation, Lines& made, Call& call, hm
         if (h.is_double() && keep_front(h, made, call)) return call.status();
     }
     for (hmf_line& line : made.list) line.length /= h.scale;
-    for (double& x : made.points) x /= h.scale;
     hmf_lines lines{sizeof(hmf_lines), 0, made.list.size(), made.edges.size(), nullptr, nullptr, nullptr, nullptr};
     ResultBlock block;
     block.array(lines, lines.lines, made.list.size(), made.list.data());
     block.array(lines, lines.offsets, made.offsets.size(), made.offsets.data());
-    block.array(lines, lines.points, made.points.size(), made.points.data());
-    block.array(lines, lines.point_edges, made.edges.size(), made.edges.data());
-    *out = block.make(lines, h, call);
-    return call.status();
+    block.room(lines, lines.points, made.points.size());
+    block.room(lines, lines.point_edges, made.edges.size());
+    hmf_lines* const result = block.make(lines, h, call);
+    if (!result) return call.status();
+    // Leaves that pass all edges many times are far larger than the mesh: copied with reports between.
+    double* const points = fill(result->points);
+    uint32_t* const edges = fill(result->point_edges);
+    const auto copy = [&](size_t begin, size_t end) {
+        for (size_t i = 3 * begin; i < 3 * end; ++i) points[i] = made.points[i] / h.scale;
+        std::copy(&made.edges[begin], &made.edges[begin] + (end - begin), edges + begin);
+    };
+    if (!call.pass(made.edges.size(), 0.97, copy)) {
+        free_block(result);
+        return call.stopped();
+    }
+    *out = result;
+    return HMF_OK;
 }
 
 } // namespace
