@@ -12,18 +12,17 @@
 //
 // A value of 0 means that g fixes phi(v).  Then the edge stays 0 if g fixes S,
 // and gets 2 mu otherwise.  g fixes S exactly if the edge and a boundary of the
-// cluster that lies in S alone bound an annulus of zero triangles.  So look at
-// the triangles on both sides of the edge:
+// cluster that lies in S alone bound an annulus: the boundary of S in the
+// universal cover is one path in the leaf through phi(v), which is a tree, and g
+// moves along it.  So cut the cluster along the edge:
 //
-//          w          w in S from both ends of the edge: g fixes S; from one: it
-//        /   \        does not.  In no S: the annulus is not on this side.
-//       v--0--v
-//
-// If w belongs to the cluster, look at its part without v.  Only a disk without
-// closed corners and marked vertices fits into an annulus.  It hangs on v in several places, between
-// edges from v to itself or values of its own; each place knows whether v
-// goes the same way there as in the others, from the sides next to it or from
-// edges that are decided.
+//       S   S   S           Both ends of the edge at v keep S on one side, for
+//     .-----------.         the lifts of the edge form a path that separates the
+//     | annulus   |         directions on its two sides.  What hangs together
+//     v --- 0 --- v         with v there is an annulus exactly if it does not
+//     |  cluster  |         come to the other side of the cut, holds no marked
+//                           vertex, and its Euler characteristic is 0; if there
+// is no closed corner, its other boundary lies in one direction, which is S.
 #include "whitehead.hpp"
 
 namespace hmf {
@@ -36,99 +35,71 @@ public:
         f_(f), side_(side), star_(star), degree_(star.degree), v_(f.mesh.origin[side[0].half_edge]) {}
 
     bool decide() {
-        for (uint32_t t = 0; t < degree_; ++t)
-            way(t) = star_.F[t] != 0 ? (star_.group[t] == star_.best ? SAME : OTHER) : is_part(t) ? UNSEEN : OPEN;
-        for (uint32_t t = 0; t < degree_; ++t)
-            if (way(t) == UNSEEN) look_at_part(t);
-        uint32_t open = 1;
-        for (bool changed = true; changed && open > 0;) {
-            changed = false;
-            open = 0;
-            for (uint32_t t = 0; t < degree_; ++t) {
-                if (star_.F[t] != 0 || target(t) != v_ || (side_[t].half_edge & 1)) continue;
-                changed |= decide(t);
-                open += way(t) == OPEN;
-            }
+        uint32_t in_s = 0;
+        while (star_.group[in_s] != star_.best) ++in_s;
+        for (uint32_t t = 0; t < degree_; ++t) {
+            if (!is_one(t)) continue;
+            uint32_t u = side_after(t, degree_);
+            while (side_[u].half_edge != twin(side_[t].half_edge)) u = side_after(u, degree_);
+            star_.end[t] = u;
         }
-        for (uint32_t t = 0; t < degree_; ++t)
-            if (star_.F[t] == 0 && target(t) == v_) star_.step[t] = way(t) == OTHER;
-        return open == 0;
+        bool known = true;
+        for (uint32_t t = 0; t < degree_; ++t) {
+            const uint32_t u = star_.end[t];
+            if (!is_one(t) || u < t) continue;
+            const bool between = t < in_s && in_s < u;
+            bool fixed = false;
+            known &= cut_along(between ? t : u, between ? u : t, fixed);
+            star_.step[t] = star_.step[u] = !fixed;
+        }
+        return known;
     }
 
 private:
-    // Where v goes at a side: as in direction S, another way, or not decided;
-    // of a part that fits into no annulus: OUTSIDE.
-    enum Way : uint8_t { SAME, OTHER, OPEN, OUTSIDE, UNSEEN };
+    bool is_one(uint32_t t) const { return star_.F[t] == 0 && f_.mesh.target(side_[t].half_edge) == v_; }
 
-    uint8_t& way(uint32_t t) { return star_.way[t]; }
-    uint32_t target(uint32_t t) const { return f_.mesh.target(side_[t].half_edge); }
-    bool is_part(uint32_t t) const { return star_.F[t] == 0 && target(t) != v_; }
-
-    // Sets the row of zero edges to one part that side t belongs to.
-    void set_row(uint32_t t, uint8_t value) {
-        for (uint32_t s = t; is_part(s); s = side_after(s, degree_)) way(s) = value;
-        for (uint32_t s = t; is_part(s); s = side_before(s, degree_)) way(s) = value;
-    }
-
-    // The part without v behind side t, in all places where it hangs on v.
-    void look_at_part(uint32_t t) {
-        const Cluster part = explore_cluster(
-            f_, target(t), ClusterSearch().without_vertex(v_).up_to_corners(1).up_to_vertices(star_.budget));
-        bool fits = part.closed_corners == 0 && part.marked == 0 && (!part.complete || part.euler == 1),
-             has_values = false;
-        for (uint32_t s = 0; s < degree_; ++s)
-            if (is_part(s) && f_.stamp[target(s)] == f_.epoch) way(s) = OPEN;
-        for (uint32_t s = 0; s < degree_ && part.complete; ++s) {
-            if (!is_part(s) || f_.stamp[target(s)] != f_.epoch) continue;
-            const uint32_t ends[2] = {side_before(s, degree_), side_after(s, degree_)};
-            for (const uint32_t end : ends) {
-                if (star_.F[end] == 0) continue;
-                has_values = true;
-                fits &= way(s) == OPEN || way(s) == way(end);
-                set_row(s, way(end));
+    // Is what hangs together with v between sides `first` and `last`, the two ends of an edge, an annulus without
+    // closed corners and marked vertices?  false: not known, as it is too large.
+    bool cut_along(uint32_t first, uint32_t last, bool& annulus) {
+        const Mesh& mesh = f_.mesh;
+        f_.members.clear();
+        f_.members.add(v_);
+        const uint32_t mark = ++f_.epoch, allowance = star_.allowance();
+        f_.stamp[v_] = mark;
+        // Zero edges are met from both ends, zero triangles from three sides; from and to v: those to others.
+        uint64_t half_edges = 0, sides = 0, from_v = 0, to_v = 0;
+        bool fits = true;
+        const auto look = [&](uint32_t h, bool with_corner) {
+            const uint32_t w = mesh.target(h);
+            const bool zero = f_.at(h) == 0;
+            if (with_corner) {
+                sides += zero && f_.at(mesh.next[h]) == 0;
+                if (!zero && f_.at(mesh.rotate_ccw(h)) != 0 && f_.corner2(h) == 0) fits = false;
             }
-        }
-        if (!fits) {
-            for (uint32_t s = 0; s < degree_; ++s)
-                if (s == t || (is_part(s) && f_.stamp[target(s)] == f_.epoch)) set_row(s, OUTSIDE);
-        } else if (part.complete && !has_values) {
-            set_row(t, SAME); // compared with this place
-        }
+            if (!zero) return;
+            ++half_edges;
+            from_v += mesh.origin[h] == v_ && w != v_;
+            to_v += mesh.origin[h] != v_ && w == v_;
+            if (f_.stamp[w] == mark) return;
+            f_.stamp[w] = mark;
+            f_.members.add(w);
+            fits &= !mesh.is_marked(w);
+        };
+        for (uint32_t s = first; fits && s != last; s = side_after(s, degree_))
+            if (is_one(s)) fits = position(first, star_.end[s]) <= position(first, last);
+        const uint32_t end = side_[last].half_edge;
+        for (uint32_t h = side_[first].half_edge; fits && h != end; h = mesh.rotate_ccw(h)) look(h, true);
+        if (fits) look(end, false);
+        size_t at = 1;
+        for (; fits && at < f_.members.size() && at <= allowance; ++at)
+            for (const uint32_t h : mesh.around(f_.members[at])) look(h, true);
+        star_.spend(at);
+        if (fits && at < f_.members.size()) return false;
+        // One that comes to v from the other side is met from its other end alone.
+        annulus = fits && from_v == to_v && f_.members.size() + sides / 3 == half_edges / 2;
+        return true;
     }
-
-    // What the triangle with these two sides tells about the edge between them.
-    uint8_t across(uint32_t a, uint32_t b) {
-        if (way(a) == SAME && way(b) == SAME) return SAME;
-        if ((way(a) == SAME && way(b) == OTHER) || (way(a) == OTHER && way(b) == SAME)) return OTHER;
-        if (way(a) == OUTSIDE || way(b) == OUTSIDE || (star_.F[a] != 0 && star_.F[b] != 0)) return OUTSIDE;
-        return OPEN;
-    }
-
-    // The edge that starts at side t; true if something has become known.
-    bool decide(uint32_t t) {
-        uint32_t u = 0;
-        while (side_[u].half_edge != twin(side_[t].half_edge)) u = side_after(u, degree_);
-        const uint32_t pair[2][2] = {{side_before(t, degree_), side_after(u, degree_)},
-                                     {side_after(t, degree_), side_before(u, degree_)}};
-        bool changed = false;
-        if (way(t) == OPEN) {
-            const uint8_t one = across(pair[0][0], pair[0][1]), two = across(pair[1][0], pair[1][1]);
-            if (one == SAME || two == SAME) way(t) = SAME;
-            else if (one == OTHER || two == OTHER || (one == OUTSIDE && two == OUTSIDE)) way(t) = OTHER;
-            way(u) = way(t);
-            changed = way(t) != OPEN;
-        }
-        if (way(t) == OPEN) return false;
-        for (const auto& ends : pair)
-            for (uint32_t k = 0; k < 2; ++k) {
-                const uint32_t from = ends[k], to = ends[1 - k];
-                if (!is_part(to) || way(to) != OPEN || (way(from) != SAME && (way(from) != OTHER || way(t) == OTHER)))
-                    continue;
-                set_row(to, way(t) == SAME ? way(from) : uint8_t{OTHER});
-                changed = true;
-            }
-        return changed;
-    }
+    uint32_t position(uint32_t first, uint32_t t) const { return t >= first ? t - first : t + degree_ - first; }
 
     Foliation& f_;
     const Rings::Side* side_;

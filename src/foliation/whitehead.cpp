@@ -102,7 +102,7 @@ void Rings::build_in_blocks(const Mesh& mesh, const double* weight, const Parall
 Done Star::allocate(Memory& memory, uint32_t max_degree) {
     return F.allocate(memory, max_degree) && corner2.allocate(memory, max_degree) && group.allocate(memory, max_degree)
         && group_pull.allocate(memory, max_degree) && step.allocate(memory, max_degree)
-        && way.allocate(memory, max_degree);
+        && end.allocate(memory, max_degree);
 }
 
 namespace {

@@ -87,7 +87,7 @@ struct Star {
     Array<double> group_pull;
     // Of the move into group `best` that plan_move has found.
     Array<int8_t> step;  // per side: sign of its share of the change of its edge, 0 if it has none
-    Array<uint8_t> way;  // per side: scratch of open_zero_self_edges
+    Array<uint32_t> end; // per side, of an edge of value 0 from the vertex to itself: where it comes back
     uint32_t moving = 0; // stamp of what moves: the vertex itself and Foliation::pushed, whose values all shrink
     Done allocate(Memory& memory, uint32_t max_degree);
 };
@@ -125,7 +125,7 @@ void apply_move(Foliation& f, const Rings::Side* side, const Star& star, int64_t
 bool move_together(Foliation& f, const Rings::Side* side, const double* weight, const Star& star, bool& lands,
                    double& energy_change);
 // Fills star.step for edges of value 0 from the vertex to itself: 1 if they
-// open, else 0 (self_edges.cpp).  false: not known for all of them.
+// open, else 0 (self_edges.cpp).  false: the cluster is too large to tell for all of them.
 bool open_zero_self_edges(Foliation& f, const Rings::Side* side, Star& star);
 
 // One vertex, repeatedly, as in a sweep; true if it moved.
