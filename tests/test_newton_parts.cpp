@@ -540,3 +540,58 @@ TEST(Fractions, KeepTheClassWhereHeightsDo) {
     EXPECT_GT(kept, 20u);
     EXPECT_GT(lost, 20u);
 }
+
+// Neighbours of the same column pass each other.  The class is kept where each vertex that passes another keeps one
+// that it is higher and one that it is lower than, all the way: so none is an extremum on it.
+TEST(Fractions, KeepTheClassWhereVerticesPass) {
+    Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
+    const Mesh& mesh = combed.f.mesh;
+    Memory& memory = combed.memory;
+    std::vector<double> weight(mesh.edge_count, 1.0);
+    Rings rings;
+    Star star;
+    Call call(memory, nullptr, nullptr, nullptr);
+    TwistedModel model;
+    ASSERT_TRUE(rings.build(mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                && model.allocate(mesh, memory) && model.look(combed.f, rings, weight.data(), star, call));
+    std::vector<int> up(mesh.vertex_count, 0); // the sign of edges that leave a vertex upward
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v)
+        for (const uint32_t h : mesh.around(v))
+            if (combed.rise(h) > 0) up[v] = model.sign[h];
+    std::mt19937 random(11);
+    size_t passed = 0, lost = 0;
+    for (int round = 0; round < 400; ++round) {
+        std::uniform_real_distribution<double> place(-2.0 - 0.3 * round, 2.0 + 0.3 * round);
+        std::vector<double> raised(mesh.vertex_count, 0), part(mesh.vertex_count, 0);
+        for (uint32_t v = 40; v < 64; ++v) raised[v] = place(random), part[v] = up[v] * raised[v];
+        bool expected = true, pass = false;
+        for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+            bool higher = false, lower = false, passes = false;
+            for (const uint32_t h : mesh.around(v)) {
+                const double here = static_cast<double>(combed.rise(h)),
+                             there = here + raised[mesh.target(h)] - raised[v];
+                higher = higher || (here > 0 && there > 0);
+                lower = lower || (here < 0 && there < 0);
+                passes = passes || here * there < 0;
+            }
+            expected = expected && (!passes || (higher && lower));
+            pass = pass || passes;
+        }
+        EXPECT_EQ(hmf::keeps_class(combed.f, rings, model, part.data()), expected) << round;
+        passed += expected && pass;
+        lost += !expected;
+    }
+    EXPECT_GT(passed, 20u);
+    EXPECT_GT(lost, 20u);
+    // None may pass one that rests, nor a zero, on the way.
+    std::vector<double> part(mesh.vertex_count, 0);
+    uint32_t side = mesh.out[48];
+    while (combed.rise(side) != 7) side = mesh.rotate_ccw(side);
+    part[48] = 8 * up[48];
+    EXPECT_TRUE(hmf::keeps_class(combed.f, rings, model, part.data()));
+    ASSERT_TRUE(model.resting.push(mesh.target(side)));
+    EXPECT_FALSE(hmf::keeps_class(combed.f, rings, model, part.data()));
+    model.resting.clear();
+    model.rests[mesh.target(side)] = 1;
+    EXPECT_FALSE(hmf::keeps_class(combed.f, rings, model, part.data()));
+}

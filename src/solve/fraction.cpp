@@ -14,7 +14,8 @@ double change_beyond(const Foliation& f, const TwistedModel& model, const double
     return -model.sign[twin(h)] * part[f.mesh.target(h)];
 }
 
-// At a vertex that rests: by the directions of the integers.
+// At a vertex that rests: by the directions of the integers.  Not more than this, whichever of them a neighbour of its
+// cluster has gone in.
 double residual_at_rest(Foliation& f, const Rings& rings, const double* weight, const TwistedModel& model,
                         const double* part, uint32_t v, double floor, Star& star) {
     if (f.mesh.is_marked(v)) return 0; // balanced by the half turn
@@ -35,7 +36,11 @@ double residual_at_rest(Foliation& f, const Rings& rings, const double* weight, 
         }
         best = std::max(best, sum);
     }
-    const double excess = 2 * best - pull, scale = std::max(floor, pull);
+    double opened = 0;
+    for (uint32_t t = 0; t < star.degree; ++t)
+        if (star.F[t] == 0 && f.mesh.target(side[t].half_edge) != v)
+            opened += weight[edge_of(side[t].half_edge)] * std::fabs(change_beyond(f, model, part, side[t].half_edge));
+    const double excess = 2 * best - pull + opened, scale = std::max(floor, pull);
     return excess > 0 && scale > 0 ? excess / scale : 0;
 }
 
@@ -76,20 +81,58 @@ Done measure(Foliation& f, const Rings& rings, const double* weight, const Twist
     return true;
 }
 
-// The vertices that may move: those within some rings of the ones where the residual is too large, clusters as a
-// whole.  The others keep their integers.
+// Vertices at zeros that go into the direction which pulls them, by less than a unit: Whitehead moves that nothing lies
+// in the way of.  The same list is found from the parts alone.
+class FreeZeros {
+public:
+    FreeZeros(Foliation& f, const Rings& rings, const double* weight, TwistedModel& model, Star& star) :
+        f_(f), rings_(rings), weight_(weight), model_(model), star_(star) {}
+
+    Done allocate(Memory& memory) {
+        list.start(memory);
+        return list.reserve(model_.resting.size()) && cluster_.allocate_filled(memory, model_.count, NONE);
+    }
+    Array<uint32_t> list;
+
+    // One of each cluster: what was found round it holds for the move of no other.
+    void add(uint32_t v, double floor) {
+        if (cluster_[v] != NONE || f_.mesh.is_marked(v)) return;
+        const uint32_t budget = star_.budget;
+        star_.budget = NONE;
+        const Rings::Side* side = &rings_.side[rings_.offset[v]];
+        read_star(f_, side, rings_.offset[v + 1] - rings_.offset[v], weight_, star_);
+        const bool moves = 2 * star_.best_pull > star_.pull && plan_move(f_, side, star_) && f_.pushed.empty();
+        star_.budget = budget;
+        if (!moves) return;
+        model_.set_free(f_, rings_, weight_, v, star_.step.data(), floor);
+        list.add(v);
+        explore_cluster(f_, v);
+        for (const uint32_t u : f_.members) cluster_[u] = v;
+    }
+
+private:
+    Foliation& f_;
+    const Rings& rings_;
+    const double* weight_;
+    TwistedModel& model_;
+    Star& star_;
+    Array<uint32_t> cluster_; // per vertex: the one of its cluster that is in the list
+};
+
+// The vertices that may move: those within some rings of the ones where the residual is too large.  The others keep
+// their integers.  Few are better: what edges of no weight hold goes far.
 class Region {
 public:
-    Region(LevelWork& work, const TwistedModel& model) : f_(work.state.foliation), rings_(work.rings), model_(model) {}
+    Region(const Rings& rings, const TwistedModel& model) : rings_(rings), model_(model) {}
 
     Done allocate(Memory& memory) {
         list_.start(memory);
+        outside.start(memory);
         return list_.reserve(model_.count) && outside.reserve(model_.count)
             && distance_.allocate_filled(memory, model_.count, NONE);
     }
     Array<uint32_t> outside; // all others
 
-    void start(Memory& memory) { outside.start(memory); }
     void add_centre(uint32_t v) { add(v, 0); }
     void grow(uint32_t rings_around) {
         for (size_t i = 0; i < list_.size(); ++i) {
@@ -105,18 +148,11 @@ public:
 
 private:
     void add(uint32_t v, uint32_t ring) {
-        constexpr uint32_t largest_cluster = 64;
         if (distance_[v] != NONE || model_.rests[v]) return;
-        const Cluster cluster = explore_cluster(f_, v, ClusterSearch().up_to_vertices(largest_cluster));
-        if (!cluster.complete) return;
-        for (const uint32_t u : f_.members) {
-            if (distance_[u] != NONE) continue;
-            distance_[u] = ring;
-            list_.add(u);
-        }
+        distance_[v] = ring;
+        list_.add(v);
     }
 
-    Foliation& f_;
     const Rings& rings_;
     const TwistedModel& model_;
     Array<uint32_t> list_, distance_;
@@ -125,31 +161,42 @@ private:
 } // namespace
 
 bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part) {
-    const Mesh& mesh = f.mesh;
-    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        const uint32_t h = 2 * e;
-        const double change = model.sign[h] * part[mesh.origin[h]] + model.sign[h + 1] * part[mesh.origin[h + 1]];
-        if (f.value[e] > 0 && !(static_cast<double>(f.value[e]) - change >= 0)) return false;
-    }
-    for (uint32_t v = 0; v < model.count; ++v) {
-        if (model.rests[v]) continue;
-        bool opens = false, ahead = false, behind = false;
+    const auto change = [&](uint32_t h) {
+        const uint32_t k = twin(h);
+        return model.sign[h] * part[f.mesh.origin[h]] + model.sign[k] * part[f.mesh.origin[k]];
+    };
+    const auto reverses_any = [&](uint32_t v) {
         for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge, k = twin(h);
-            const double change = model.sign[h] * part[v] + model.sign[k] * part[mesh.origin[k]];
-            const double signed_value = model.sign[h] * (static_cast<double>(f.at(h)) - change);
-            opens |= f.at(h) == 0 && change != 0;
-            ahead |= signed_value > 0;
-            behind |= signed_value < 0;
+            const uint32_t h = rings.side[t].half_edge;
+            if (f.at(h) > 0 && !(static_cast<double>(f.at(h)) - change(h) >= 0)) return true;
         }
-        if (opens && !(ahead && behind)) return false;
+        return false;
+    };
+    for (const uint32_t v : model.resting)
+        if (reverses_any(v)) return false;
+    for (uint32_t v = 0; v < model.count; ++v) {
+        if (model.rests[v]) {
+            if (reverses_any(v)) return false;
+            continue;
+        }
+        bool opens = false, reverses = false, ahead = false, behind = false;
+        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+            const uint32_t h = rings.side[t].half_edge;
+            const double after = static_cast<double>(f.at(h)) - change(h);
+            const bool keeps_way = f.at(h) == 0 || after > 0;
+            opens |= f.at(h) == 0 && after != 0;
+            reverses |= !keeps_way;
+            ahead |= keeps_way && model.sign[h] * after > 0;
+            behind |= keeps_way && model.sign[h] * after < 0;
+        }
+        if ((opens || reverses) && !(ahead && behind)) return false;
     }
     return true;
 }
 
 hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found) {
     constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a centre
-    constexpr uint32_t most_iterations = 300, least_rings = 2, most_rings = 16;
+    constexpr uint32_t most_iterations = 300, rings_around[] = {0, 1, 2, 4, 8, 16};
     Call& call = work.call;
     Memory& memory = call.memory;
     Foliation& f = work.state.foliation;
@@ -163,30 +210,51 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
         return call.out_of_memory();
     if (!model.look(f, work.rings, weight, work.star, call)) return call.stopped();
     model.assemble(f, work.rings, weight, call);
-    const SignedMatrix matrix = model.matrix();
-    if (!multigrid.setup(matrix, memory, &call)
-        || !measure(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
+    FreeZeros zeros(f, work.rings, weight, model, work.star);
+    Region region(work.rings, model);
+    if (!zeros.allocate(memory) || !region.allocate(memory)) return call.out_of_memory();
+    if (!measure(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
         return call.stopped();
-    Region region(work, model);
-    region.start(memory);
-    if (!region.allocate(memory)) return call.out_of_memory();
+    const double floor = floor_of(f, weight, call);
+    for (const uint32_t v : model.resting)
+        if (residual[v] > share * goal) zeros.add(v, floor);
     for (uint32_t v = 0; v < n; ++v)
         if (residual[v] > share * goal) region.add_centre(v);
-    for (uint32_t rings_around = least_rings; rings_around <= most_rings && found.max > goal; rings_around *= 2) {
-        region.grow(rings_around);
-        LinearOptions options;
-        options.fixed = region.outside.data();
-        options.fixed_count = region.outside.size();
+    model.assemble(f, work.rings, weight, call);
+    const SignedMatrix matrix = model.matrix();
+    if (!multigrid.setup(matrix, memory, &call)) return call.stopped();
+    found.max = HUGE_VAL;
+    Array<uint32_t> fixed;
+    fixed.start(memory);
+    if (!fixed.reserve(n)) return call.out_of_memory();
+    for (const uint32_t rings : rings_around) {
+        region.grow(rings);
         for (double& x : part) x = 0;
-        multigrid.solve(matrix, model.right.data(), part.data(), accuracy, most_iterations, call, options);
-        if (call.cancelled() || call.finishing()) return HMF_CANCELLED;
-        for (const uint32_t v : model.bounded)
-            if (part[v] < static_cast<double>(model.lower[v]) || part[v] > static_cast<double>(model.upper[v]))
-                part[v] = 0;
-        found.max = HUGE_VAL;
-        if (keeps_class(f, work.rings, model, part.data())
-            && !measure(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
-            return call.stopped();
+        // Where an edge of its cluster is heavy, a vertex that goes all the way hands its residual on to the other
+        // end.  After half of the way each has half of it.
+        for (const bool half : {false, true}) {
+            if (half && zeros.list.empty()) break;
+            fixed.clear();
+            for (const uint32_t v : region.outside) fixed.add(v);
+            for (const uint32_t v : zeros.list) {
+                if (!half) break;
+                part[v] *= 0.5;
+                fixed.add(v);
+            }
+            LinearOptions options;
+            options.fixed = fixed.data();
+            options.fixed_count = fixed.size();
+            multigrid.solve(matrix, model.right.data(), part.data(), accuracy, most_iterations, call, options);
+            if (call.cancelled() || call.finishing()) return HMF_CANCELLED;
+            for (const uint32_t v : model.bounded)
+                if (part[v] <= static_cast<double>(model.lower[v]) || part[v] >= static_cast<double>(model.upper[v]))
+                    part[v] = 0;
+            for (const uint32_t v : zeros.list) model.rests[v] = part[v] == 0;
+            if (keeps_class(f, work.rings, model, part.data())
+                && !measure(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
+                return call.stopped();
+            if (found.max <= goal) return HMF_OK;
+        }
     }
     return HMF_OK;
 }
@@ -196,6 +264,11 @@ hmf_status residuals_with_fractions(Foliation& f, const Rings& rings, const doub
     TwistedModel model;
     if (!model.allocate(f.mesh, call.memory)) return call.out_of_memory();
     if (!model.look(f, rings, weight, star, call)) return call.stopped();
+    FreeZeros zeros(f, rings, weight, model, star);
+    if (!zeros.allocate(call.memory)) return call.out_of_memory();
+    const double floor = floor_of(f, weight, call);
+    for (const uint32_t v : model.resting)
+        if (part[v] != 0) zeros.add(v, floor);
     model.assemble(f, rings, weight, call);
     return measure(f, rings, weight, model, part, star, residual, call, found) ? HMF_OK : call.stopped();
 }

@@ -4,8 +4,11 @@
 //
 //     F'_ij = | F_ij - s_ij d_i - s_ji d_j |        (twisted_model.hpp)
 //
-// with |d| about one unit is in the class of the integers, as no value that is not 0 changes its sign, and has the
-// residual that is asked for.  What is counted and followed stays with the integers.
+// has the residual that is asked for, and is in the class of the integers.  What is counted and followed stays with the
+// integers.
+//
+// A regular vertex may go by some units, as in a step of Newton's method.  A vertex at a zero goes by less than one, as
+// in a Whitehead move: branch points and other vertices are at integer distances, so none is on its way.
 #pragma once
 
 #include "solve.hpp"
@@ -22,8 +25,9 @@ namespace hmf {
                                                   const double* part, Star& star, double* residual, Call& call,
                                                   ResidualResult& found);
 
-// No value that is not 0 changes its sign, and where edges of value 0 open each vertex keeps an edge in both of its
-// directions: so none becomes an extremum, on the way either (docs/mathematics.md, section 8).
+// No edge at a zero, or at a vertex that rests, is reversed; where edges of a vertex are, or such of value 0 open, it
+// keeps an edge that is not in both of its directions: so none becomes an extremum, on the way either
+// (docs/mathematics.md, section 8).
 bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part);
 
 } // namespace hmf

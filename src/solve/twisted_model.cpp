@@ -122,6 +122,21 @@ void TwistedModel::hold(const Rings& rings, uint32_t v) {
     for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) sign[rings.side[t].half_edge] = 0;
 }
 
+void TwistedModel::set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v,
+                            const int8_t* step, double floor) {
+    rests[v] = 0;
+    double b = 0, pull = 0;
+    for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t, ++step) {
+        const uint32_t h = rings.side[t].half_edge;
+        sign[h] = static_cast<int8_t>(-*step);
+        const double p = weight[edge_of(h)] * static_cast<double>(f.at(h));
+        b += sign[h] * p;
+        pull += p;
+    }
+    right[v] = b;
+    row_scale[v] = static_cast<float>(1 / (pull > floor ? pull : floor));
+}
+
 // The cluster of v, which has zero edges.
 Done TwistedModel::look_at_cluster(Foliation& f, const Rings& rings, const double* weight, uint32_t v, double floor) {
     const Cluster cluster = explore_cluster(f, v);
@@ -247,7 +262,7 @@ void TwistedModel::assemble(const Foliation& f, const Rings& rings, const double
         if (rings.is(v, Monogons::SELF_EDGE)) fill_row_with_self_edges(f, rings, weight, v);
     if (!call.tick(0, true)) return;
     for (uint32_t v : resting) {
-        bound(v, 0, 0);
+        bound(v, 0, rests[v] ? 0 : 1);
         for (uint32_t t = offset[v]; t < offset[v + 1]; ++t) {
             const uint32_t h = rings.side[t].half_edge;
             if (!rests[column[t]]) bound_along(column[t], twin(h), f.at(h));

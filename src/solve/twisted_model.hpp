@@ -58,6 +58,9 @@ struct TwistedModel {
     // Matrix and bounds, after look().  Stops half-way if the call is cancelled.
     void assemble(const Foliation& f, const Rings& rings, const double* weight, Call& call);
     void forget_changes(const Parallel& parallel);
+    // After look(): a zero that rests may go by less than a unit, as plan_move has planned it; step: of its sides.
+    void set_free(const Foliation& f, const Rings& rings, const double* weight, uint32_t v, const int8_t* step,
+                  double floor);
     SignedMatrix matrix() const { return {count, offset, column, entry.data(), diagonal.data()}; }
     // No zeros, hence no bounds: one step reaches the minimum.
     bool is_exact() const { return tripod.empty() && resting.empty(); }

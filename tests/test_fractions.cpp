@@ -1,0 +1,130 @@
+// Parts of a unit: where a residual above the tolerance is the rounding to one (src/solve/fraction.hpp).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "../src/api/foliation_object.hpp"
+#include "../src/solve/solve.hpp"
+#include "../src/solve/twisted_model.hpp"
+#include "support/surface.hpp"
+
+using namespace test;
+
+namespace {
+
+TriMesh stretched(const TriMesh& mesh, double factor) { return transformed(mesh, {factor, 0, 0, 0, 1, 0, 0, 0, 1}); }
+
+struct Moved {
+    size_t regular = 0, zeros = 0;
+};
+
+// With two bits more parts are integers, up to an eighth of a unit.  Those are a foliation in the class.  The residuals
+// of the call are those of the solve.
+Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s, size_t vertex_count) {
+    Moved moved;
+    const std::vector<double> of_call = residuals(s.foliation, vertex_count);
+    EXPECT_DOUBLE_EQ(*std::max_element(of_call.begin(), of_call.end()), s.report.residual_max);
+    const double* const part = s.foliation->fraction;
+    if (!part) return moved;
+    hmf_error error{};
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, &error, nullptr, nullptr);
+    hmf::State state;
+    double unit = 1;
+    EXPECT_FALSE(hmf::load_solved(*s.foliation, state, unit, call));
+    hmf::Foliation& f = state.foliation;
+    const hmf::Mesh& mesh = f.mesh;
+    const double* const weight = hierarchy.get()->levels[0].weight;
+    hmf::Rings rings;
+    hmf::Star star;
+    hmf::TwistedModel model;
+    EXPECT_TRUE(rings.build(mesh, weight, memory) && star.allocate(memory, rings.max_degree)
+                && model.allocate(mesh, memory) && model.look(f, rings, weight, star, call));
+    star.budget = hmf::NONE;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        if (part[v] == 0) continue;
+        ++(model.rests[v] ? moved.zeros : moved.regular);
+        if (!model.rests[v]) continue;
+        EXPECT_TRUE(part[v] > 0 && part[v] < 1) << part[v];
+        const hmf::Rings::Side* side = &rings.side[rings.offset[v]];
+        hmf::read_star(f, side, rings.offset[v + 1] - rings.offset[v], weight, star);
+        EXPECT_TRUE(hmf::plan_move(f, side, star));
+        model.set_free(f, rings, weight, v, star.step.data(), 1);
+    }
+    hmf::ClassWatch watch;
+    EXPECT_EQ(watch.start(state, 1, nullptr, hmf::Array<int64_t>(), call), HMF_OK);
+    EXPECT_TRUE(watch.started);
+    const hmf::SingularityCount before = hmf::count_singularities(f);
+    constexpr int64_t finer = 4; // more the certificate has no room for
+    const auto place = [&](uint32_t h) {
+        return model.sign[h] * static_cast<int64_t>(std::floor(finer * part[mesh.origin[h]] + 0.5));
+    };
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) {
+        EXPECT_LE(f.value[e], hmf::largest_inner_value);
+        f.value[e] = std::abs(finer * f.value[e] - place(2 * e) - place(2 * e + 1));
+    }
+    const hmf::SingularityCount after = hmf::count_singularities(f);
+    EXPECT_EQ(after.broken_triangles, 0u);
+    EXPECT_EQ(after.poles, 0u);
+    EXPECT_EQ(after.index_sum, before.index_sum);
+    EXPECT_EQ(watch.look(state, 1.0 / finer, call), HMF_OK);
+    EXPECT_EQ(watch.result.state, hmf::ClassState::proven);
+    return moved;
+}
+
+} // namespace
+
+// Four vertices at the cap of the weights, near a pole of light edges: together they go by some units past a fifth
+// one, which no edge of any weight minds.
+TEST(Fractions, RegularVerticesPassOthers) {
+    size_t moved = 0;
+    for (const uint64_t seed : {1, 16, 21, 23, 24, 42, 49, 55}) {
+        SCOPED_TRACE(seed);
+        for (const bool first : {false, true}) {
+            const TriMesh torus = test::torus(6, 4, 3, 1);
+            const TriMesh mesh = first ? with_bad_triangles(stretched(torus, 1e4), 2, 0.1, seed)
+                                       : stretched(with_bad_triangles(torus, 2, 0.1, seed), 1e4);
+            const Hierarchy hierarchy(mesh);
+            ASSERT_TRUE(hierarchy);
+            const Loops loops = library_loops(hierarchy, 0);
+            const Solution s = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+            EXPECT_EQ(s.status, HMF_OK) << s.report.residual_max;
+            EXPECT_EQ(s.report.class_state, HMF_CLASS_PROVEN);
+            moved += expect_foliation_with_parts(hierarchy, s, mesh.vertex_count()).regular;
+        }
+    }
+    EXPECT_GT(moved, 20u);
+}
+
+// At a zero less than a unit is missing.
+TEST(Fractions, ZerosGoByLessThanAUnit) {
+    struct Case {
+        TriMesh mesh;
+        double factor;
+        uint64_t rotation;
+    };
+    size_t moved = 0;
+    for (const Case& c : {Case{plate(2), 6e4, 43},
+                          {plate(2), 6e4, 239},
+                          {plate(2), 6e4, 248},
+                          {plate(3), 2e4, 60},
+                          {plate(3), 6e4, 61},
+                          {plate(3), 6e4, 248},
+                          {plate(3), 6e4, 366},
+                          {pretzel(2, 0), 6e4, 61},
+                          {pretzel(2, 0), 6e4, 74}}) {
+        SCOPED_TRACE(c.rotation);
+        Random random(c.rotation);
+        const TriMesh mesh = stretched(transformed(c.mesh, random_rotation(random)), c.factor);
+        const Hierarchy hierarchy(mesh);
+        ASSERT_TRUE(hierarchy);
+        const Loops loops = library_loops(hierarchy, 0);
+        const Solution s = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+        EXPECT_EQ(s.status, HMF_OK) << s.report.residual_max;
+        EXPECT_EQ(s.report.class_state, HMF_CLASS_PROVEN);
+        moved += expect_foliation_with_parts(hierarchy, s, mesh.vertex_count()).zeros;
+    }
+    EXPECT_GE(moved, 5u);
+}
