@@ -69,6 +69,20 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
     EXPECT_EQ(after.broken_triangles, 0u);
     EXPECT_EQ(after.poles, 0u);
     EXPECT_EQ(after.index_sum, before.index_sum);
+    // A value is rounded by a unit at most, and what one side pulls more than all others by its weights.
+    std::vector<double> rounded(mesh.vertex_count);
+    hmf::residuals(f, rings, weight, star, rounded.data(), call);
+    double total = 0;
+    for (uint32_t e = 0; e < mesh.edge_count; ++e) total += weight[e] * static_cast<double>(f.value[e]);
+    const double floor = hmf::pull_floor(total, mesh.vertex_count);
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
+        double pull = 0;
+        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
+            const uint32_t e = hmf::edge_of(rings.side[t].half_edge);
+            pull += weight[e] * static_cast<double>(f.value[e]);
+        }
+        EXPECT_LE(rounded[v], 1.001 * (s.report.residual_max + rings.weight_sum[v] / std::max(floor, pull))) << v;
+    }
     EXPECT_EQ(watch.look(state, 1.0 / finer, call), HMF_OK);
     EXPECT_EQ(watch.result.state, hmf::ClassState::proven);
     return moved;
