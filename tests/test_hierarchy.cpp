@@ -315,6 +315,31 @@ TEST(Hierarchy, CoarsestLevelIsOfTheSizeAsked) {
     EXPECT_GT(built.h.level_count, 3u);
 }
 
+// A sixteenth of the vertices, 1000 at most; and on the way there the levels of a hierarchy that ends at 1000, as loops
+// are searched on these.
+TEST(Hierarchy, CoarsestLevelByDefault) {
+    for (const auto& [width, expected] : {std::pair{24u, 36u}, std::pair{60u, 225u}, std::pair{136u, 1000u}}) {
+        const TriMesh mesh = test::torus(width, width, 3, 1);
+        const Built built(mesh);
+        ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+        const uint32_t last = built.h.levels[built.h.level_count - 1].mesh.vertex_count;
+        EXPECT_GE(last, expected);
+        EXPECT_LE(last, std::max(40u, expected + expected / 3 + 1)) << width;
+        BuildOptions usual;
+        usual.coarsest = USUAL_COARSEST;
+        const Built shorter(mesh, usual);
+        ASSERT_LE(shorter.h.level_count, built.h.level_count);
+        for (size_t n = 0; n < shorter.h.level_count; ++n) {
+            const Level &a = built.h.levels[n], &b = shorter.h.levels[n];
+            ASSERT_EQ(a.mesh.vertex_count, b.mesh.vertex_count);
+            ASSERT_EQ(a.raised_count, b.raised_count);
+            double sums[2] = {0, 0}; // in another order
+            for (uint32_t e = 0; e < a.mesh.edge_count; ++e) sums[0] += a.weight[e], sums[1] += b.weight[e];
+            EXPECT_NEAR(sums[0], sums[1], 1e-9 * sums[0]) << "level " << n;
+        }
+    }
+}
+
 // Blocks collapse edges at the same time, so each vertex with a neighbour in another block has to be known, also where
 // a collapse at a border has just made it one.
 TEST(Hierarchy, BordersOfBlocksAreKnown) {

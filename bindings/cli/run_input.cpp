@@ -83,7 +83,7 @@ void Run::build() {
         c.build(r_, meter_, control);
         if (c.is_mollified()) std::fprintf(stderr, "%s: %s\n", c.subject().c_str(), MOLLIFIED);
         if (c.is_refused()) continue;
-        coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
+        if (coarsest > 0) coarsest = std::max<uint64_t>(coarsest, 40 * c.genus() + 10 * c.marks().size());
         if (kind_ == LOOPS_EVEN)
             for (const uint32_t v : c.marks()) designed.push_back(c.whole_vertex(v));
         if (r_.marks != "auto" || kind_ == LOOPS_EVEN) continue;

@@ -24,7 +24,7 @@ struct SolveRequest {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     bool repairs = false, joins = false; // of the mesh, before all else
     double ratio = 0.5, mollify = 0, tolerance = 0, time_limit = 0;
-    uint64_t coarsest = 1000;
+    uint64_t coarsest = 0;
     uint64_t refine = 0;  // the mesh, to so many triangles
     uint64_t threads = 0; // 0: one for each processor
     // Outputs; empty: not wanted.

@@ -105,8 +105,9 @@ Options solve_options(SolveRequest& r) {
                        {"qslim", HMF_COLLAPSE_QSLIM}}},
                "midpoint|endpoint|qslim", "how the hierarchy is made"},
         Option{"--ratio", &r.ratio, "X", "edges of a level / edges of the finer one"}.in("[0.05, 0.95]"),
-        Option{"--coarsest", &r.coarsest, "N", "vertices of the coarsest level, at least 40 genus + 10 marked"}.in(
-            "[1, inf)"),
+        Option{"--coarsest", &r.coarsest, "N",
+               "vertices of the coarsest level, at least 40 genus + 10 marked; 0: a sixteenth of all, 1000 at most"}
+            .in("[0, inf)"),
         mollify_option(r),
         Option{"--tolerance", &r.tolerance, "X",
                "newton: largest residual, else 1e-8; others: change of energy, else 1e-6"}

@@ -31,23 +31,29 @@ namespace {
 
 constexpr size_t MAX_LEVELS = 1024;
 
-// Edge counts of the levels to come.
+// Edge counts of the levels to come: down to the usual coarsest level, and from there to the one that is wanted.
 struct Schedule {
     double ratio;
-    uint64_t vertices, edges; // of the coarsest level to aim for
+    uint64_t vertices; // of the coarsest level to aim for
+    uint64_t usual_edges, edges;
 
-    Schedule(const BuildOptions& options, uint64_t genus) : ratio(options.ratio) {
-        vertices = std::max(least_coarsest(genus, options.marked_count), options.coarsest);
-        vertices = std::max<uint64_t>(vertices, 4);
-        vertices = std::min<uint64_t>(vertices, NONE / 3);
+    Schedule(const BuildOptions& options, uint64_t genus, uint64_t vertex_count) : ratio(options.ratio) {
+        vertices = coarsest_vertices(options, genus, vertex_count);
         edges = 3 * vertices + 6 * genus - 6;
+        usual_edges = 3 * std::max(vertices, USUAL_COARSEST) + 6 * genus - 6;
     }
-    // 0: the level is the coarsest one.  A last step that would be less than
-    // half of a usual one is not worth a level.
+    // 0: the level is the coarsest one.
     uint64_t next(uint64_t edge_count) const {
-        if (edge_count <= edges) return 0;
-        const double usual = ratio * static_cast<double>(edge_count);
-        const uint64_t target = usual < static_cast<double>(edges) ? edges : static_cast<uint64_t>(usual);
+        const uint64_t target = next_towards(usual_edges, edge_count);
+        return target > 0 ? target : next_towards(edges, edge_count);
+    }
+
+private:
+    // 0: a last step that would be less than half of a usual one is not worth a level.
+    uint64_t next_towards(uint64_t last, uint64_t edge_count) const {
+        if (edge_count <= last) return 0;
+        const double step = ratio * static_cast<double>(edge_count);
+        const uint64_t target = step < static_cast<double>(last) ? last : static_cast<uint64_t>(step);
         return static_cast<double>(target) > 0.5 * (1 + ratio) * static_cast<double>(edge_count) ? 0 : target;
     }
 };
@@ -283,7 +289,7 @@ hmf_status Builder::make_coarser(uint64_t target, uint32_t minimum) {
 }
 
 hmf_status Builder::coarsen() {
-    const Schedule schedule(options_, h_.genus);
+    const Schedule schedule(options_, h_.genus, vertex_count_);
     levels_.start(h_.memory);
     flips_.start(h_.memory);
     runs_.start(h_.memory);
@@ -501,10 +507,18 @@ hmf_status check_surface(hmf_hierarchy& hierarchy, const double* positions, size
     return status == HMF_CANCELLED ? call.was_cancelled() : status;
 }
 
+uint64_t coarsest_vertices(const BuildOptions& options, uint64_t genus, uint64_t vertex_count) {
+    // The share is measured: bench/steering.md.
+    constexpr uint64_t SHARE = 16;
+    const uint64_t wanted = options.coarsest > 0 ? options.coarsest : std::min(vertex_count / SHARE, USUAL_COARSEST);
+    const uint64_t least = std::max<uint64_t>(40 * genus + 10 * options.marked_count, 4);
+    return std::min<uint64_t>(std::max(wanted, least), NONE / 3);
+}
+
 uint64_t build_memory_bound(size_t vertex_count, size_t triangle_count, const BuildOptions& options) {
     const uint64_t V = vertex_count, F = triangle_count, E = F + F / 2;
     const uint64_t genus = 2 + E > V + F ? (2 + E - V - F) / 2 : 0;
-    const Schedule schedule(options, genus);
+    const Schedule schedule(options, genus, V);
     // Edges of all coarse levels together; a level that gets stuck is almost
     // as large as the finer one.
     uint64_t sum = 0, coarse = 0, edges = E;

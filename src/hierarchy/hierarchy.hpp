@@ -32,7 +32,7 @@ namespace hmf {
 struct BuildOptions {
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
     double ratio = 0.5;
-    uint64_t coarsest = 1000;                  // vertices; build_hierarchy raises it to 40 * genus + 10 * marked_count
+    uint64_t coarsest = 0;                     // vertices to aim for, 0: see coarsest_vertices()
     uint64_t position_stride = 0;              // bytes from one vertex to the next, 0 = packed
     double mollify = 0;                        // margin of the triangle inequalities on level 0, in mean edge lengths
     const uint32_t* marked_vertices = nullptr; // in the caller's numbers
@@ -125,8 +125,11 @@ struct hmf_hierarchy {
 
 namespace hmf {
 
-// Vertices that the coarsest level has at least: ten for each zero.
-inline uint64_t least_coarsest(uint64_t genus, uint64_t marked_count) { return 40 * genus + 10 * marked_count; }
+// Vertices of the coarsest level of meshes from 16 000 on.  A smaller one has a hierarchy as well; but the levels on
+// which loops are searched (library_loops.cpp) are those that end here.
+constexpr uint64_t USUAL_COARSEST = 1000;
+// Vertices that the coarsest level is to have: ten for each zero at least.
+uint64_t coarsest_vertices(const BuildOptions& options, uint64_t genus, uint64_t vertex_count);
 
 // undo(n, begin) for the collapses of a level, the last one first; those of runs that
 // commute on the threads of the host.  begin: of the run.

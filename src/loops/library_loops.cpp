@@ -50,6 +50,7 @@ hmf_status library_loops(const hmf_hierarchy& h, size_t level, int32_t kind, Cal
 size_t search_level(const hmf_hierarchy& h) {
     const uint64_t wanted = h.genus < MANY_HANDLES ? VERTICES_OF_HANDLE * h.genus : MOST_VERTICES;
     size_t level = h.level_count - 1;
+    while (level > 0 && h.levels[level].mesh.vertex_count < USUAL_COARSEST) --level;
     while (level > 1 && h.levels[level].mesh.vertex_count < wanted) --level;
     return level;
 }

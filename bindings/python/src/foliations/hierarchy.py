@@ -153,7 +153,7 @@ class Hierarchy:
     ratio : float, optional
         Edges of a level / edges of the finer one, in [0.05, 0.95]; default 0.5.
     coarsest : int, optional
-        Vertices of the coarsest level to aim for; default 1000.
+        Vertices of the coarsest level to aim for; default a sixteenth of all, and 1000 at most.
     collapse : "midpoint", "endpoint" or "qslim", optional
         Which edges are collapsed: the shortest to its midpoint (default) or
         to one end, or that of least quadric error to its best point.

@@ -56,8 +56,8 @@ impl<'a> Builder<'a> {
         self
     }
 
-    /// Vertices of the coarsest level to aim for. Default: 1000, and at least
-    /// 40 for each unit of the genus and 10 for each marked vertex.
+    /// Vertices of the coarsest level to aim for. Default: a sixteenth of all,
+    /// and 1000 at most. At least 40 for each unit of the genus and 10 for each marked vertex.
     pub fn coarsest(mut self, vertices: usize) -> Self {
         self.options.coarsest = vertices as u64;
         self
