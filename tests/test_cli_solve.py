@@ -206,7 +206,8 @@ class Solve(Case):
 
     def test_bad_weights(self):
         for weight in ("0", "-1", "nan"):
-            self.refused(3, "solve", self.mesh, "--weights=" + weight)
+            self.refused(2, "solve", self.mesh, "--weights=" + weight)
+        self.refused(3, "solve", self.mesh, "--weights=1e200")
 
     def test_limit_still_writes(self):
         points, quads = torus(120, 60)

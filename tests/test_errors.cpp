@@ -542,7 +542,7 @@ TEST_F(OnTorus, SolveOptions) {
     options.time_limit = NAN;
     expect_options(options, HMF_ERROR_OPTIONS);
     options = solve_options(HMF_METHOD_WHITEHEAD, 0);
-    options.stop_level = 1;
+    options.stop_level = hmf_level_count(hierarchy.get());
     EXPECT_EQ(solved(nullptr, &options).status, HMF_ERROR_LEVEL);
 
     expect_failure<hmf_loop_set>(
@@ -568,6 +568,7 @@ TEST_F(OnTorus, SolveOptions) {
 
 TEST_F(OnTorus, CapacitiesAndLevels) {
     const hmf_hierarchy* h = hierarchy.get();
+    const size_t none = hmf_level_count(h);
     const size_t edges = mesh.edge_count, triangles = mesh.triangle_count, vertices = mesh.vertex_count;
     const Foliation f = good();
     const std::vector<double> values = values_of(f);
@@ -576,7 +577,7 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
     hmf_level_info info{};
     hmf_error error{};
     for (const hmf_status expected : {HMF_ERROR_CAPACITY, HMF_ERROR_LEVEL}) {
-        const size_t level = expected == HMF_ERROR_LEVEL ? 1 : 0, less = expected == HMF_ERROR_CAPACITY ? 1 : 0;
+        const size_t level = expected == HMF_ERROR_LEVEL ? none : 0, less = expected == HMF_ERROR_CAPACITY ? 1 : 0;
         const auto check = [&](hmf_status status) {
             expect_error(status, expected, error);
             error = hmf_error{};
@@ -594,11 +595,11 @@ TEST_F(OnTorus, CapacitiesAndLevels) {
         return hmf_foliation_create(h, 0, reals.data(), edges + 1, nullptr, out, e);
     });
     expect_error(hmf_residuals(f.get(), nullptr, reals.data(), vertices - 1, &error), HMF_ERROR_CAPACITY, error);
-    EXPECT_EQ(hmf_level_counts(h, 1, &info, &error), HMF_ERROR_LEVEL);
+    EXPECT_EQ(hmf_level_counts(h, none, &info, &error), HMF_ERROR_LEVEL);
     expect_failure<hmf_loop_set>(
-        HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) { return hmf_loops(h, 1, HMF_LOOPS_CUT, nullptr, out, e); });
-    expect_failure<hmf_foliation>(HMF_ERROR_LEVEL,
-                                  [&](auto out, hmf_error* e) { return hmf_interpolate(f.get(), 1, nullptr, out, e); });
+        HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) { return hmf_loops(h, none, HMF_LOOPS_CUT, nullptr, out, e); });
+    expect_failure<hmf_foliation>(
+        HMF_ERROR_LEVEL, [&](auto out, hmf_error* e) { return hmf_interpolate(f.get(), none, nullptr, out, e); });
     EXPECT_EQ(std::count(index.begin(), index.end(), 77u), static_cast<long>(index.size()));
     EXPECT_EQ(std::count(reals.begin(), reals.end(), -1.0), static_cast<long>(reals.size()));
     EXPECT_EQ(info.vertex_count, 0u);

@@ -16,12 +16,13 @@ constexpr int UNIT_BITS = 20; // of a weight of 1
 // Made with the options of the reference hierarchy?
 bool is_reference(const hmf_hierarchy& h) {
     const BuildOptions usual;
+    if (h.made_with.ratio != usual.ratio || h.made_with.collapse != usual.collapse) return false;
     const auto coarsest = [&](BuildOptions options) {
         options.marked_count = h.input.marked_count; // of a double
         return coarsest_vertices(options, h.genus, h.input.vertex_count);
     };
-    return h.made_with.ratio == usual.ratio && h.made_with.collapse == usual.collapse
-        && coarsest(h.made_with) == coarsest(usual);
+    const uint64_t vertices = coarsest(h.made_with);
+    return h.made_with.coarsest == 0 || (vertices >= USUAL_COARSEST && vertices == coarsest(usual));
 }
 
 hmf_status build_reference(const hmf_hierarchy& h, hmf_hierarchy& made, Call& call) {

@@ -31,7 +31,7 @@ namespace {
 
 constexpr size_t MAX_LEVELS = 1024;
 
-// Edge counts of the levels to come: down to the usual coarsest level, and from there to the one that is wanted.
+// Edge counts of the levels to come: by default down to the usual coarsest level, and from there on.
 struct Schedule {
     double ratio;
     uint64_t vertices; // of the coarsest level to aim for
@@ -40,7 +40,7 @@ struct Schedule {
     Schedule(const BuildOptions& options, uint64_t genus, uint64_t vertex_count) : ratio(options.ratio) {
         vertices = coarsest_vertices(options, genus, vertex_count);
         edges = 3 * vertices + 6 * genus - 6;
-        usual_edges = 3 * std::max(vertices, USUAL_COARSEST) + 6 * genus - 6;
+        usual_edges = options.coarsest > 0 ? edges : 3 * std::max(vertices, USUAL_COARSEST) + 6 * genus - 6;
     }
     // 0: the level is the coarsest one.
     uint64_t next(uint64_t edge_count) const {

@@ -114,6 +114,10 @@ public:
     // The first solution of the last step, brought into its bounds, made extrema: values on limbs were wrong in front.
     bool limbs_were_wrong() const { return limbs_were_wrong_; }
 
+    // What the linear solves tell of themselves is not true enough: with edges of weight 10^5 the rounding of single
+    // precision is a residual.  From now on they look at the true one.
+    void check_solves() { checked_ = true; }
+
     // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
     // them, for a step of the part; false: they are more than this share of all.
     bool is_in_part(double residual, double share) {
@@ -322,7 +326,7 @@ private:
 
     LinearOptions stop_at(double residual) const {
         LinearOptions options;
-        options.unchecked = true; // the next look tells what a step is worth
+        options.unchecked = !checked_; // the next look tells what a step is worth
         if (residual > 0) options.row_scale = model_.row_scale.data();
         options.row_tolerance = residual;
         return options;
@@ -401,7 +405,7 @@ private:
     WholeStep step_;
     SignedMultigrid multigrid_;
     bool multigrid_ready_ = false;
-    bool zeros_everywhere_ = false, limbs_were_wrong_ = false;
+    bool zeros_everywhere_ = false, limbs_were_wrong_ = false, checked_ = false;
     uint64_t bounds_met_ = UINT64_MAX; // by the last step
     PartSystem part_;
     bool part_step_ = false; // the step in hand is one of the part
@@ -446,6 +450,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     UnitOfLevel unit{!finest};
     Parts parts;
     bool moves_wait = false;
+    double tight_from = 0; // the residual before a tight step of the whole level within all bounds
     for (uint32_t round = 0; round < plan.rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
         const TwistedModel& model = newton.model();
@@ -456,6 +461,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (!newton.look()) return interrupted(work.call);
         }
         moves_wait = false;
+        // Such a step should have left little of it.
+        if (tight_from > 0 && model.residual_max > steering::less_residual * tight_from) newton.check_solves();
+        tight_from = 0;
         if (work.call.finishing()) return HMF_CANCELLED;
         // The first step of a level needs no reason but on the last level.
         const double residual = round == 0 && !finest ? 1 : model.residual_max;
@@ -483,6 +491,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             continue;
         }
         moves_wait = accepted == 1 && tight && !plan.middle;
+        if (moves_wait && newton.was_within_bounds()) tight_from = residual;
         if (moves_wait) continue;
         newton.relax_after_step(finest && round > steering::far_after);
         if (accepted == 1 && plan.middle && !(plan.next_to_double && round == 0) && !newton.limbs_were_wrong())
