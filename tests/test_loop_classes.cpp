@@ -289,7 +289,7 @@ std::vector<std::string> corpus() {
 TEST(LoopClasses, BelongToTheSurface) {
     for (size_t holes = 2; holes <= sample<size_t>(3, 2); ++holes)
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
-            const Found found = find(uneven(pretzel(holes, 2)), kind, {400, 1000}, 2);
+            const Found found = find(uneven(pretzel(holes, 2)), kind, {0, 400}, 2);
             EXPECT_EQ(found.genus, holes);
             EXPECT_EQ(found.lengths[0].size(), kind == HMF_LOOPS_PANTS ? 3 * holes - 3 : holes);
             EXPECT_EQ(found.lengths.size(), 1u)
@@ -449,7 +449,7 @@ TEST(LoopClasses, Corpus) {
         ASSERT_TRUE(read_obj(path, mesh)) << path;
         for (int32_t kind = HMF_LOOPS_CUT; kind <= HMF_LOOPS_PANTS; ++kind) {
             if (only && kind != std::atoi(only)) continue;
-            const Found found = find(mesh, kind, {1000, 2500}, 3);
+            const Found found = find(mesh, kind, {0, 2500}, 3);
             if (found.lengths.size() == 1) continue;
             // Another set of classes only where both are equally long, within 1 %.
             std::vector<double> totals;

@@ -268,8 +268,8 @@ typedef struct hmf_build_options {
     uint32_t struct_size;
     int32_t collapse;            /* HMF_COLLAPSE_* */
     double ratio;                /* edges of a level / edges of the finer one; in [0.05, 0.95], default 0.5 */
-    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default a sixteenth of all and 1000 at most;
-                                    at least 40 * genus + 10 * marked_count */
+    uint64_t coarsest;           /* vertices of the coarsest level to aim for; default a sixteenth of all, 1000 at
+                                    most; at least 40 * genus + 10 * marked_count */
     uint64_t memory_limit;       /* bytes in use by hmf_build, 0 = none; later calls: by the hierarchy and the
                                     call together, without foliations and results that are kept */
     hmf_allocate_fn allocate;    /* NULL = malloc; give both or none */
