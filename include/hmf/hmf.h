@@ -517,8 +517,8 @@ typedef struct hmf_loop_set {
 /*
  * Loops made by the library on a level, as triangle loops: simple, disjoint,
  * essential, pairwise not freely homotopic, and short.  Candidates are found on
- * the coarsest level of a hierarchy with the default options that has 420 vertices
- * for each handle, or 10 000 from ten handles on; of these the classes with the
+ * the coarsest level of a hierarchy with the default options that has 1000 vertices,
+ * 420 for each handle, or 10 000 from ten handles on; of these the classes with the
  * shortest closed geodesics are chosen one after another, measured on finer levels
  * where they are close, up to the mesh of the caller.  PANTS are shortened then,
  * as long as one of them, or two that bound a piece together, can be replaced by
