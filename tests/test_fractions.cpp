@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "../src/api/foliation_object.hpp"
+#include "../src/solve/fraction.hpp"
 #include "../src/solve/solve.hpp"
 #include "../src/solve/twisted_model.hpp"
+#include "support/small_surface.hpp"
 #include "support/surface.hpp"
 
 using namespace test;
@@ -88,6 +90,50 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
     return moved;
 }
 
+hmf::ResidualResult find_parts(SmallSurface& surface, double goal, hmf::Array<double>& part) {
+    hmf::Call call(surface.memory, nullptr, nullptr, nullptr);
+    hmf::State state;
+    hmf::Foliation& f = state.foliation;
+    f.mesh = surface.foliation.mesh;
+    f.value = surface.value.data();
+    EXPECT_TRUE(f.allocate_scratch(f.mesh.vertex_count, surface.memory));
+    hmf::Level level;
+    level.weight = surface.weight.data();
+    const hmf::SolveOptions options;
+    hmf::Recorder recorder(false, call, 1);
+    hmf::LevelWork work{state, level, options, call, recorder, nullptr, false, {}, {}, {}, {}};
+    EXPECT_TRUE(work.rings.build(f.mesh, level.weight, surface.memory)
+                && work.star.allocate(surface.memory, work.rings.max_degree));
+    hmf::ResidualResult found;
+    EXPECT_EQ(hmf::find_fractions(work, goal, part, found), HMF_OK);
+    return found;
+}
+
+// Vertices 1 and 2 are at one zero, joined by edge x; all else that could move is marked.
+struct PulledTorus : HexagonTorus {
+    // Spokes 1 and 2 pull vertices 1 and 2 into one direction, by so much more than what the others have against it.
+    PulledTorus(double at_1, double at_2, double weight_of_x) : HexagonTorus(1) {
+        weight[0] = weight[6] = 0.5; // both from one corner
+        weight[1] = 3 + at_1 / 30;
+        weight[2] = 3 + at_2 / 30;
+        weight[5] = 3;
+        weight[x] = weight_of_x;
+        weight[y] = 0.1;
+        prepare();
+        expect_foliation();
+    }
+    hmf::ResidualResult find(double goal, hmf::Array<double>& part) { return find_parts(*this, goal, part); }
+    // Of the integers, after vertex 1 has gone by so much.
+    double residual_after(double part) {
+        constexpr int64_t finer = int64_t{1} << 40;
+        for (int64_t& x : value) x *= finer;
+        choose(with(1));
+        move(1, static_cast<int64_t>(part * finer));
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        return hmf::residuals(foliation, rings, weight.data(), star, nullptr, call).max;
+    }
+};
+
 } // namespace
 
 // Four vertices at the cap of the weights, near a pole of light edges: together they go by some units past a fifth
@@ -141,4 +187,60 @@ TEST(Fractions, ZerosGoByLessThanAUnit) {
         moved += expect_foliation_with_parts(hierarchy, s, mesh.vertex_count()).zeros;
     }
     EXPECT_GE(moved, 5u);
+}
+
+// Vertex 1 pulls with 3 of about 180 more than it should.  All the way it hands that on to vertex 2 at the other end of
+// the heavy edge.
+TEST(Fractions, HalfTheWayAlongAHeavyEdge) {
+    PulledTorus torus(3, 0, 1000);
+    hmf::Array<double> part;
+    constexpr double goal = 0.012;
+    EXPECT_GT(torus.residual_after(0), goal);
+    const double found = PulledTorus(3, 0, 1000).find(goal, part).max;
+    EXPECT_LE(found, goal);
+    ASSERT_EQ(part.size(), 3u);
+    EXPECT_GT(part[1], 0);
+    EXPECT_EQ(part[2], 0);
+    EXPECT_LE(PulledTorus(3, 0, 1000).residual_after(part[1]), 1.001 * found);
+}
+
+// Vertex 2 has a residual as well, but only one vertex of a cluster goes.
+TEST(Fractions, OneOfACluster) {
+    constexpr double goal = 0.012;
+    hmf::Array<double> part;
+    const double found = PulledTorus(3, 0.6, 1000).find(goal, part).max;
+    EXPECT_LE(found, goal);
+    ASSERT_EQ(part.size(), 3u);
+    EXPECT_GT(part[1], 0);
+    EXPECT_EQ(part[2], 0);
+    EXPECT_LE(PulledTorus(3, 0.6, 1000).residual_after(part[1]), 1.001 * found);
+}
+
+// A whole unit it does not go, as then there may be something in the way.
+TEST(Fractions, NotByAUnit) {
+    constexpr double goal = 0.012;
+    hmf::Array<double> part;
+    EXPECT_GT(PulledTorus(60, 0, 0.1).find(goal, part).max, goal);
+    EXPECT_LE(PulledTorus(6, 0, 0.1).find(goal, part).max, goal);
+}
+
+// Vertex 1 would be left as a pole where vertex 2 goes alone.
+TEST(Fractions, NotWhereOthersGoAlong) {
+    constexpr uint32_t e = Polygon::others(2), x = e + 1, y = e + 2, a = e + 3;
+    for (const bool marked : {false, true}) {
+        SCOPED_TRACE(marked);
+        Triangles more{{with(e), with(x), with(y)}};
+        add_handle(more, against(e), a);
+        Polygon surface({against(y), against(x)}, {2, 1}, more, {2, 2, 2, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2}, 3,
+                        marked ? 2 : 1);
+        surface.weight[1] = surface.weight[x] = surface.weight[y] = 1e-6;
+        for (uint32_t k = 0; k < 4; ++k) surface.weight[a + k] = 100;
+        surface.prepare();
+        surface.expect_foliation();
+        constexpr double goal = 0.012;
+        hmf::Array<double> part;
+        const double found = find_parts(surface, goal, part).max;
+        if (marked) EXPECT_LE(found, goal);
+        else EXPECT_GT(found, goal);
+    }
 }

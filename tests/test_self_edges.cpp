@@ -3,85 +3,42 @@
 
 #include <vector>
 
-#include "../src/foliation/whitehead.hpp"
+#include "support/small_surface.hpp"
 
 using namespace hmf;
+using test::against;
+using test::with;
 
 namespace {
 
-// Two vertices, eight triangles, genus 2.  Side 2e of a triangle runs along edge e, 2e + 1 against it.
+// Two vertices, eight triangles, genus 2.
 enum Edge : uint32_t { e1, e2, e3, d1, d2, p, q, f, a, b, c, g, edges };
-constexpr uint32_t with(Edge e) { return 2 * e; }
-constexpr uint32_t against(Edge e) { return 2 * e + 1; }
 
 // At v a triangle of value 0 with all its corners, a pair of pants.  Beyond e1 a
 // cylinder of height 30 leads to u, at which a handle of value 0 hangs.  A cylinder
 // of height 20 leads from e2 to e3.
 constexpr uint32_t v = 0, u = 1;
-constexpr uint32_t triangles[8][3] = {
-    {with(e1), with(e2), with(e3)},                                             // pants
-    {against(e1), with(p), against(q)},   {with(f), against(p), with(q)},       // to u
-    {against(e2), with(d1), against(d2)}, {against(e3), against(d1), with(d2)}, // round the handle
-    {against(f), with(a), against(c)},    {with(c), with(b), against(g)},       // at u
-    {with(g), against(a), against(b)}};
 
-struct Pants {
-    std::vector<uint32_t> origin, next, face, out{with(e1), with(f)};
-    std::vector<int64_t> value;
-    std::vector<double> weight;
-    Memory memory{nullptr, nullptr, nullptr, 0};
-    Foliation foliation;
-    Rings rings;
-    Star star;
-
-    Pants() : origin(2 * edges), next(2 * edges), face(2 * edges), value(edges, 0), weight(edges, 1) {
-        for (uint32_t t = 0; t < 8; ++t)
-            for (uint32_t s = 0; s < 3; ++s) {
-                next[triangles[t][s]] = triangles[t][(s + 1) % 3];
-                face[triangles[t][s]] = t;
-            }
-        for (uint32_t h = 0; h < 2 * edges; ++h) origin[h] = h >= with(f) || h == against(p) || h == against(q) ? u : v;
+struct Pants : test::SmallSurface {
+    Pants() : SmallSurface(triangles(), start(), 2) {
         value[p] = value[q] = 30;
         value[d1] = value[d2] = 20;
-        Mesh& mesh = foliation.mesh;
-        mesh.vertex_count = 2;
-        mesh.edge_count = edges;
-        mesh.face_count = 8;
-        mesh.origin = origin.data();
-        mesh.next = next.data();
-        mesh.face = face.data();
-        mesh.out = out.data();
-        foliation.value = value.data();
-        EXPECT_EQ(check(mesh), nullptr);
-        EXPECT_TRUE(foliation.allocate_scratch(2, memory));
     }
-    void prepare() {
-        ASSERT_TRUE(rings.build(foliation.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree));
+
+private:
+    static test::Triangles triangles() {
+        test::Triangles all{{with(e1), with(e2), with(e3)},       // pants
+                            {against(e1), with(p), against(q)},   // to u
+                            {with(f), against(p), with(q)},       //
+                            {against(e2), with(d1), against(d2)}, // round the handle
+                            {against(e3), against(d1), with(d2)}};
+        test::add_handle(all, against(f), a); // at u
+        return all;
     }
-    void expect_foliation() {
-        const SingularityCount count = count_singularities(foliation);
-        EXPECT_EQ(count.poles, 0u);
-        EXPECT_EQ(count.broken_triangles, 0u);
-        EXPECT_EQ(count.index_sum, -4);
-    }
-    const Rings::Side* side(uint32_t vertex) { return &rings.side[rings.offset[vertex]]; }
-    void read(uint32_t vertex) {
-        read_star(foliation, side(vertex), rings.offset[vertex + 1] - rings.offset[vertex], weight.data(), star);
-    }
-    // The direction that this half-edge of v leaves in, whatever pulls.
-    void choose(uint32_t half_edge) {
-        read(v);
-        for (uint32_t t = 0; t < star.degree; ++t)
-            if (side(v)[t].half_edge == half_edge) star.best = star.group[t];
-    }
-    // Into the direction of the largest pull.
-    void move(uint32_t vertex, int64_t mu) {
-        read(vertex);
-        ASSERT_TRUE(plan_move(foliation, side(vertex), star));
-        EXPECT_TRUE(foliation.pushed.empty());
-        ASSERT_GE(room_for_move(foliation, side(vertex), star), mu);
-        apply_move(foliation, side(vertex), star, mu);
-        expect_foliation();
+    static std::vector<uint32_t> start() {
+        std::vector<uint32_t> all(2 * edges);
+        for (uint32_t h = 0; h < 2 * edges; ++h) all[h] = h >= with(f) || h == against(p) || h == against(q) ? u : v;
+        return all;
     }
 };
 
@@ -94,6 +51,7 @@ TEST(SelfEdges, OneOfThreeRoundPants) {
     pants.weight[p] = pants.weight[q] = 10;
     pants.prepare();
     pants.expect_foliation();
+    pants.read(v);
     pants.move(v, 5);
     const std::vector<int64_t> after{0, 10, 10, 30, 30, 25, 25, 0, 0, 0, 0, 0};
     EXPECT_EQ(pants.value, after);
@@ -104,17 +62,16 @@ TEST(SelfEdges, IntoAHandle) {
     Pants pants;
     pants.prepare();
     pants.choose(with(d1));
-    ASSERT_TRUE(plan_move(pants.foliation, pants.side(v), pants.star));
-    apply_move(pants.foliation, pants.side(v), pants.star, 5);
+    pants.move(v, 5);
     const std::vector<int64_t> after{10, 0, 10, 20, 20, 35, 35, 0, 0, 0, 0, 0};
     EXPECT_EQ(pants.value, after);
-    pants.expect_foliation();
 }
 
 // Cut along a, b, c or g the handle stays in one piece; f bounds an annulus without a triangle.
 TEST(SelfEdges, RoundAHandle) {
     Pants pants;
     pants.prepare();
+    pants.read(u);
     pants.move(u, 5);
     const std::vector<int64_t> after{0, 0, 0, 20, 20, 25, 25, 0, 10, 10, 10, 10};
     EXPECT_EQ(pants.value, after);
@@ -130,12 +87,51 @@ TEST(SelfEdges, WithAHandleBehind) {
     pants.star.budget = 0;
     EXPECT_FALSE(plan_move(pants.foliation, pants.side(v), pants.star));
     pants.star.budget = NONE;
-    ASSERT_TRUE(plan_move(pants.foliation, pants.side(v), pants.star));
-    EXPECT_TRUE(pants.foliation.pushed.empty());
-    apply_move(pants.foliation, pants.side(v), pants.star, 5);
+    pants.move(v, 5);
     const std::vector<int64_t> after{10, 0, 10, 20, 20, 5, 5, 0, 0, 0, 0, 0};
     EXPECT_EQ(pants.value, after);
-    pants.expect_foliation();
+}
+
+// Cut along e the torus hangs together by the edge x, and is no annulus.
+TEST(SelfEdges, CrossedByAnother) {
+    constexpr uint32_t e = test::Polygon::others(4), x = e + 1;
+    test::Polygon torus({with(e), with(x), against(e), against(x)}, {1, 1, 1, 1}, {}, {1, 1, 1, 1}, 2);
+    torus.prepare();
+    torus.choose(with(1));
+    torus.move(1, 5);
+    const std::vector<int64_t> after{35, 25, 35, 35, 35, 0, 0, 0, 0, 0, 10, 10};
+    EXPECT_EQ(torus.value, after);
+}
+
+// Or by edges x and y, which come back to vertex 1 on the other side of e.
+TEST(SelfEdges, CrossedByAPath) {
+    test::HexagonTorus torus;
+    torus.prepare();
+    torus.choose(with(1));
+    torus.move(1, 5);
+    const std::vector<int64_t> after{35, 25, 30, 35, 35, 30, 35, 0, 0, 0, 0, 0, 10, 5, 5};
+    EXPECT_EQ(torus.value, after);
+}
+
+// An annulus from e to the polygon, with vertex 1 in it.  Marked, it is none; else it goes along, and e stays closed.
+TEST(SelfEdges, RoundAMarkedVertex) {
+    constexpr uint32_t e = test::Polygon::others(2), x = e + 1, y = e + 2, a = e + 3;
+    for (const bool marked : {false, true}) {
+        test::Triangles more{{with(e), with(x), with(y)}};
+        test::add_handle(more, against(e), a);
+        test::Polygon surface({against(y), against(x)}, {2, 1}, more, {2, 2, 2, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2}, 3,
+                              marked ? 2 : 0);
+        surface.prepare();
+        surface.expect_foliation();
+        surface.choose(with(0));
+        ASSERT_TRUE(plan_move(surface.foliation, surface.side(2), surface.star));
+        EXPECT_EQ(surface.foliation.pushed.size(), marked ? 0u : 1u);
+        apply_move(surface.foliation, surface.side(2), surface.star, 5);
+        surface.expect_foliation();
+        std::vector<int64_t> after{25, 25, 25, 0, 0, 0, 0, 0, 0, 0, 0, 10, 10, 10, 10};
+        if (marked) after[1] = 30, after[e] = 10, after[x] = after[y] = 5;
+        EXPECT_EQ(surface.value, after);
+    }
 }
 
 TEST(SelfEdges, RelaxToTheMinimum) {
