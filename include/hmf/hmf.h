@@ -517,14 +517,15 @@ typedef struct hmf_loop_set {
 /*
  * Loops made by the library on a level, as triangle loops: simple, disjoint,
  * essential, pairwise not freely homotopic, and short.  Candidates are found on
- * the coarsest level of a hierarchy with the default options that has 1000 vertices,
- * 420 for each handle, or 10 000 from ten handles on; of these the classes with the
- * shortest closed geodesics are chosen one after another, measured on finer levels
- * where they are close, up to the mesh of the caller.  PANTS are shortened then,
- * as long as one of them, or two that bound a piece together, can be replaced by
- * shorter ones.  A hierarchy with other options gets the loops from there, for the
- * time and the memory of another hmf_build.  So the classes do not depend on ratio,
- * collapse and coarsest.  Other triangles of the same shape, or the same ones in
+ * the coarsest level of a hierarchy with the default options that has 420 vertices
+ * for each handle and 1000 in all, or 10 000 from ten handles on; of these the
+ * classes with the shortest closed geodesics are chosen one after another,
+ * measured on finer levels where they are close, up to the mesh of the caller.
+ * PANTS are shortened then, as long as one of them, or two that bound a piece
+ * together, can be replaced by shorter ones.  A hierarchy with other options gets
+ * the loops from there, for the time and the memory of another hmf_build.  So the
+ * classes do not depend on ratio, collapse and coarsest.
+ * Other triangles of the same shape, or the same ones in
  * another order, may have other classes where fine detail is close to the size of
  * the triangles of that level, and what is smaller it cannot tell apart; or where
  * other loops are as long: CUT and PANTS within 1 % in total, on all meshes that
