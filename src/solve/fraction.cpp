@@ -96,7 +96,7 @@ public:
 
     // One of each cluster: what was found round it holds for the move of no other.
     void add(uint32_t v, double floor) {
-        if (cluster_[v] != NONE || f_.mesh.is_marked(v)) return;
+        if (cluster_[v] != NONE) return;
         const uint32_t budget = star_.budget;
         star_.budget = NONE;
         const Rings::Side* side = &rings_.side[rings_.offset[v]];
