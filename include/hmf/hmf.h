@@ -524,8 +524,8 @@ typedef struct hmf_loop_set {
  * PANTS are shortened then, as long as one of them, or two that bound a piece
  * together, can be replaced by shorter ones.  A hierarchy with other options gets
  * the loops from there, for the time and the memory of another hmf_build.  So the
- * classes do not depend on ratio, collapse and coarsest.
- * Other triangles of the same shape, or the same ones in
+ * classes do not depend on ratio, collapse and coarsest.  Other triangles of the
+ * same shape, or the same ones in
  * another order, may have other classes where fine detail is close to the size of
  * the triangles of that level, and what is smaller it cannot tell apart; or where
  * other loops are as long: CUT and PANTS within 1 % in total, on all meshes that
