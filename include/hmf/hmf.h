@@ -525,11 +525,10 @@ typedef struct hmf_loop_set {
  * together, can be replaced by shorter ones.  A hierarchy with other options gets
  * the loops from there, for the time and the memory of another hmf_build.  So the
  * classes do not depend on ratio, collapse and coarsest.  Other triangles of the
- * same shape, or the same ones in
- * another order, may have other classes where fine detail is close to the size of
- * the triangles of that level, and what is smaller it cannot tell apart; or where
- * other loops are as long: CUT and PANTS within 1 % in total, on all meshes that
- * were compared.
+ * same shape, or the same ones in another order, may have other classes where fine
+ * detail is close to the size of the triangles of that level, and what is smaller
+ * it cannot tell apart; or where other loops are as long: CUT and PANTS within 1 %
+ * in total, on all meshes that were compared.
  * Equal lengths: a length counts up to 0.5 % more along x, 0.3 % along y, 0.2 %
  * along z, from one end of the surface to the other.  Loop c is in the same class on
  * every level.  With boundary: level 0 only.
