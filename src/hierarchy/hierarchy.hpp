@@ -125,8 +125,8 @@ struct hmf_hierarchy {
 
 namespace hmf {
 
-// Vertices of the coarsest level of meshes from 16 000 on.  A smaller one has a hierarchy as well; but the levels on
-// which loops are searched (library_loops.cpp) are those that end here.
+// Vertices of the coarsest level by default, from 16 000 vertices of the mesh on.  Smaller meshes have levels beyond
+// it, on which no loops are searched (library_loops.cpp).
 constexpr uint64_t USUAL_COARSEST = 1000;
 // Vertices that the coarsest level is to have: ten for each zero at least.
 uint64_t coarsest_vertices(const BuildOptions& options, uint64_t genus, uint64_t vertex_count);
