@@ -90,6 +90,17 @@ Moved expect_foliation_with_parts(const Hierarchy& hierarchy, const Solution& s,
     return moved;
 }
 
+Moved solved_with_parts(const TriMesh& mesh) {
+    const Hierarchy hierarchy(mesh);
+    EXPECT_TRUE(hierarchy);
+    if (!hierarchy) return {};
+    const Loops loops = library_loops(hierarchy, 0);
+    const Solution s = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
+    EXPECT_EQ(s.status, HMF_OK) << s.report.residual_max;
+    EXPECT_EQ(s.report.class_state, HMF_CLASS_PROVEN);
+    return expect_foliation_with_parts(hierarchy, s, mesh.vertex_count());
+}
+
 hmf::ResidualResult find_parts(SmallSurface& surface, double goal, hmf::Array<double>& part) {
     hmf::Call call(surface.memory, nullptr, nullptr, nullptr);
     hmf::State state;
@@ -146,13 +157,7 @@ TEST(Fractions, RegularVerticesPassOthers) {
             const TriMesh torus = test::torus(6, 4, 3, 1);
             const TriMesh mesh = first ? with_bad_triangles(stretched(torus, 1e4), 2, 0.1, seed)
                                        : stretched(with_bad_triangles(torus, 2, 0.1, seed), 1e4);
-            const Hierarchy hierarchy(mesh);
-            ASSERT_TRUE(hierarchy);
-            const Loops loops = library_loops(hierarchy, 0);
-            const Solution s = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
-            EXPECT_EQ(s.status, HMF_OK) << s.report.residual_max;
-            EXPECT_EQ(s.report.class_state, HMF_CLASS_PROVEN);
-            moved += expect_foliation_with_parts(hierarchy, s, mesh.vertex_count()).regular;
+            moved += solved_with_parts(mesh).regular;
         }
     }
     EXPECT_GT(moved, 20u);
@@ -178,13 +183,7 @@ TEST(Fractions, ZerosGoByLessThanAUnit) {
         SCOPED_TRACE(c.rotation);
         Random random(c.rotation);
         const TriMesh mesh = stretched(transformed(c.mesh, random_rotation(random)), c.factor);
-        const Hierarchy hierarchy(mesh);
-        ASSERT_TRUE(hierarchy);
-        const Loops loops = library_loops(hierarchy, 0);
-        const Solution s = solve(hierarchy, &loops, solve_options(HMF_METHOD_NEWTON, 0));
-        EXPECT_EQ(s.status, HMF_OK) << s.report.residual_max;
-        EXPECT_EQ(s.report.class_state, HMF_CLASS_PROVEN);
-        moved += expect_foliation_with_parts(hierarchy, s, mesh.vertex_count()).zeros;
+        moved += solved_with_parts(mesh).zeros;
     }
     EXPECT_GE(moved, 5u);
 }
