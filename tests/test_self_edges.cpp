@@ -134,6 +134,24 @@ TEST(SelfEdges, RoundAMarkedVertex) {
     }
 }
 
+// The same of two triangles and three vertices.
+TEST(SelfEdges, RoundTwoTriangles) {
+    constexpr uint32_t e = test::Polygon::others(3), x = e + 1, y = e + 2, p = e + 3, q = e + 4, a = e + 5;
+    test::Triangles more{{with(e), with(x), with(y)}, {against(y), with(p), with(q)}};
+    test::add_handle(more, against(e), a);
+    test::Polygon surface({against(q), against(p), against(x)}, {2, 3, 1}, more,
+                          {2, 2, 2, 1, 1, 2, 1, 3, 3, 2, 2, 2, 2, 2, 2, 2, 2, 2}, 4);
+    surface.prepare();
+    surface.expect_foliation();
+    surface.choose(with(0));
+    ASSERT_TRUE(plan_move(surface.foliation, surface.side(2), surface.star));
+    EXPECT_EQ(surface.foliation.pushed.size(), 2u);
+    apply_move(surface.foliation, surface.side(2), surface.star, 5);
+    surface.expect_foliation();
+    const std::vector<int64_t> after{25, 25, 25, 25, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 10, 10, 10, 10};
+    EXPECT_EQ(surface.value, after);
+}
+
 TEST(SelfEdges, RelaxToTheMinimum) {
     Pants pants;
     pants.weight[p] = pants.weight[q] = 10;
