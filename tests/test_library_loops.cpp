@@ -11,6 +11,7 @@
 #include <map>
 
 #include "../src/base/disjoint_sets.hpp"
+#include "../src/loops/carry_loops.hpp"
 #include "../src/loops/cut_surface.hpp"
 #include "../src/loops/disjoint.hpp"
 #include "../src/loops/handle_system.hpp"
@@ -256,6 +257,68 @@ TEST(CarriedLoops, SameClassOnEveryLevel) {
             if (level == 0) first = solution.report.energy;
             EXPECT_NEAR(solution.report.energy, first, 1e-10 * first) << "level " << level << " kind " << kind;
         }
+    }
+}
+
+// Loops of the coarsest level on each finer one, without being shortened on the way.
+struct Carried {
+    hmf_error error{};
+    hmf::Memory memory{nullptr, nullptr, nullptr, 0};
+    hmf::Call call{memory, &error, nullptr, nullptr};
+    hmf::LoopCarrier carrier;
+    hmf::Loops loops;
+
+    Carried(const hmf_hierarchy& h, int32_t kind) {
+        const size_t level = h.level_count - 1;
+        EXPECT_EQ(hmf::library_loops(h, level, kind, call, loops), HMF_OK) << error.message;
+        EXPECT_TRUE(carrier.load(h, level, 0, loops, memory));
+    }
+    void refine() {
+        EXPECT_TRUE(carrier.refine(call));
+        EXPECT_TRUE(carrier.read(0, loops.count(), loops, memory));
+    }
+    // Per edge, with signs: positive from the left of half-edge 2e.
+    std::vector<int> crossings(size_t c) const {
+        std::vector<int> sum(carrier.mesh().edge_count, 0);
+        for (uint64_t i = loops.offsets[c]; i < loops.offsets[c + 1]; ++i) {
+            const uint32_t h = loops.crossings[i];
+            sum[hmf::edge_of(h)] += h % 2 ? -1 : 1;
+        }
+        return sum;
+    }
+    // How often a loop of another system crosses each of these from one side to the other: a walk along their left
+    // sides meets its crossings.
+    std::vector<int> intersections(const std::vector<int>& crossing) const {
+        const hmf::Mesh& mesh = carrier.mesh();
+        std::vector<int> sums;
+        for (size_t c = 0; c < loops.count(); ++c) {
+            const uint64_t begin = loops.offsets[c], end = loops.offsets[c + 1];
+            sums.push_back(0);
+            for (uint64_t i = begin; i < end; ++i) {
+                const uint32_t in = hmf::twin(loops.crossings[i]);
+                if (loops.crossings[i + 1 < end ? i + 1 : begin] != mesh.next[in]) continue;
+                const uint32_t along = hmf::twin(mesh.prev(in));
+                sums.back() += along % 2 ? -crossing[hmf::edge_of(along)] : crossing[hmf::edge_of(along)];
+            }
+        }
+        return sums;
+    }
+};
+
+TEST(CarriedLoops, KeepTheirDirections) {
+    const Hierarchy hierarchy(with_random_flips(pretzel(3, 3), 1000, 0.2, 5), 0.5, 200);
+    Carried handles(*hierarchy.get(), HMF_LOOPS_HANDLE), tunnels(*hierarchy.get(), HMF_LOOPS_TUNNEL);
+    const auto matrix = [&] {
+        std::vector<std::vector<int>> all;
+        for (size_t c = 0; c < handles.loops.count(); ++c) all.push_back(tunnels.intersections(handles.crossings(c)));
+        return all;
+    };
+    const std::vector<std::vector<int>> expected = matrix();
+    for (size_t c = 0; c < expected.size(); ++c) EXPECT_NE(expected[c], std::vector<int>(expected.size(), 0)) << c;
+    for (size_t level = hierarchy.coarsest(); level-- > 0;) {
+        handles.refine();
+        tunnels.refine();
+        EXPECT_EQ(matrix(), expected) << "level " << level;
     }
 }
 
