@@ -331,6 +331,28 @@ TEST(CarriedLoops, Deterministic) {
     }
 }
 
+// The loops of any hierarchy are those of the default one, found there and brought to it: also where its coarsest level
+// is told to have as many vertices as by default, as it has others on the way there.
+TEST(CutLoops, DoNotDependOnTheHierarchy) {
+    const TriMesh mesh = with_random_flips(pretzel(2, 3), 2000, 0.3, 9);
+    const uint64_t n = mesh.vertex_count();
+    const Hierarchy usual(mesh);
+    for (const int32_t kind : {HMF_LOOPS_CUT, HMF_LOOPS_PANTS}) {
+        const auto energy_of = [&](const Hierarchy& hierarchy) {
+            Loops loops = library_loops(hierarchy, 0, kind);
+            for (size_t c = 0; c < loops.count(); ++c) loops.weights.push_back(1 + 0.25 * static_cast<double>(c));
+            return solve(usual, &loops, solve_options(HMF_METHOD_NEWTON, 1e-10)).report.energy;
+        };
+        const double expected = energy_of(usual);
+        for (const double ratio : {0.3, 0.5})
+            for (const uint64_t coarsest : {uint64_t{0}, n / 16, n / 2}) {
+                SCOPED_TRACE(coarsest);
+                EXPECT_NEAR(energy_of(Hierarchy(mesh, ratio, coarsest)), expected, 1e-8 * expected) << ratio;
+            }
+        EXPECT_NEAR(energy_of(Hierarchy(mesh, 0, 0, HMF_COLLAPSE_QSLIM)), expected, 1e-8 * expected);
+    }
+}
+
 // The loops cut the surface into pieces of Euler characteristic -1, all of
 // them pairs of pants, as there are 2 genus - 2 and none is closed.
 void expect_pants(const TriMesh& mesh) {
