@@ -315,6 +315,21 @@ TEST(Hierarchy, CoarsestLevelIsOfTheSizeAsked) {
     EXPECT_GT(built.h.level_count, 3u);
 }
 
+// And at least 40 for each handle and 10 for each marked vertex, whatever is asked for.
+TEST(Hierarchy, CoarsestLevelHasRoomForMarks) {
+    std::vector<uint32_t> marks;
+    for (uint32_t k = 0; k < 20; ++k) marks.push_back(90 * k);
+    BuildOptions options = small();
+    options.coarsest = 1;
+    options.marked_vertices = marks.data();
+    options.marked_count = marks.size();
+    const Built built(test::torus(60, 30, 3, 1), options);
+    ASSERT_EQ(built.status, HMF_OK) << built.error.message;
+    const uint32_t vertices = built.h.levels[built.h.level_count - 1].mesh.vertex_count;
+    EXPECT_GE(vertices, 240u);
+    EXPECT_LE(vertices, 321u);
+}
+
 // A sixteenth of the vertices, 1000 at most; and on the way there the levels of a hierarchy that ends at 1000, as loops
 // are searched on these.
 TEST(Hierarchy, CoarsestLevelByDefault) {
