@@ -421,19 +421,21 @@ TEST(Packer, ReportsWithinAPacking) {
 }
 
 // Parts of a chart that are cut off go to the charts beside them. Were it these that go to such parts, charts would
-// hang together by them, and a quarter of the square would be all that is used.
+// hang together by them, and less than .42 of the square would be used.
 TEST(Atlas, IslandsGoToTheirNeighbours) {
     const TriMesh mesh = torus(36, 18, 2, 0.8);
-    Random random(39);
-    std::vector<uint32_t> marks;
-    while (marks.size() < 8) {
-        const uint32_t v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
-        if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
+    for (const uint64_t seed : {9, 16}) {
+        Random random(seed);
+        std::vector<uint32_t> marks;
+        while (marks.size() < 8) {
+            const uint32_t v = static_cast<uint32_t>(random.below(mesh.vertex_count()));
+            if (std::find(marks.begin(), marks.end(), v) == marks.end()) marks.push_back(v);
+        }
+        const SolvedSurface surface(mesh, marks);
+        const Made atlas = atlas_of(surface.solution.foliation);
+        ASSERT_TRUE(atlas);
+        EXPECT_GT(atlas->used_area, 0.5) << seed;
     }
-    const SolvedSurface surface(mesh, marks);
-    const Made atlas = atlas_of(surface.solution.foliation);
-    ASSERT_TRUE(atlas);
-    EXPECT_GT(atlas->used_area, 0.5);
 }
 
 // Two charts leave nearly half of the square free: the margin, a part of its side, is found in rounds.
