@@ -20,14 +20,6 @@
 
 namespace hmf {
 
-namespace {
-
-// Left-out components and orientable foliations make the matrix singular;
-// the shift keeps the kernel from being blown up.
-constexpr float dense_shift = 1e-3f;
-
-} // namespace
-
 // --- Levels ------------------------------------------------------------------
 
 MultigridLevels::~MultigridLevels() {
@@ -60,7 +52,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
     coarse_room_.release();
     sums_.release();
     level_count_ = 0;
-    dense_n_ = 0;
+    dense_.clear();
     single_is_enough_ = true;
     if (!level_.start(memory)) return false;
     const Parallel parallel = call ? call->parallel : Parallel();
@@ -85,7 +77,7 @@ Done SignedMultigrid::setup(const SignedMatrix& matrix, Memory& memory, Call* ca
             if (l > 1) finer.scale.release();
         }
         if (current.n <= dense_limit) {
-            if (!factorise(current, level.scale, memory)) return false;
+            if (!dense_.build(current, level.scale, memory)) return false;
             break;
         }
         ++level_count_;
@@ -125,7 +117,7 @@ Done SignedMultigrid::claim_vectors(Memory& memory) {
     if (!room_.empty()) return true;
     MultigridLevel& level = level_[0];
     return level.b.allocate(memory, level.n) && level.x.allocate(memory, level.n) && level.r.allocate(memory, level.n)
-        && room_.allocate(memory, 3 * size_t{level_count_ ? level.n : dense_n_});
+        && room_.allocate(memory, 3 * size_t{level_count_ ? level.n : dense_.size()});
 }
 
 void SignedMultigrid::refresh(const SignedMatrix& matrix, const uint8_t* changed, const Parallel& parallel) {
@@ -138,66 +130,14 @@ double SignedMultigrid::operator_complexity() const {
     return level_count_ ? all / (level_[0].n + level_[0].matrix.stored_entries()) : 1;
 }
 
-// --- Coarsest level ----------------------------------------------------------
-
-Done SignedMultigrid::factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory) {
-    const size_t n = matrix.n;
-    dense_n_ = matrix.n;
-    // In single precision, as it is used: a preconditioner with a shift far above the rounding.
-    Array<float> a;
-    if (!a.allocate_filled(memory, n * n, 0) || !dense_.allocate(memory, n * n) || !dense_inverse_.allocate(memory, n)
-        || !dense_b_.allocate(memory, n))
-        return false;
-    for (size_t i = 0; i < n; ++i) {
-        for (uint32_t k = matrix.offset[i]; k < matrix.offset[i + 1]; ++k) {
-            const size_t j = matrix.column[k];
-            a[i * n + j] +=
-                static_cast<float>(matrix.entry[k] * static_cast<double>(scale[i]) * static_cast<double>(scale[j]));
-        }
-        a[i * n + i] = 1 + dense_shift;
-    }
-    // By columns, right-looking; column j of L is a[j * n + i], i >= j.
-    for (size_t j = 0; j < n; ++j) {
-        const float pivot = a[j * n + j], least = 0.1f * dense_shift;
-        const float inverse = 1 / std::sqrt(pivot > least ? pivot : least);
-        dense_inverse_[j] = inverse;
-        for (size_t i = j + 1; i < n; ++i) a[j * n + i] *= inverse;
-        for (size_t k = j + 1; k < n; ++k) {
-            const float factor = a[j * n + k];
-            if (factor == 0) continue;
-            for (size_t i = k; i < n; ++i) a[k * n + i] -= factor * a[j * n + i];
-        }
-    }
-    for (size_t j = 0; j < n; ++j)
-        for (size_t i = j + 1; i < n; ++i) {
-            const float value = a[j * n + i];
-            dense_[j * n + i] = dense_[i * n + j] = std::fabs(value) > 1e-20f ? value : 0.0f;
-        }
-    return true;
-}
-
-void SignedMultigrid::solve_dense(float* b) const {
-    const size_t n = dense_n_;
-    for (size_t j = 0; j < n; ++j) {
-        const float* factor = &dense_[j * n];
-        const float x = b[j] *= dense_inverse_[j];
-        for (size_t i = j + 1; i < n; ++i) b[i] -= factor[i] * x;
-    }
-    for (size_t j = n; j-- > 0;) {
-        const float* factor = &dense_[j * n];
-        const float x = b[j] *= dense_inverse_[j];
-        for (size_t i = 0; i < j; ++i) b[i] -= factor[i] * x;
-    }
-}
-
 // --- Cycle -------------------------------------------------------------------
 
 float* SignedMultigrid::next_right(uint32_t l) {
-    return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].b.data();
+    return l + 1 == level_count_ ? dense_.vector() : level_[l + 1].b.data();
 }
 
 const float* SignedMultigrid::next_solution(uint32_t l) const {
-    return l + 1 == level_count_ ? dense_b_.data() : level_[l + 1].x.data();
+    return l + 1 == level_count_ ? dense_.vector() : level_[l + 1].x.data();
 }
 
 void SignedMultigrid::leave_out(const LinearOptions* held, const MultigridLevel& level, Array<float>& vector) {
@@ -222,13 +162,13 @@ void SignedMultigrid::ascend(uint32_t l, const Parallel& parallel, const LinearO
     leave_out(held, level, level.x);
 }
 
-// Only the last level may have no next one: then there is no factor, and dense_n_ is 0.
+// Only the last level may have no next one: then there is no factor, and it is empty.
 void SignedMultigrid::v_cycle(uint32_t l, const Parallel& parallel) {
     for (uint32_t m = l; m < level_count_; ++m) {
         level_[m].matrix.forward(level_[m].b.data(), level_[m].x.data(), parallel);
         descend(m, parallel);
     }
-    solve_dense(dense_b_.data());
+    dense_.solve();
     for (uint32_t m = level_count_; m-- > l;) {
         ascend(m, parallel);
         level_[m].matrix.backward(level_[m].b.data(), level_[m].x.data(), parallel);
@@ -244,7 +184,7 @@ void SignedMultigrid::correct(const Parallel& parallel, const LinearOptions* hel
 }
 
 void SignedMultigrid::cycle(const Parallel& parallel) {
-    if (level_count_ == 0) return solve_dense(dense_b_.data());
+    if (level_count_ == 0) return dense_.solve();
     MultigridLevel& level = level_[0];
     level.matrix.forward(level.b.data(), level.x.data(), parallel);
     correct(parallel, nullptr);
@@ -442,7 +382,7 @@ void SignedMultigrid::search_in_double(Search& s, Call& call) {
     const LinearOptions& options = s.options;
     const Parallel& parallel = call.parallel;
     // The vectors of level 0 may have other numbers.
-    float* const input = level_count_ ? level_[0].r.data() : dense_b_.data();
+    float* const input = level_count_ ? level_[0].r.data() : dense_.vector();
     float* const output = input;
     const auto apply = [&] {
         MultigridLevel& level = level_[0];

@@ -16,6 +16,7 @@
 // not precise enough the steps are made in double, and only the preconditioner is not.
 #pragma once
 
+#include "dense_factor.hpp"
 #include "prolongation.hpp"
 #include "sweep_matrix.hpp"
 
@@ -109,12 +110,10 @@ public:
     void release_vectors();
     Done claim_vectors(Memory& memory);
 
-    uint32_t level_count() const { return level_count_ + (dense_n_ ? 1 : 0); }
+    uint32_t level_count() const { return level_count_ + (dense_.size() > 0 ? 1 : 0); }
     double operator_complexity() const; // stored entries of all sparse levels / of the finest
 
 private:
-    Done factorise(const SignedMatrix& matrix, const Array<float>& scale, Memory& memory);
-    void solve_dense(float* b) const;
     float* next_right(uint32_t level);
     const float* next_solution(uint32_t level) const;
     // held: has the fixed unknowns, which the correction leaves out.
@@ -134,10 +133,7 @@ private:
     MultigridLevels level_;
     uint32_t level_count_ = 0;     // sparse levels; at least one unless the matrix is small
     bool single_is_enough_ = true; // of products by the sweeps
-    uint32_t dense_n_ = 0;         // unknowns of the coarsest level
-    Array<float> dense_;           // Cholesky factor L below the diagonal by columns, its transpose above
-    Array<float> dense_inverse_;   // 1 / diagonal of L
-    Array<float> dense_b_;
+    DenseFactor dense_;            // the coarsest level; empty only if there are as many sparse ones as may be
     StepVectors step_vectors(Array<double>& room, uint32_t level);
     // Conjugate gradients: three vectors in double, or those of steps in single precision.
     Array<double> room_;
