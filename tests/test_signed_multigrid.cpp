@@ -1,4 +1,4 @@
-// The linear solver against Eigen, and on everything that is not a nice mesh.
+// The linear solvers against Eigen, and on everything that is not a nice mesh.
 #include <gtest/gtest.h>
 
 #include <Eigen/Sparse>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../src/solve/signed_multigrid.hpp"
+#include "../src/solve/sparse_factor.hpp"
 #include "support/unruly_threads.hpp"
 
 namespace {
@@ -157,6 +158,29 @@ std::vector<Edge> twisted_torus(uint32_t w, uint32_t h, uint32_t pairs, Random& 
     return edges;
 }
 
+// Rings of w vertices, one after the other, with heavy edges in a ring and light ones from one to the next.
+std::vector<Edge> rings_of_heavy_edges(uint32_t w, uint32_t rings, double heavy, double light, Random& random) {
+    std::vector<int> sign(w * rings);
+    for (int& s : sign) s = random.sign();
+    std::vector<Edge> edges;
+    const auto join = [&](uint32_t u, uint32_t v, double weight) {
+        edges.push_back({u, v, weight * (0.5 + random.uniform()), -sign[u] * sign[v]});
+    };
+    for (uint32_t r = 0; r < rings; ++r)
+        for (uint32_t x = 0; x < w; ++x) {
+            join(r * w + x, r * w + (x + 1) % w, heavy);
+            if (r + 1 < rings) join(r * w + x, (r + 1) * w + x, light);
+        }
+    return edges;
+}
+
+// A vertex of the first ring is held.
+System held_rings(uint32_t w, uint32_t rings, double heavy, double light, Random& random) {
+    std::vector<bool> fixed(w * rings, false);
+    fixed[0] = true;
+    return System(w * rings, rings_of_heavy_edges(w, rings, heavy, light, random), fixed);
+}
+
 std::vector<double> noise(uint32_t n, Random& random) {
     std::vector<double> b(n);
     for (double& v : b) v = 2 * random.uniform() - 1;
@@ -185,6 +209,97 @@ TEST(SignedMultigrid, TwistedTorusAsEigen) {
         EXPECT_NEAR(s.residual(run.x, b), run.result.residual, 1e-12);
         expect_near(run.x, s.eigen(b), 1e-7);
     }
+}
+
+// Each ring has a wave of its own with a small eigenvalue, which a shift of the coarsest level must not hide.
+TEST(SignedMultigrid, RingsOfHeavyEdges) {
+    Random random(17);
+    for (const double heavy : {1e2, 1e4, 1e5}) {
+        const System s = held_rings(60, 40, heavy, 1, random);
+        std::vector<double> b = noise(s.n(), random);
+        b[0] = 0;
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::SignedMultigrid multigrid;
+        ASSERT_TRUE(multigrid.setup(s.matrix(), memory, &call));
+        std::vector<double> x(s.n(), 0);
+        const hmf::LinearResult result = multigrid.solve(s.matrix(), b.data(), x.data(), 1e-6, 200, call);
+        EXPECT_TRUE(result.converged) << heavy;
+        EXPECT_LE(result.iterations, 60u) << heavy;
+        EXPECT_LE(s.residual(x, b), 1.001e-6) << heavy;
+    }
+}
+
+std::vector<double> solve_directly(const System& s, const std::vector<double>& b, size_t most_bytes) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    std::vector<double> x(s.n(), 1e300);
+    {
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::SparseFactor factor;
+        EXPECT_TRUE(factor.build(s.matrix(), call));
+        EXPECT_FALSE(factor.empty());
+        EXPECT_LE(memory.used(), most_bytes);
+        EXPECT_TRUE(factor.solve(s.matrix(), b.data(), x.data(), call));
+    }
+    EXPECT_EQ(memory.used(), 0u);
+    return x;
+}
+
+TEST(SparseFactor, TwistedTorusAsEigen) {
+    Random random(3);
+    for (const uint32_t w : {5u, 18u, 40u, 100u}) {
+        const System s(w * w, twisted_torus(w, w, 6, random));
+        const std::vector<double> b = noise(s.n(), random);
+        // 40 entries a row.
+        const std::vector<double> x = solve_directly(s, b, s.n() * 600);
+        EXPECT_LE(s.residual(x, b), 1e-14) << w;
+        expect_near(x, s.eigen(b), 1e-10);
+    }
+}
+
+// Where single precision cannot tell the matrix from a singular one.
+TEST(SparseFactor, RingsOfHeavyEdges) {
+    Random random(5);
+    for (const double heavy : {1e3, 1e6, 1e10}) {
+        const System s = held_rings(40, 30, heavy, 1, random);
+        // A right side of which the solution is known, and about 1.
+        const std::vector<double> known = noise(s.n(), random);
+        std::vector<double> y = known;
+        y[0] = 0;
+        const std::vector<double> b = s.times(y);
+        // b is known to 1e-16 of the heavy edges, and the light ones hold what is not.
+        expect_near(solve_directly(s, b, s.n() * 600), y, 2e-14 * heavy + 1e-11);
+    }
+}
+
+TEST(SparseFactor, ComponentsAndRowsLeftOut) {
+    Random random(7);
+    std::vector<Edge> edges = twisted_torus(20, 20, 4, random);
+    for (const Edge& e : torus(12, 15, random, true, 400)) edges.push_back(e);
+    std::vector<bool> fixed(600, false);
+    for (uint32_t k = 0; k < 30; ++k) fixed[random.below(580)] = true;
+    fixed[450] = true;
+    const System s(600, edges, fixed); // 580 to 599 have no edge
+    std::vector<double> b = noise(s.n(), random);
+    for (uint32_t i = 0; i < s.n(); ++i)
+        if (s.diagonal[i] == 0) b[i] = 0;
+    const std::vector<double> x = solve_directly(s, b, s.n() * 600);
+    EXPECT_LE(s.residual(x, b), 1e-14);
+    for (uint32_t i = 0; i < s.n(); ++i)
+        if (s.diagonal[i] == 0) EXPECT_EQ(x[i], 0) << i;
+}
+
+// All are neighbours: as many entries as n^2 / 2.
+TEST(SparseFactor, TooManyEntries) {
+    std::vector<Edge> edges;
+    for (uint32_t i = 0; i < 500; ++i)
+        for (uint32_t j = 0; j < i; ++j) edges.push_back({j, i, 1, -1});
+    const System s(500, edges);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SparseFactor factor;
+    ASSERT_TRUE(factor.build(s.matrix(), call));
+    EXPECT_TRUE(factor.empty());
 }
 
 TEST(SignedMultigrid, FixedUnknownsAsEigen) {

@@ -1,9 +1,10 @@
 #include "fraction.hpp"
 
-#include "signed_multigrid.hpp"
+#include "part_system.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace hmf {
 
@@ -120,83 +121,173 @@ private:
 };
 
 // The vertices that may move: those within some rings of the ones where the residual is too large.  The others keep
-// their integers.  Few are better: what edges of no weight hold goes far.
+// their integers.  Few are better: what edges of no weight hold goes far.  Vertices without an edge above 0 move always,
+// with those that they hang together with: at the end of a limb they would be an extremum if what is round them moved
+// alone.
 class Region {
 public:
-    Region(const Rings& rings, const TwistedModel& model) : rings_(rings), model_(model) {}
+    Region(const Foliation& f, const Rings& rings, const TwistedModel& model) : f_(f), rings_(rings), model_(model) {}
 
     Done allocate(Memory& memory) {
         list_.start(memory);
-        outside.start(memory);
-        return list_.reserve(model_.count) && outside.reserve(model_.count)
-            && distance_.allocate_filled(memory, model_.count, NONE);
+        return list_.reserve(model_.count) && distance.allocate_filled(memory, model_.count, NONE)
+            && with.allocate(memory, model_.count);
     }
-    Array<uint32_t> outside; // all others
+    Array<uint32_t> distance; // from the nearest centre; NONE: outside
+    Array<uint32_t> with;     // the first one that it moves with
 
+    // First.
+    void join_unpulled() {
+        for (uint32_t v = 0; v < model_.count; ++v) with[v] = v;
+        for (uint32_t v = 0; v < model_.count; ++v) {
+            size_t done = list_.size();
+            if (add_unpulled(v)) with[v] = v;
+            for (; done < list_.size(); ++done) {
+                const uint32_t u = list_[done];
+                for (uint32_t t = rings_.offset[u]; t < rings_.offset[u + 1]; ++t)
+                    if (add_unpulled(rings_.neighbour[t])) with[rings_.neighbour[t]] = v;
+            }
+        }
+        list_.clear();
+    }
     void add_centre(uint32_t v) { add(v, 0); }
-    void grow(uint32_t rings_around) {
+    // False: it is as large as it was.
+    bool grow(uint32_t rings_around) {
         for (size_t i = 0; i < list_.size(); ++i) {
             const uint32_t v = list_[i];
-            if (distance_[v] >= rings_around) continue;
+            if (distance[v] >= rings_around) continue;
             for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t)
-                add(rings_.neighbour[t], distance_[v] + 1);
+                add(rings_.neighbour[t], distance[v] + 1);
         }
-        outside.clear();
-        for (uint32_t v = 0; v < model_.count; ++v)
-            if (distance_[v] == NONE) outside.add(v);
+        const bool grows = list_.size() > size_ || rings_around == 0;
+        size_ = list_.size();
+        return grows;
     }
 
 private:
+    bool is_pulled(uint32_t v) const {
+        for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t)
+            if (f_.at(rings_.side[t].half_edge) != 0) return true;
+        return false;
+    }
+    bool add_unpulled(uint32_t v) {
+        if (distance[v] != NONE || model_.rests[v] || is_pulled(v)) return false;
+        distance[v] = 0;
+        list_.add(v);
+        return true;
+    }
     void add(uint32_t v, uint32_t ring) {
-        if (distance_[v] != NONE || model_.rests[v]) return;
-        distance_[v] = ring;
+        if (distance[v] != NONE || model_.rests[v]) return;
+        distance[v] = ring;
         list_.add(v);
     }
 
+    const Foliation& f_;
     const Rings& rings_;
     const TwistedModel& model_;
-    Array<uint32_t> list_, distance_;
+    Array<uint32_t> list_;
+    size_t size_ = 0;
+};
+
+// What a vertex, or those that edges of value 0 hold together, has after a step.
+struct Ways {
+    bool opens = false, reverses = false;
+    bool ahead = false, behind = false; // an edge in each direction that the step does not reverse
+    bool are_kept() const { return !(opens || reverses) || (ahead && behind); }
+    void operator|=(const Ways& other) {
+        opens |= other.opens;
+        reverses |= other.reverses;
+        ahead |= other.ahead;
+        behind |= other.behind;
+    }
+};
+
+class ClassTest {
+public:
+    ClassTest(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part) :
+        f_(f), rings_(rings), model_(model), part_(part) {}
+
+    Done look(Memory& memory, bool& keeps) {
+        keeps = false;
+        for (const uint32_t v : model_.resting)
+            if (reverses_any(v)) return true;
+        for (uint32_t v = 0; v < model_.count; ++v) {
+            if (model_.rests[v]) {
+                if (reverses_any(v)) return true;
+                continue;
+            }
+            if (ways_of(v).are_kept()) continue;
+            if (seen_.empty() && !allocate(memory)) return false;
+            if (!seen_[v] && !closed_together_are_kept(v)) return true;
+        }
+        return keeps = true;
+    }
+
+private:
+    Done allocate(Memory& memory) {
+        return stack_.allocate(memory, model_.count) && seen_.allocate_filled(memory, model_.count, uint8_t{0});
+    }
+    double change(uint32_t h) const {
+        const uint32_t k = twin(h);
+        return model_.sign[h] * part_[f_.mesh.origin[h]] + model_.sign[k] * part_[f_.mesh.origin[k]];
+    }
+    bool reverses_any(uint32_t v) const {
+        for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
+            const uint32_t h = rings_.side[t].half_edge;
+            if (f_.at(h) > 0 && !(static_cast<double>(f_.at(h)) - change(h) >= 0)) return true;
+        }
+        return false;
+    }
+    Ways ways_of(uint32_t v) const {
+        Ways ways;
+        for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
+            const uint32_t h = rings_.side[t].half_edge;
+            const double after = static_cast<double>(f_.at(h)) - change(h);
+            const bool keeps_way = f_.at(h) == 0 || after > 0;
+            ways.opens |= f_.at(h) == 0 && after != 0;
+            ways.reverses |= !keeps_way;
+            ways.ahead |= keeps_way && model_.sign[h] * after > 0;
+            ways.behind |= keeps_way && model_.sign[h] * after < 0;
+        }
+        return ways;
+    }
+    // What edges of value 0, which stay so all the way, hold together is one vertex.
+    bool closed_together_are_kept(uint32_t first) {
+        Ways ways;
+        size_t found = 0, done = 0;
+        seen_[first] = 1;
+        for (stack_[found++] = first; done < found; ++done) {
+            const uint32_t v = stack_[done];
+            if (model_.rests[v]) return false;
+            ways |= ways_of(v);
+            for (uint32_t t = rings_.offset[v]; t < rings_.offset[v + 1]; ++t) {
+                const uint32_t h = rings_.side[t].half_edge, u = rings_.neighbour[t];
+                if (f_.at(h) != 0 || change(h) != 0 || seen_[u]) continue;
+                seen_[u] = 1;
+                stack_[found++] = u;
+            }
+        }
+        return ways.are_kept();
+    }
+
+    const Foliation& f_;
+    const Rings& rings_;
+    const TwistedModel& model_;
+    const double* part_;
+    Array<uint32_t> stack_;
+    Array<uint8_t> seen_; // in something that is kept
 };
 
 } // namespace
 
-bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part) {
-    const auto change = [&](uint32_t h) {
-        const uint32_t k = twin(h);
-        return model.sign[h] * part[f.mesh.origin[h]] + model.sign[k] * part[f.mesh.origin[k]];
-    };
-    const auto reverses_any = [&](uint32_t v) {
-        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge;
-            if (f.at(h) > 0 && !(static_cast<double>(f.at(h)) - change(h) >= 0)) return true;
-        }
-        return false;
-    };
-    for (const uint32_t v : model.resting)
-        if (reverses_any(v)) return false;
-    for (uint32_t v = 0; v < model.count; ++v) {
-        if (model.rests[v]) {
-            if (reverses_any(v)) return false;
-            continue;
-        }
-        bool opens = false, reverses = false, ahead = false, behind = false;
-        for (uint32_t t = rings.offset[v]; t < rings.offset[v + 1]; ++t) {
-            const uint32_t h = rings.side[t].half_edge;
-            const double after = static_cast<double>(f.at(h)) - change(h);
-            const bool keeps_way = f.at(h) == 0 || after > 0;
-            opens |= f.at(h) == 0 && after != 0;
-            reverses |= !keeps_way;
-            ahead |= keeps_way && model.sign[h] * after > 0;
-            behind |= keeps_way && model.sign[h] * after < 0;
-        }
-        if ((opens || reverses) && !(ahead && behind)) return false;
-    }
-    return true;
+Done keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part, Memory& memory,
+                 bool& keeps) {
+    return ClassTest(f, rings, model, part).look(memory, keeps);
 }
 
 hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, ResidualResult& found) {
     constexpr double accuracy = 1e-12, share = 0.25; // of the goal, from which on a vertex is a centre
-    constexpr uint32_t most_iterations = 300, rings_around[] = {0, 1, 2, 4, 8, 16};
+    constexpr uint32_t all = UINT32_MAX - 1, rings_around[] = {0, 1, 2, 4, 8, 16, all};
     Call& call = work.call;
     Memory& memory = call.memory;
     Foliation& f = work.state.foliation;
@@ -204,54 +295,51 @@ hmf_status find_fractions(LevelWork& work, double goal, Array<double>& part, Res
     const uint32_t n = f.mesh.vertex_count;
     found.max = HUGE_VAL;
     TwistedModel model;
-    SignedMultigrid multigrid;
     Array<double> residual;
     if (!model.allocate(f.mesh, memory) || !part.allocate_filled(memory, n, 0) || !residual.allocate(memory, n))
         return call.out_of_memory();
     if (!model.look(f, work.rings, weight, work.star, call)) return call.stopped();
     model.assemble(f, work.rings, weight, call);
     FreeZeros zeros(f, work.rings, weight, model, work.star);
-    Region region(work.rings, model);
+    Region region(f, work.rings, model);
     if (!zeros.allocate(memory) || !region.allocate(memory)) return call.out_of_memory();
     if (!measure(f, work.rings, weight, model, part.data(), work.star, residual.data(), call, found))
         return call.stopped();
     const double floor = floor_of(f, weight, call);
     for (const uint32_t v : model.resting)
         if (residual[v] > share * goal) zeros.add(v, floor);
+    region.join_unpulled();
     for (uint32_t v = 0; v < n; ++v)
         if (residual[v] > share * goal) region.add_centre(v);
     model.assemble(f, work.rings, weight, call);
-    const SignedMatrix matrix = model.matrix();
-    if (!multigrid.setup(matrix, memory, &call)) return call.stopped();
     found.max = HUGE_VAL;
-    Array<uint32_t> fixed;
-    fixed.start(memory);
-    if (!fixed.reserve(n)) return call.out_of_memory();
+    Array<uint32_t> number;
+    if (!number.allocate(memory, n)) return call.out_of_memory();
     for (const uint32_t rings : rings_around) {
-        region.grow(rings);
-        for (double& x : part) x = 0;
+        if (!region.grow(rings)) continue;
+        for (double& x : model.d) x = 0;
         // Where an edge of its cluster is heavy, a vertex that goes all the way hands its residual on to the other
         // end.  After half of the way each has half of it.
         for (const bool half : {false, true}) {
             if (half && zeros.list.empty()) break;
-            fixed.clear();
-            for (const uint32_t v : region.outside) fixed.add(v);
+            std::memcpy(number.data(), region.distance.data(), n * sizeof(uint32_t));
             for (const uint32_t v : zeros.list) {
-                if (!half) break;
-                part[v] *= 0.5;
-                fixed.add(v);
+                model.rests[v] = 0;
+                number[v] = half ? NONE : 0;
+                if (half) model.d[v] = 0.5 * part[v];
             }
-            LinearOptions options;
-            options.fixed = fixed.data();
-            options.fixed_count = fixed.size();
-            multigrid.solve(matrix, model.right.data(), part.data(), accuracy, most_iterations, call, options);
-            if (call.cancelled() || call.finishing()) return HMF_CANCELLED;
+            PartSystem equations;
+            if (!equations.take(model, number, Solver::direct, call, region.with.data())
+                || !equations.solve(model, accuracy, call))
+                return call.stopped();
+            std::memcpy(part.data(), model.d.data(), n * sizeof(double));
             for (const uint32_t v : model.bounded)
                 if (part[v] <= static_cast<double>(model.lower[v]) || part[v] >= static_cast<double>(model.upper[v]))
                     part[v] = 0;
             for (const uint32_t v : zeros.list) model.rests[v] = part[v] == 0;
-            if (keeps_class(f, work.rings, model, part.data())
-                && !measure(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
+            bool keeps = false;
+            if (!keeps_class(f, work.rings, model, part.data(), memory, keeps)) return call.out_of_memory();
+            if (keeps && !measure(f, work.rings, weight, model, part.data(), work.star, nullptr, call, found))
                 return call.stopped();
             if (found.max <= goal) return HMF_OK;
         }

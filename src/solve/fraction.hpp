@@ -27,7 +27,8 @@ namespace hmf {
 
 // No edge at a zero, or at a vertex that rests, is reversed; where edges of a vertex are, or such of value 0 open, it
 // keeps an edge that is not in both of its directions: so none becomes an extremum, on the way either
-// (docs/mathematics.md, section 8).
-bool keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part);
+// (docs/mathematics.md, section 8).  What edges of value 0 that do not open hold together counts as one vertex.
+Done keeps_class(const Foliation& f, const Rings& rings, const TwistedModel& model, const double* part, Memory& memory,
+                 bool& keeps);
 
 } // namespace hmf

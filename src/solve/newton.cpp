@@ -118,6 +118,21 @@ public:
     // precision is a residual.  From now on they look at the true one.
     void check_solves() { checked_ = true; }
 
+    // Steps to the minimum itself, whatever the residual: what is left is the rounding to the unit.
+    hmf_status step_precisely() {
+        Effort effort{};
+        effort.loose = effort.tight = steering::precise_accuracy;
+        effort.close = effort.go_on = checked_ = true;
+        for (uint32_t i = 0; i < steering::precise_steps; ++i) {
+            if (!look()) return interrupted(w_.call);
+            double accepted = 0;
+            bool tight = false;
+            if (const hmf_status status = step(effort, accepted, tight)) return status;
+            if (accepted < 1) break;
+        }
+        return HMF_OK;
+    }
+
     // Picks the vertices with a residual above this in the last look, those near zeros, and some rings round all of
     // them, for a step of the part; false: they are more than this share of all.
     bool is_in_part(double residual, double share) {
@@ -175,7 +190,7 @@ private:
         part_step_ = effort.part;
         if (part_step_) {
             multigrid_.release_vectors();
-            if (!part_.take(model_, distance_, w_.call)) return false;
+            if (!part_.take(model_, distance_, Solver::multigrid, w_.call)) return false;
         } else {
             ++w_.statistics.linear_solves;
         }
@@ -346,6 +361,7 @@ private:
     // zeros only: one setup serves for all its steps unless iterations tell otherwise.
     Done solve_linear(double accuracy, double residual) {
         if (part_step_) return part_.solve(model_, accuracy, w_.call);
+        if (direct_) return solve_directly(false);
         part_.release(); // which may have been most of the mesh
         const SignedMatrix matrix = model_.matrix();
         LinearOptions options = stop_at(residual);
@@ -365,24 +381,48 @@ private:
             return false;
         multigrid_ready_ = true;
         model_.forget_changes(w_.call.parallel);
-        multigrid_.solve(matrix, model_.right.data(), model_.d.data(), accuracy,
-                         smooth_only_ ? steering::iterations_with_smoother : steering::iterations_with_new_setup,
-                         w_.call, options);
-        return !w_.call.cancelled() && !w_.call.finishing();
+        const LinearResult result = multigrid_.solve(
+            matrix, model_.right.data(), model_.d.data(), accuracy,
+            smooth_only_ ? steering::iterations_with_smoother : steering::iterations_with_new_setup, w_.call, options);
+        if (w_.call.cancelled() || w_.call.finishing()) return false;
+        if (smooth_only_ || !failed(result, accuracy)) return true;
+        direct_ = true;
+        return solve_directly(false);
+    }
+
+    bool failed(const LinearResult& result, double accuracy) const {
+        return !result.converged && result.residual > steering::failed_residual
+            && result.residual > steering::failed_share * accuracy && !w_.call.out_of_time();
+    }
+
+    // Where the multigrid fails.  held: all unknowns but those that are.
+    Done solve_directly(bool held) {
+        ++w_.statistics.linear_solves;
+        for (uint32_t v = 0; v < model_.count; ++v) distance_[v] = 0;
+        for (size_t k = 0; held && k < model_.fixed.size(); ++k) distance_[model_.fixed[k]] = NONE;
+        multigrid_.release_vectors();
+        const bool done =
+            part_.take(model_, distance_, Solver::direct, w_.call) && part_.solve(model_, steering::tightest, w_.call);
+        part_.release();
+        return done;
     }
 
     // The unknowns at a bound keep their value, the others are solved for.
     Done solve_between_bounds(double accuracy, double residual) {
         for (uint32_t pass = 0; pass < steering::passes_between_bounds; ++pass) {
             model_.fix_active();
-            LinearOptions options = stop_at(residual);
-            options.fixed = model_.fixed.data();
-            options.fixed_count = model_.fixed.size();
-            const LinearResult result =
-                multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
-                                 steering::iterations_between_bounds, w_.call, options);
-            w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
-            if (w_.call.cancelled() || w_.call.finishing()) return false;
+            LinearResult result;
+            if (!direct_) {
+                LinearOptions options = stop_at(residual);
+                options.fixed = model_.fixed.data();
+                options.fixed_count = model_.fixed.size();
+                if (!multigrid_.claim_vectors(w_.call.memory)) return false;
+                result = multigrid_.solve(model_.matrix(), model_.right.data(), model_.d.data(), accuracy,
+                                          steering::iterations_between_bounds, w_.call, options);
+                w_.statistics.linear_solves += pass > 0 && result.iterations > 0;
+                if (w_.call.cancelled() || w_.call.finishing()) return false;
+            }
+            if ((direct_ || failed(result, accuracy)) && !solve_directly(true)) return false;
             const bool released = model_.release();
             if (model_.project(f_, w_.rings, patch_, distance_) == 0 && !released) break;
         }
@@ -409,6 +449,7 @@ private:
     uint64_t bounds_met_ = UINT64_MAX; // by the last step
     PartSystem part_;
     bool part_step_ = false; // the step in hand is one of the part
+    bool direct_ = false;    // the multigrid fails on this level
     bool smooth_only_;
     Array<double> unbounded_; // the solution of the model before it was brought into its bounds
     Array<uint32_t> patch_, distance_;
@@ -449,7 +490,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitOfLevel unit{!finest};
     Parts parts;
-    bool moves_wait = false;
+    bool moves_wait = false, zeros_moved = false;
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
     for (uint32_t round = 0; round < plan.rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
@@ -474,7 +515,11 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (work.watch && !newton.hand_over(work.watch->zeros)) return work.call.out_of_memory();
             return HMF_OK;
         }
-        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, unit.patience)) break;
+        const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::patience_with_zeros) : unit.patience;
+        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) {
+            if (finest && unit.is_refined(work, goal, progress)) continue;
+            break;
+        }
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left == 0) return HMF_LIMIT_ITERATIONS;
         if (round >= steering::rounds_before_finer && residual < steering::close_residual
@@ -485,6 +530,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         bool tight = false;
         const Effort effort = next_effort(work, plan, newton, parts, round, residual);
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
+        zeros_moved = accepted == 1 && !newton.was_within_bounds();
         if (effort.part) {
             if (accepted < 1) ++parts.shortened;
             newton.relax_after_step(false);
@@ -500,7 +546,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         else if (round > steering::late_after) newton.sweeps(steering::late_sweeps);
     }
     if (work.call.cancelled() || work.call.finishing()) return HMF_CANCELLED;
-    return finest ? end_beyond_rounding(work, goal) : HMF_OK;
+    if (!finest) return HMF_OK;
+    if (const hmf_status status = newton.step_precisely()) return status;
+    return end_beyond_rounding(work, goal);
 }
 
 } // namespace hmf

@@ -2,47 +2,100 @@
 
 #include "steering.hpp"
 
+#include <cmath>
+
 namespace hmf {
 
-Done PartSystem::list_unknowns(const TwistedModel& model, Array<uint32_t>& number, Memory& memory) {
-    size_t count = 0, entries = 0;
+namespace {
+
+// Where nothing is held d is known up to a constant, which rounding would make large.  What the right sides add up to but
+// for rounding is left where it counts least.
+void hold_one(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with) {
+    uint32_t strongest = 0;
+    for (uint32_t v = 0; v < model.count; ++v) {
+        if (model.rests[v] || number[v] == NONE) return;
+        if (model.row_scale[v] < model.row_scale[strongest]) strongest = v;
+    }
+    const auto leader = [with](uint32_t v) { return with ? with[v] : v; };
+    for (uint32_t v = 0; v < model.count; ++v)
+        if (leader(v) == leader(strongest)) number[v] = NONE;
+}
+
+} // namespace
+
+Done PartSystem::list_unknowns(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with,
+                               Memory& memory) {
+    const auto leader = [with](uint32_t v) { return with ? with[v] : v; };
+    uint32_t count = 0, vertices = 0, entries = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
         if (model.rests[v]) number[v] = NONE;
         if (number[v] == NONE) continue;
-        number[v] = static_cast<uint32_t>(count++);
+        number[v] = leader(v) == v ? count++ : number[leader(v)];
+        if (number[v] == NONE) continue;
+        ++vertices;
         entries += model.offset[v + 1] - model.offset[v];
     }
-    if (!unknown_.allocate(memory, count) || !offset_.allocate(memory, count + 1) || !column_.allocate(memory, entries)
+    if (!first_.allocate_filled(memory, count + size_t{1}, 0u) || !vertex_.allocate(memory, vertices)
+        || !offset_.allocate(memory, count + size_t{1}) || !column_.allocate(memory, entries)
         || !entry_.allocate(memory, entries) || !diagonal_.allocate(memory, count) || !right_.allocate(memory, count)
-        || !d_.allocate_filled(memory, count, 0))
+        || !d_.allocate(memory, count))
         return false;
     for (uint32_t v = 0; v < model.count; ++v)
-        if (number[v] != NONE) unknown_[number[v]] = v;
+        if (number[v] != NONE) ++first_[number[v]];
+    for (uint32_t i = 0, before = 0; i <= count; ++i) {
+        const uint32_t size = first_[i];
+        first_[i] = before;
+        before += size;
+    }
+    for (uint32_t v = 0; v < model.count; ++v)
+        if (number[v] != NONE) vertex_[first_[number[v]]++] = v;
+    for (uint32_t i = count; i > 0; --i) first_[i] = first_[i - 1];
+    first_[0] = 0;
     return true;
 }
 
-Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Call& call) {
-    if (!list_unknowns(model, number, call.memory)) return false;
+Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
+                      const uint32_t* with) {
+    if (solver == Solver::direct) hold_one(model, number, with);
+    if (!list_unknowns(model, number, with, call.memory)) return false;
     uint32_t at = 0;
-    for (size_t i = 0; i < unknown_.size(); ++i) {
-        const uint32_t v = unknown_[i];
+    for (uint32_t i = 0; i < d_.size(); ++i) {
+        const bool alone = first_[i + 1] - first_[i] == 1;
+        double right = 0, diagonal = 0;
         offset_[i] = at;
-        for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t) {
-            const uint32_t other = number[model.column[t]];
-            if (other == NONE) continue;
-            column_[at] = other;
-            entry_[at++] = model.entry[t];
+        for (uint32_t m = first_[i]; m < first_[i + 1]; ++m) {
+            const uint32_t v = vertex_[m];
+            right += model.right[v];
+            if (alone) diagonal = model.diagonal[v];
+            for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t) {
+                const uint32_t other = number[model.column[t]];
+                // The sum of the diagonals less what joins them, of which rounding would leave nothing.
+                if (!alone && other != i) diagonal += std::fabs(model.entry[t]);
+                if (!alone && other == i) continue;
+                if (other == NONE) {
+                    right -= model.entry[t] * model.d[model.column[t]];
+                    continue;
+                }
+                column_[at] = other;
+                entry_[at++] = model.entry[t];
+            }
         }
-        diagonal_[i] = model.diagonal[v];
-        right_[i] = model.right[v];
+        diagonal_[i] = diagonal;
+        right_[i] = right;
+        d_[i] = model.d[vertex_[first_[i]]];
     }
-    offset_[unknown_.size()] = at;
-    return multigrid_.setup(matrix(), call.memory, &call);
+    offset_[d_.size()] = at;
+    factor_ = SparseFactor();
+    if (solver == Solver::direct && !factor_.build(matrix(), call)) return false;
+    return !factor_.empty() || multigrid_.setup(matrix(), call.memory, &call);
 }
 
 Done PartSystem::solve(TwistedModel& model, double accuracy, Call& call) {
-    multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
-    for (size_t i = 0; i < unknown_.size(); ++i) model.d[unknown_[i]] = d_[i];
+    if (factor_.empty())
+        multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
+    else if (!factor_.solve(matrix(), right_.data(), d_.data(), call)) return false;
+    for (uint32_t i = 0; i < d_.size(); ++i)
+        for (uint32_t m = first_[i]; m < first_[i + 1]; ++m) model.d[vertex_[m]] = d_[i];
     return !call.cancelled() && !call.finishing();
 }
 

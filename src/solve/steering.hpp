@@ -45,6 +45,8 @@ constexpr uint32_t patience = 12; // rounds without progress, after which a leve
 // holds them up; where a finer one has no room, a stall is believed sooner.
 constexpr uint32_t rounds_before_finer = 3;
 constexpr uint32_t patience_when_rounded = 4;
+// And later where the last step came to a bound: a zero on a ring of heavy edges goes on by one of them in a round.
+constexpr uint32_t patience_with_zeros = 60;
 
 // Residual from which on the minimum is near: a whole step is worth more effort.
 constexpr double close_residual = 1e-2;
@@ -61,6 +63,11 @@ constexpr double tightest = 1e-11;
 constexpr double residual_share = 0.5;
 constexpr double residual_share_after_large_step = 0.2;
 constexpr double large_residual = 0.1;
+// On a solve that ends so far from its goal, and above this, the multigrid has failed: a direct solver takes over.
+constexpr double failed_residual = 1e-9, failed_share = 1e3;
+// Steps before parts of a unit are looked for: to the minimum, whatever the residual.
+constexpr double precise_accuracy = 1e-12;
+constexpr uint32_t precise_steps = 2;
 // Values on limbs that no loop goes round decay below the error of a solve: it goes on
 // with this factor, as long as it is above the end of doubles.
 constexpr double continued = 1e-4;
