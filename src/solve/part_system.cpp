@@ -8,9 +8,10 @@ namespace hmf {
 
 namespace {
 
-// Where nothing is held d is known up to a constant, which rounding would make large.  What the right sides add up to but
-// for rounding is left where it counts least.
+// Without zeros, and where nothing is held, d is known up to a constant, which rounding would make large.  What the right
+// sides add up to but for rounding is left where it counts least.
 void hold_one(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with) {
+    if (!model.is_exact()) return;
     uint32_t strongest = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
         if (model.rests[v] || number[v] == NONE) return;

@@ -78,7 +78,7 @@ private:
             return waiting_.push({range.begin, used}) && waiting_.push({used, range.end});
         }
         if (last < 2) return true; // all are neighbours of one
-        const uint32_t layer = half == 0 ? 1 : half == last ? last - 1 : half;
+        const uint32_t layer = half == last ? last - 1 : half;
         uint32_t before = 0, after = 0;
         while (layer_[queue_[before]] < layer) ++before;
         for (after = before; after < found && layer_[queue_[after]] == layer;) ++after;
