@@ -138,8 +138,8 @@ bool make_loops(uint64_t seed, Problem& p, Random& random) {
     return true;
 }
 
-// A plate of boxes of all sizes, stretched along an axis: right-angled triangles, some of them ten thousand times as long as
-// wide, in rings round the bars.  No flip makes them rounder.
+// A plate of boxes of all sizes, stretched along an axis: right-angled triangles, some of them ten thousand times as
+// long as wide, in rings round the bars.  No flip makes them rounder.
 bool make_lattice(uint64_t seed, Problem& p) {
     Random random(seed);
     p.kind = plates;

@@ -121,9 +121,9 @@ private:
 };
 
 // The vertices that may move: those within some rings of the ones where the residual is too large.  The others keep
-// their integers.  Few are better: what edges of no weight hold goes far.  Vertices without an edge above 0 move always,
-// with those that they hang together with: at the end of a limb they would be an extremum if what is round them moved
-// alone.
+// their integers.  Few are better: what edges of no weight hold goes far.  Vertices without an edge above 0 move
+// always, with those that they hang together with: at the end of a limb they would be an extremum if what is round
+// them moved alone.
 class Region {
 public:
     Region(const Foliation& f, const Rings& rings, const TwistedModel& model) : f_(f), rings_(rings), model_(model) {}

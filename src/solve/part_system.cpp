@@ -8,8 +8,8 @@ namespace hmf {
 
 namespace {
 
-// Without zeros, and where nothing is held, d is known up to a constant, which rounding would make large.  What the right
-// sides add up to but for rounding is left where it counts least.
+// Without zeros, and where nothing is held, d is known up to a constant, which rounding would make large.  What
+// rounding leaves in the sum of the right sides comes where it counts least.
 void hold_one(const TwistedModel& model, Array<uint32_t>& number, const uint32_t* with) {
     if (!model.is_exact()) return;
     uint32_t strongest = 0;

@@ -11,9 +11,9 @@ enum class Solver { multigrid, direct };
 
 class PartSystem {
 public:
-    // The unknowns of the model whose number is not NONE, from model.d on; number: one per vertex, is changed.  Sets up the
-    // multigrid, or makes the factor; that is not there if it would be too large.  with: one per vertex, or null; the
-    // vertex that v moves with, v or one that comes before it, from the same d.
+    // The unknowns of the model whose number is not NONE, from model.d on; number: one per vertex, is changed.  Sets up
+    // the multigrid, or makes the factor, unless that would be too large.  with: one per vertex, or null; the vertex
+    // that v moves with, v or one that comes before it, from the same d.
     Done take(const TwistedModel& model, Array<uint32_t>& number, Solver solver, Call& call,
               const uint32_t* with = nullptr);
     // Goes on from what it found last, and sets model.d of the unknowns.

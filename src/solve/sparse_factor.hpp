@@ -3,8 +3,8 @@
 //
 //     L D L^T, row by row, in double precision
 //
-// Unknowns are numbered by nested dissection (George 1973): of a connected set one layer of a breadth first search, which
-// starts at its edge, is numbered last, and what is on both sides of it before, in the same way.
+// Unknowns are numbered by nested dissection (George 1973): of a connected set one layer of a breadth first search,
+// which starts at its edge, is numbered last, and what is on both sides of it before, in the same way.
 //
 //      o o o|S|o o o
 //      o o o|S|o o o      first the left ones, then the right ones, then S
@@ -19,8 +19,8 @@ namespace hmf {
 
 class SparseFactor {
 public:
-    // Done, with an empty factor, also for more than most_unknowns, or where it would have more than most_entries a row:
-    // then there is no solution from here.  Rows with the diagonal 0 are left out.
+    // Done, with an empty factor, also for more than most_unknowns, or where it would have more than most_entries a
+    // row: then there is no solution from here.  Rows with the diagonal 0 are left out.
     Done build(const SignedMatrix& matrix, Call& call);
     bool empty() const { return n_ == 0; }
     // A x = b.  matrix: that of build.  What rounding leaves of b is solved for twice more.
