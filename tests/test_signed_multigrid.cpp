@@ -863,6 +863,46 @@ TEST(SweepMatrix, OneFailedAllocationIsAFailure) {
     }
 }
 
+TEST(SparseFactor, OneFailedAllocationIsAFailure) {
+    Random random(23);
+    const System s(400, twisted_torus(20, 20, 2, random));
+    const std::vector<double> b = noise(s.n(), random);
+    std::vector<double> x(s.n());
+    size_t failed = 0;
+    for (bool done = false; !done; ++failed) {
+        ASSERT_LT(failed, 50u);
+        size_t left = failed;
+        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::SparseFactor factor;
+        done = factor.build(s.matrix(), call) && factor.solve(s.matrix(), b.data(), x.data(), call);
+        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
+    }
+    EXPECT_GT(failed, 15u);
+    EXPECT_LE(s.residual(x, b), 1e-14);
+}
+
+// Also where it is made in both precisions.
+TEST(DenseFactor, OneFailedAllocationIsAFailure) {
+    Random random(29);
+    const System s = held_rings(10, 12, 1e5, 1, random);
+    hmf::Memory whole(nullptr, nullptr, nullptr, 0);
+    hmf::Array<float> scale;
+    ASSERT_TRUE(scale.allocate(whole, s.n()));
+    for (uint32_t i = 0; i < s.n(); ++i)
+        scale[i] = s.diagonal[i] > 0 ? static_cast<float>(1 / std::sqrt(s.diagonal[i])) : 0;
+    size_t failed = 0;
+    for (bool done = false; !done; ++failed) {
+        ASSERT_LT(failed, 50u);
+        size_t left = failed;
+        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
+        hmf::DenseFactor factor;
+        done = static_cast<bool>(factor.build(s.matrix(), scale, memory));
+        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
+    }
+    EXPECT_GT(failed, 6u);
+}
+
 namespace {
 struct Stop {
     int left;
@@ -873,6 +913,22 @@ int32_t stop(void* user, double) {
     return s.left-- > 0 ? HMF_PROGRESS_CONTINUE : s.answer;
 }
 } // namespace
+
+// A long way between two reports would be one without an answer to a cancellation.
+TEST(SparseFactor, StopsWhenTold) {
+    Random random(31);
+    const System s(90000, twisted_torus(300, 300, 5, random));
+    uint32_t stopped = 0;
+    for (int n = 0; n < 60; n += 3) {
+        Stop when{n, HMF_PROGRESS_CANCEL};
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf::Call call(memory, nullptr, stop, &when);
+        hmf::SparseFactor factor;
+        stopped += !factor.build(s.matrix(), call);
+        EXPECT_EQ(call.cancelled(), factor.empty());
+    }
+    EXPECT_GT(stopped, 10u);
+}
 
 TEST(SignedMultigrid, StopsWhenTold) {
     Random random(14);
