@@ -239,7 +239,7 @@ std::vector<double> solve_directly(const System& s, const std::vector<double>& b
         EXPECT_TRUE(factor.build(s.matrix(), call));
         EXPECT_FALSE(factor.empty());
         EXPECT_LE(memory.used(), most_bytes);
-        EXPECT_TRUE(factor.solve(s.matrix(), b.data(), x.data(), call));
+        EXPECT_TRUE(factor.solve(b.data(), x.data(), memory));
     }
     EXPECT_EQ(memory.used(), 0u);
     return x;
@@ -875,7 +875,7 @@ TEST(SparseFactor, OneFailedAllocationIsAFailure) {
         hmf::Memory memory(allocate_but_one, release_any, &left, 0);
         hmf::Call call(memory, nullptr, nullptr, nullptr);
         hmf::SparseFactor factor;
-        done = factor.build(s.matrix(), call) && factor.solve(s.matrix(), b.data(), x.data(), call);
+        done = factor.build(s.matrix(), call) && factor.solve(b.data(), x.data(), memory);
         EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
     }
     EXPECT_GT(failed, 15u);

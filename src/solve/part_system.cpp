@@ -94,7 +94,7 @@ Done PartSystem::take(const TwistedModel& model, Array<uint32_t>& number, Solver
 Done PartSystem::solve(TwistedModel& model, double accuracy, Call& call) {
     if (factor_.empty())
         multigrid_.solve(matrix(), right_.data(), d_.data(), accuracy, steering::iterations_with_new_setup, call);
-    else if (!factor_.solve(matrix(), right_.data(), d_.data(), call)) return false;
+    else if (!factor_.solve(right_.data(), d_.data(), call.memory)) return false;
     for (uint32_t i = 0; i < d_.size(); ++i)
         for (uint32_t m = first_[i]; m < first_[i + 1]; ++m) model.d[vertex_[m]] = d_[i];
     return !call.cancelled() && !call.finishing();

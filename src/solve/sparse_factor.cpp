@@ -12,7 +12,6 @@ constexpr uint32_t NOWHERE = UINT32_MAX;
 constexpr uint32_t SMALL = 24;        // unknowns that are numbered as they come
 constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, or rounding
 constexpr uint32_t STRIDE = 4096;     // rows between two reports
-constexpr int CORRECTIONS = 2;
 
 // Nested dissection.
 class Dissection {
@@ -207,21 +206,12 @@ void SparseFactor::apply(double* y) const {
     }
 }
 
-Done SparseFactor::solve(const SignedMatrix& matrix, const double* b, double* x, Call& call) const {
+Done SparseFactor::solve(const double* b, double* x, Memory& memory) const {
     Array<double> y;
-    if (!y.allocate(call.memory, n_)) return false;
-    for (uint32_t i = 0; i < n_; ++i) x[i] = 0;
-    for (int time = 0; time <= CORRECTIONS; ++time) {
-        if (!call.tick(0, true)) return false;
-        for (uint32_t i = 0; i < n_; ++i) {
-            double rest = b[i] - matrix.diagonal[i] * x[i];
-            for (uint32_t t = matrix.offset[i]; t < matrix.offset[i + 1]; ++t)
-                rest -= matrix.entry[t] * x[matrix.column[t]];
-            y[place_[i]] = rest;
-        }
-        apply(y.data());
-        for (uint32_t i = 0; i < n_; ++i) x[i] += y[place_[i]];
-    }
+    if (!y.allocate(memory, n_)) return false;
+    for (uint32_t i = 0; i < n_; ++i) y[place_[i]] = b[i];
+    apply(y.data());
+    for (uint32_t i = 0; i < n_; ++i) x[i] = y[place_[i]];
     return true;
 }
 

@@ -23,8 +23,8 @@ public:
     // row: then there is no solution from here.  Rows with the diagonal 0 are left out.
     Done build(const SignedMatrix& matrix, Call& call);
     bool empty() const { return n_ == 0; }
-    // A x = b.  matrix: that of build.  What rounding leaves of b is solved for twice more.
-    Done solve(const SignedMatrix& matrix, const double* b, double* x, Call& call) const;
+    // A x = b.  Another solve for what rounding leaves of b makes that no smaller.
+    Done solve(const double* b, double* x, Memory& memory) const;
 
     static constexpr uint32_t most_unknowns = 200000;
     static constexpr uint64_t most_entries = 200;
