@@ -1,4 +1,4 @@
-// The linear solvers against Eigen, and on everything that is not a nice mesh.
+// The linear solver against Eigen, and on everything that is not a nice mesh.
 #include <gtest/gtest.h>
 
 #include <Eigen/Sparse>
@@ -9,94 +9,12 @@
 #include <vector>
 
 #include "../src/solve/signed_multigrid.hpp"
-#include "../src/solve/sparse_factor.hpp"
+#include "support/signed_system.hpp"
 #include "support/unruly_threads.hpp"
 
+using namespace linear;
+
 namespace {
-
-struct Random {
-    uint64_t state;
-    explicit Random(uint64_t seed) : state(seed * 0x9e3779b97f4a7c15u + 1) {}
-    uint64_t next() {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        return state;
-    }
-    double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-    uint32_t below(uint32_t n) { return static_cast<uint32_t>(next() % n); }
-    int sign() { return next() & 1024 ? 1 : -1; }
-};
-
-struct Edge {
-    uint32_t i, j;
-    double weight;
-    int sign;
-};
-
-struct System {
-    std::vector<uint32_t> offset, column;
-    std::vector<double> entry, diagonal;
-
-    System(uint32_t n, const std::vector<Edge>& edges, const std::vector<bool>& fixed = {}) :
-        offset(n + 1, 0), diagonal(n, 0) {
-        const auto is_fixed = [&](uint32_t v) { return !fixed.empty() && fixed[v]; };
-        for (uint32_t pass = 0; pass < 2; ++pass) {
-            std::vector<uint32_t> at(offset.begin(), offset.end() - 1);
-            for (const Edge& e : edges)
-                for (uint32_t t = 0; t < 2; ++t) {
-                    const uint32_t i = t ? e.j : e.i, j = t ? e.i : e.j;
-                    if (is_fixed(i)) continue;
-                    if (pass == 0) diagonal[i] += e.weight;
-                    if (is_fixed(j)) continue;
-                    if (pass == 0) {
-                        ++offset[i + 1];
-                        continue;
-                    }
-                    column[at[i]] = j;
-                    entry[at[i]++] = e.weight * e.sign;
-                }
-            if (pass == 1) break;
-            for (uint32_t i = 0; i < n; ++i) offset[i + 1] += offset[i];
-            column.resize(offset[n]);
-            entry.resize(offset[n]);
-        }
-    }
-    uint32_t n() const { return static_cast<uint32_t>(diagonal.size()); }
-    hmf::SignedMatrix matrix() const { return {n(), offset.data(), column.data(), entry.data(), diagonal.data()}; }
-    std::vector<double> times(const std::vector<double>& x) const {
-        std::vector<double> y(n());
-        for (uint32_t i = 0; i < n(); ++i) {
-            y[i] = diagonal[i] * x[i];
-            for (uint32_t k = offset[i]; k < offset[i + 1]; ++k) y[i] += entry[k] * x[column[k]];
-        }
-        return y;
-    }
-    // Not the solver's own opinion.
-    double residual(const std::vector<double>& x, const std::vector<double>& b) const {
-        const std::vector<double> y = times(x);
-        double r = 0, s = 0;
-        for (uint32_t i = 0; i < n(); ++i)
-            if (diagonal[i] > 0) {
-                r += (b[i] - y[i]) * (b[i] - y[i]) / diagonal[i];
-                s += b[i] * b[i] / diagonal[i];
-            }
-        return std::sqrt(r / s);
-    }
-    std::vector<double> eigen(const std::vector<double>& b) const {
-        std::vector<Eigen::Triplet<double>> triplets;
-        for (uint32_t i = 0; i < n(); ++i) {
-            triplets.emplace_back(i, i, diagonal[i]);
-            for (uint32_t k = offset[i]; k < offset[i + 1]; ++k) triplets.emplace_back(i, column[k], entry[k]);
-        }
-        Eigen::SparseMatrix<double> a(n(), n());
-        a.setFromTriplets(triplets.begin(), triplets.end());
-        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(a);
-        EXPECT_EQ(factor.info(), Eigen::Success);
-        const Eigen::VectorXd x = factor.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), n()));
-        return {x.data(), x.data() + n()};
-    }
-};
 
 struct Outcome {
     hmf::LinearResult result;
@@ -125,75 +43,6 @@ Outcome solve(const System& s, const std::vector<double>& b, double tolerance = 
     }
     EXPECT_EQ(memory.used(), 0u);
     return run;
-}
-
-// Triangulated torus of w x h vertices with weights about 1; gauge: random
-// signs of the unknowns that leave the matrix an ordinary Laplacian.
-std::vector<Edge> torus(uint32_t w, uint32_t h, Random& random, bool gauge = true, uint32_t base = 0) {
-    std::vector<int> sign(w * h, 1);
-    if (gauge)
-        for (int& s : sign) s = random.sign();
-    std::vector<Edge> edges;
-    for (uint32_t y = 0; y < h; ++y)
-        for (uint32_t x = 0; x < w; ++x) {
-            const uint32_t v = y * w + x;
-            const uint32_t others[3] = {y * w + (x + 1) % w, (y + 1) % h * w + x, (y + 1) % h * w + (x + 1) % w};
-            for (uint32_t o : others) edges.push_back({base + v, base + o, 0.2 + random.uniform(), -sign[v] * sign[o]});
-        }
-    return edges;
-}
-
-// Flips the edges across a vertical segment of the torus: a tripod at each end.
-void twist(std::vector<Edge>& edges, uint32_t w, uint32_t x, uint32_t from, uint32_t to) {
-    for (uint32_t y = from; y < to; ++y)
-        for (uint32_t k : {0u, 2u}) edges[3 * (y * w + x) + k].sign *= -1;
-}
-
-std::vector<Edge> twisted_torus(uint32_t w, uint32_t h, uint32_t pairs, Random& random) {
-    std::vector<Edge> edges = torus(w, h, random);
-    for (uint32_t p = 0; p < pairs; ++p) {
-        const uint32_t x = random.below(w), from = random.below(h / 2), length = 1 + random.below(h / 2);
-        twist(edges, w, x, from, from + length);
-    }
-    return edges;
-}
-
-// Rings of w vertices, one after the other, with heavy edges in a ring and light ones from one to the next.
-std::vector<Edge> rings_of_heavy_edges(uint32_t w, uint32_t rings, double heavy, double light, Random& random) {
-    std::vector<int> sign(w * rings);
-    for (int& s : sign) s = random.sign();
-    std::vector<Edge> edges;
-    const auto join = [&](uint32_t u, uint32_t v, double weight) {
-        edges.push_back({u, v, weight * (0.5 + random.uniform()), -sign[u] * sign[v]});
-    };
-    for (uint32_t r = 0; r < rings; ++r)
-        for (uint32_t x = 0; x < w; ++x) {
-            join(r * w + x, r * w + (x + 1) % w, heavy);
-            if (r + 1 < rings) join(r * w + x, (r + 1) * w + x, light);
-        }
-    return edges;
-}
-
-// A vertex of the first ring is held.
-System held_rings(uint32_t w, uint32_t rings, double heavy, double light, Random& random) {
-    std::vector<bool> fixed(w * rings, false);
-    fixed[0] = true;
-    return System(w * rings, rings_of_heavy_edges(w, rings, heavy, light, random), fixed);
-}
-
-std::vector<double> noise(uint32_t n, Random& random) {
-    std::vector<double> b(n);
-    for (double& v : b) v = 2 * random.uniform() - 1;
-    return b;
-}
-
-void expect_near(const std::vector<double>& x, const std::vector<double>& y, double tolerance) {
-    double difference = 0, size = 0;
-    for (size_t i = 0; i < x.size(); ++i) {
-        difference = std::max(difference, std::abs(x[i] - y[i]));
-        size = std::max(size, std::abs(y[i]));
-    }
-    EXPECT_LE(difference, tolerance * size);
 }
 
 } // namespace
@@ -228,78 +77,6 @@ TEST(SignedMultigrid, RingsOfHeavyEdges) {
         EXPECT_LE(result.iterations, 60u) << heavy;
         EXPECT_LE(s.residual(x, b), 1.001e-6) << heavy;
     }
-}
-
-std::vector<double> solve_directly(const System& s, const std::vector<double>& b, size_t most_bytes) {
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    std::vector<double> x(s.n(), 1e300);
-    {
-        hmf::Call call(memory, nullptr, nullptr, nullptr);
-        hmf::SparseFactor factor;
-        EXPECT_TRUE(factor.build(s.matrix(), call));
-        EXPECT_FALSE(factor.empty());
-        EXPECT_LE(memory.used(), most_bytes);
-        EXPECT_TRUE(factor.solve(b.data(), x.data(), memory));
-    }
-    EXPECT_EQ(memory.used(), 0u);
-    return x;
-}
-
-TEST(SparseFactor, TwistedTorusAsEigen) {
-    Random random(3);
-    for (const uint32_t w : {5u, 18u, 40u, 100u}) {
-        const System s(w * w, twisted_torus(w, w, 6, random));
-        const std::vector<double> b = noise(s.n(), random);
-        // 40 entries a row.
-        const std::vector<double> x = solve_directly(s, b, s.n() * 600);
-        EXPECT_LE(s.residual(x, b), 1e-14) << w;
-        expect_near(x, s.eigen(b), 1e-10);
-    }
-}
-
-// Where single precision cannot tell the matrix from a singular one.
-TEST(SparseFactor, RingsOfHeavyEdges) {
-    Random random(5);
-    for (const double heavy : {1e3, 1e6, 1e10}) {
-        const System s = held_rings(40, 30, heavy, 1, random);
-        // A right side of which the solution is known, and about 1.
-        const std::vector<double> known = noise(s.n(), random);
-        std::vector<double> y = known;
-        y[0] = 0;
-        const std::vector<double> b = s.times(y);
-        // b is known to 1e-16 of the heavy edges, and the light ones hold what is not.
-        expect_near(solve_directly(s, b, s.n() * 600), y, 2e-14 * heavy + 1e-11);
-    }
-}
-
-TEST(SparseFactor, ComponentsAndRowsLeftOut) {
-    Random random(7);
-    std::vector<Edge> edges = twisted_torus(20, 20, 4, random);
-    for (const Edge& e : torus(12, 15, random, true, 400)) edges.push_back(e);
-    std::vector<bool> fixed(600, false);
-    for (uint32_t k = 0; k < 30; ++k) fixed[random.below(580)] = true;
-    fixed[450] = true;
-    const System s(600, edges, fixed); // 580 to 599 have no edge
-    std::vector<double> b = noise(s.n(), random);
-    for (uint32_t i = 0; i < s.n(); ++i)
-        if (s.diagonal[i] == 0) b[i] = 0;
-    const std::vector<double> x = solve_directly(s, b, s.n() * 600);
-    EXPECT_LE(s.residual(x, b), 1e-14);
-    for (uint32_t i = 0; i < s.n(); ++i)
-        if (s.diagonal[i] == 0) EXPECT_EQ(x[i], 0) << i;
-}
-
-// All are neighbours: as many entries as n^2 / 2.
-TEST(SparseFactor, TooManyEntries) {
-    std::vector<Edge> edges;
-    for (uint32_t i = 0; i < 500; ++i)
-        for (uint32_t j = 0; j < i; ++j) edges.push_back({j, i, 1, -1});
-    const System s(500, edges);
-    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-    hmf::Call call(memory, nullptr, nullptr, nullptr);
-    hmf::SparseFactor factor;
-    ASSERT_TRUE(factor.build(s.matrix(), call));
-    EXPECT_TRUE(factor.empty());
 }
 
 TEST(SignedMultigrid, FixedUnknownsAsEigen) {
@@ -836,15 +613,6 @@ TEST(SignedMultigrid, EveryAllocationMayFail) {
     EXPECT_TRUE(done);
 }
 
-namespace {
-// Of one host memory was short for a moment: only the allocation after `left` others fails.
-void* allocate_but_one(void* user, size_t size) {
-    size_t& left = *static_cast<size_t*>(user);
-    return left-- == 0 ? nullptr : std::malloc(size);
-}
-void release_any(void*, void* block, size_t) { std::free(block); }
-} // namespace
-
 TEST(SweepMatrix, OneFailedAllocationIsAFailure) {
     Random random(21);
     for (const uint32_t w : {20u, 150u}) { // of one part, and of two
@@ -861,73 +629,6 @@ TEST(SweepMatrix, OneFailedAllocationIsAFailure) {
         }
         EXPECT_GT(failed, 4u);
     }
-}
-
-TEST(SparseFactor, OneFailedAllocationIsAFailure) {
-    Random random(23);
-    const System s(400, twisted_torus(20, 20, 2, random));
-    const std::vector<double> b = noise(s.n(), random);
-    std::vector<double> x(s.n());
-    size_t failed = 0;
-    for (bool done = false; !done; ++failed) {
-        ASSERT_LT(failed, 50u);
-        size_t left = failed;
-        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
-        hmf::Call call(memory, nullptr, nullptr, nullptr);
-        hmf::SparseFactor factor;
-        done = factor.build(s.matrix(), call) && factor.solve(b.data(), x.data(), memory);
-        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
-    }
-    EXPECT_GT(failed, 15u);
-    EXPECT_LE(s.residual(x, b), 1e-14);
-}
-
-// Also where it is made in both precisions.
-TEST(DenseFactor, OneFailedAllocationIsAFailure) {
-    Random random(29);
-    const System s = held_rings(10, 12, 1e5, 1, random);
-    hmf::Memory whole(nullptr, nullptr, nullptr, 0);
-    hmf::Array<float> scale;
-    ASSERT_TRUE(scale.allocate(whole, s.n()));
-    for (uint32_t i = 0; i < s.n(); ++i)
-        scale[i] = s.diagonal[i] > 0 ? static_cast<float>(1 / std::sqrt(s.diagonal[i])) : 0;
-    size_t failed = 0;
-    for (bool done = false; !done; ++failed) {
-        ASSERT_LT(failed, 50u);
-        size_t left = failed;
-        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
-        hmf::DenseFactor factor;
-        done = static_cast<bool>(factor.build(s.matrix(), scale, memory));
-        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
-    }
-    EXPECT_GT(failed, 6u);
-}
-
-namespace {
-struct Stop {
-    int left;
-    int32_t answer;
-};
-int32_t stop(void* user, double) {
-    Stop& s = *static_cast<Stop*>(user);
-    return s.left-- > 0 ? HMF_PROGRESS_CONTINUE : s.answer;
-}
-} // namespace
-
-// A long way between two reports would be one without an answer to a cancellation.
-TEST(SparseFactor, StopsWhenTold) {
-    Random random(31);
-    const System s(90000, twisted_torus(300, 300, 5, random));
-    uint32_t stopped = 0;
-    for (int n = 0; n < 60; n += 3) {
-        Stop when{n, HMF_PROGRESS_CANCEL};
-        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
-        hmf::Call call(memory, nullptr, stop, &when);
-        hmf::SparseFactor factor;
-        stopped += !factor.build(s.matrix(), call);
-        EXPECT_EQ(call.cancelled(), factor.empty());
-    }
-    EXPECT_GT(stopped, 10u);
 }
 
 TEST(SignedMultigrid, StopsWhenTold) {
