@@ -137,20 +137,36 @@ void expect_combed(const std::vector<int64_t>& along) {
 
 } // namespace
 
-// Those that go together are one unknown, whose row is the sum of theirs; what is held elsewhere counts.
-TEST(PartSystem, GroupsAndHeldUnknowns) {
-    Combed combed({0, 7, 7, 7, 5, 13, 2, 9});
-    Foliation& f = combed.f;
-    std::vector<double> weight(f.mesh.edge_count);
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight[e] = 1 + 0.25 * (e % 7);
-    Memory& memory = combed.memory;
-    Call call(memory, nullptr, nullptr, nullptr);
+namespace {
+
+// The model of a combed torus with edges of several weights.
+struct CombedModel : Combed {
+    std::vector<double> weight;
+    Call call{memory, nullptr, nullptr, nullptr};
     Rings rings;
     Star star;
     TwistedModel model;
-    ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
-    model.assemble(f, rings, weight.data(), call);
+    explicit CombedModel(const std::vector<int64_t>& along) : Combed(along) {
+        for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight.push_back(1 + 0.25 * (e % 7));
+        EXPECT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
+                    && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
+        model.assemble(f, rings, weight.data(), call);
+    }
+    double rest(uint32_t v) const {
+        double sum = model.right[v] - model.diagonal[v] * model.d[v];
+        for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t)
+            sum -= model.entry[t] * model.d[model.column[t]];
+        return sum;
+    }
+};
+
+} // namespace
+
+// Those that go together are one unknown, whose row is the sum of theirs; what is held elsewhere counts.
+TEST(PartSystem, GroupsAndHeldUnknowns) {
+    CombedModel combed({0, 7, 7, 7, 5, 13, 2, 9});
+    const Foliation& f = combed.f;
+    TwistedModel& model = combed.model;
     std::vector<uint32_t> with(model.count);
     std::iota(with.begin(), with.end(), 0u);
     // Edges of value 0 between vertices that have the same height.
@@ -164,20 +180,18 @@ TEST(PartSystem, GroupsAndHeldUnknowns) {
     ASSERT_GT(joined, 5u);
     for (const hmf::Solver solver : {hmf::Solver::multigrid, hmf::Solver::direct}) {
         Array<uint32_t> number;
-        ASSERT_TRUE(number.allocate_filled(memory, model.count, 0u));
+        ASSERT_TRUE(number.allocate_filled(combed.memory, model.count, 0u));
         for (uint32_t v = 0; v < model.count; ++v) model.d[v] = 0;
         const uint32_t held = model.count - 1;
         for (uint32_t v = 0; v < model.count; ++v)
             if (with[v] == with[held]) number[v] = NONE, model.d[v] = 2.5;
         PartSystem part;
-        ASSERT_TRUE(part.take(model, number, solver, call, with.data()));
-        ASSERT_TRUE(part.solve(model, 1e-12, call));
+        ASSERT_TRUE(part.take(model, number, solver, combed.call, with.data()));
+        ASSERT_TRUE(part.solve(model, 1e-12, combed.call));
         std::vector<double> rest(model.count, 0);
         double size = 0;
         for (uint32_t v = 0; v < model.count; ++v) {
-            rest[with[v]] += model.right[v] - model.diagonal[v] * model.d[v];
-            for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t)
-                rest[with[v]] -= model.entry[t] * model.d[model.column[t]];
+            rest[with[v]] += combed.rest(v);
             EXPECT_EQ(model.d[v], model.d[with[v]]);
             size = std::max(size, std::abs(model.right[v]));
         }
@@ -190,26 +204,15 @@ TEST(PartSystem, GroupsAndHeldUnknowns) {
 
 // Where nothing is held one vertex is, so that the others do not go far.
 TEST(PartSystem, NothingIsHeld) {
-    Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
-    Foliation& f = combed.f;
-    const std::vector<double> weight(f.mesh.edge_count, 1.0);
-    Memory& memory = combed.memory;
-    Call call(memory, nullptr, nullptr, nullptr);
-    Rings rings;
-    Star star;
-    TwistedModel model;
-    ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
-    model.assemble(f, rings, weight.data(), call);
+    CombedModel combed({0, 7, 3, 11, 5, 13, 2, 9});
+    TwistedModel& model = combed.model;
     Array<uint32_t> number;
-    ASSERT_TRUE(number.allocate_filled(memory, model.count, 0u));
+    ASSERT_TRUE(number.allocate_filled(combed.memory, model.count, 0u));
     PartSystem part;
-    ASSERT_TRUE(part.take(model, number, hmf::Solver::direct, call) && part.solve(model, 1e-12, call));
+    ASSERT_TRUE(part.take(model, number, hmf::Solver::direct, combed.call) && part.solve(model, 1e-12, combed.call));
     double rest = 0, size = 0, largest = 0;
     for (uint32_t v = 0; v < model.count; ++v) {
-        double r = model.right[v] - model.diagonal[v] * model.d[v];
-        for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t) r -= model.entry[t] * model.d[model.column[t]];
-        rest = std::max(rest, std::abs(r));
+        rest = std::max(rest, std::abs(combed.rest(v)));
         size = std::max(size, std::abs(model.right[v]));
         largest = std::max(largest, std::abs(model.d[v]));
     }
@@ -220,37 +223,24 @@ TEST(PartSystem, NothingIsHeld) {
 
 // Its rows hold where the others stay at 0, and nothing else moves.
 TEST(PartSystem, RowsOfSomeUnknowns) {
-    Combed combed({0, 7, 3, 11, 5, 13, 2, 9});
-    Foliation& f = combed.f;
-    std::vector<double> weight(f.mesh.edge_count);
-    for (uint32_t e = 0; e < f.mesh.edge_count; ++e) weight[e] = 1 + 0.25 * (e % 7);
-    Memory& memory = combed.memory;
-    Call call(memory, nullptr, nullptr, nullptr);
-    Rings rings;
-    Star star;
-    TwistedModel model;
-    ASSERT_TRUE(rings.build(f.mesh, weight.data(), memory) && star.allocate(memory, rings.max_degree)
-                && model.allocate(f.mesh, memory) && model.look(f, rings, weight.data(), star, call));
-    model.assemble(f, rings, weight.data(), call);
+    CombedModel combed({0, 7, 3, 11, 5, 13, 2, 9});
+    TwistedModel& model = combed.model;
     model.rests[20] = 1;
     Array<uint32_t> number;
-    ASSERT_TRUE(number.allocate_filled(memory, model.count, NONE));
+    ASSERT_TRUE(number.allocate_filled(combed.memory, model.count, NONE));
     for (uint32_t v = 10; v < 50; ++v) number[v] = v % 3;
     PartSystem part;
-    ASSERT_TRUE(part.take(model, number, hmf::Solver::multigrid, call));
+    ASSERT_TRUE(part.take(model, number, hmf::Solver::multigrid, combed.call));
     // Twice: it goes on where it was.
     for (const double accuracy : {1e-2, 1e-12}) {
-        ASSERT_TRUE(part.solve(model, accuracy, call));
+        ASSERT_TRUE(part.solve(model, accuracy, combed.call));
         double error = 0, size = 0;
         for (uint32_t v = 0; v < model.count; ++v) {
             if (v < 10 || v >= 50 || v == 20) {
                 EXPECT_EQ(model.d[v], 0) << v;
                 continue;
             }
-            double rest = model.right[v] - model.diagonal[v] * model.d[v];
-            for (uint32_t t = model.offset[v]; t < model.offset[v + 1]; ++t)
-                rest -= model.entry[t] * model.d[model.column[t]];
-            error += rest * rest;
+            error += combed.rest(v) * combed.rest(v);
             size += model.right[v] * model.right[v];
         }
         EXPECT_LE(error, 4 * accuracy * accuracy * size);
