@@ -257,33 +257,27 @@ TEST(Fractions, ResidualsAreThoseOfTheIntegersAfterwards) {
     EXPECT_GT(zeros, 3u);
 }
 
-// Vertex 1 pulls with 3 of about 180 more than it should.  All the way it hands that on to vertex 2 at the other end of
-// the heavy edge.
-TEST(Fractions, HalfTheWayAlongAHeavyEdge) {
+namespace {
+// Vertex 1 goes, vertex 2 at the other end of the heavy edge does not, and that is enough.
+void expect_only_the_first_goes(double at_2) {
     constexpr double goal = 0.012;
-    EXPECT_GT(PulledTorus(3, 0, 1000).residual_after(0), goal);
-    PulledTorus torus(3, 0, 1000);
+    PulledTorus torus(3, at_2, 1000);
     hmf::Array<double> part; // in the memory of the torus
     const double found = torus.find(goal, part).max;
     EXPECT_LE(found, goal);
     ASSERT_EQ(part.size(), 3u);
     EXPECT_GT(part[1], 0);
     EXPECT_EQ(part[2], 0);
-    EXPECT_LE(PulledTorus(3, 0, 1000).residual_after(part[1]), 1.001 * found);
+    EXPECT_GT(PulledTorus(3, at_2, 1000).residual_after(0), goal);
+    EXPECT_LE(PulledTorus(3, at_2, 1000).residual_after(part[1]), 1.001 * found);
 }
+} // namespace
+
+// Vertex 1 pulls with 3 of about 180 more than it should.  All the way it hands that on to vertex 2.
+TEST(Fractions, HalfTheWayAlongAHeavyEdge) { expect_only_the_first_goes(0); }
 
 // Vertex 2 has a residual as well, but only one vertex of a cluster goes.
-TEST(Fractions, OneOfACluster) {
-    constexpr double goal = 0.012;
-    PulledTorus torus(3, 0.6, 1000);
-    hmf::Array<double> part;
-    const double found = torus.find(goal, part).max;
-    EXPECT_LE(found, goal);
-    ASSERT_EQ(part.size(), 3u);
-    EXPECT_GT(part[1], 0);
-    EXPECT_EQ(part[2], 0);
-    EXPECT_LE(PulledTorus(3, 0.6, 1000).residual_after(part[1]), 1.001 * found);
-}
+TEST(Fractions, OneOfACluster) { expect_only_the_first_goes(0.6); }
 
 // A whole unit it does not go, as then there may be something in the way.
 TEST(Fractions, NotByAUnit) {

@@ -1,5 +1,5 @@
 // The equations of some unknowns alone, the others as they are: what changes there is
-// found at a part of the cost of a whole solve.  And where others are held, a multigrid that knows of it.
+// found at a part of the cost of a whole solve.  And the equations of all, where the multigrid of the level fails.
 #pragma once
 
 #include "sparse_factor.hpp"

@@ -1,6 +1,5 @@
 #include "sparse_factor.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -10,7 +9,7 @@ namespace {
 
 constexpr uint32_t NOWHERE = UINT32_MAX;
 constexpr uint32_t SMALL = 24;        // unknowns that are numbered as they come
-constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, or rounding
+constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, rounding, or a row left out
 constexpr uint32_t STRIDE = 4096;     // rows between two reports
 
 // Nested dissection.
@@ -147,10 +146,6 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call) {
         if (k % STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
         double pivot = matrix.diagonal[i];
-        if (!(pivot > 0)) { // left out
-            diagonal_[k] = HUGE_VAL;
-            continue;
-        }
         // Its columns, each before those above it in the tree: way[top], ..
         uint32_t top = n;
         seen[k] = k;
