@@ -1,7 +1,7 @@
 """Defects derived from the sources: is each of them noticed?
 
 derived_mutations.py FOLDER [--count N] [--seed 1] [--reach FILE] [--only PATTERN] [--skip N] [--patience 40] [--resume]
-                            [--write] [--named]
+                            [--write] [--named] [--fresh N]
 
 Each changes one thing in one file of src: a comparison, a logical operator, a sign, a number, the answer of a condition, a
 statement that is left out.  For each the file is compiled again, the core linked as a shared library, and the cases that
@@ -23,7 +23,8 @@ survives     must not be
 
 The table is FOLDER/table.md, one line for each in FOLDER/results.txt: a run that was stopped goes on from there, if the
 sources and tests are the same or with --resume, which runs only survivors again.  --write: what noticed them is written to
-tests/drawn_mutations.txt.
+tests/drawn_mutations.txt; what is there and was not tried stays.  --fresh N: the first N of the draw of each file of which the
+list has none.
 """
 
 import argparse
@@ -59,7 +60,7 @@ SWAPS = [
     ("factor", re.compile(r"(?<=[\w)\]] )([*/])(?= [\w(])"), {"*": "/", "/": "*"}),
 ]
 NUMBER = re.compile(r"(?<![\w.{])(\d+)(?=u?\b)(?![\w]*\.|\.\d|x)")
-STATEMENT = re.compile(r"^\s+(?!return|else|if|for|while|do|delete|using|goto|case|break|continue|throw)"
+STATEMENT = re.compile(r"^\s+(?![A-Z]\w*\(|return|else|if|for|while|do|delete|using|goto|case|break|continue|throw)"
                        r"[\w:.\[\]>*-]+(?:\(.*\)|\[.*\]|(?: [|&^+*/-]?= .*)|\+\+)?;$")
 
 
@@ -221,6 +222,13 @@ def chosen(options):
     """Those to try, one after the other."""
     kept = [Defect(*row) for row in rows_of(DRAWN)] if options.seed == DRAWN_SEED else []
     known = {d.key for d in kept}
+    if options.fresh:
+        of, files = {}, {d.file for d in kept}
+        for defect in draw(options.seed):
+            if defect.file not in files and re.search(options.only, defect.file):
+                of.setdefault(defect.file, []).append(defect)
+        tasks = [d for all_of_file in of.values() for d in all_of_file[:options.fresh]][options.skip:]
+        return tasks, options.count or len(tasks)
     there = [d for d in kept if d.applied()]
     if len(there) < len(kept):
         print(f"note: {len(kept) - len(there)} of {len(kept)} lines have gone, others are drawn")
@@ -447,7 +455,10 @@ def table_of(fates):
 
 def write_drawn(tried, known):
     comments = [line for line in DRAWN.read_text().splitlines() if line.startswith("#")] if DRAWN.exists() else []
-    rows = ["\t".join([*d.key, known[d.key][1]]) for d in tried if known[d.key][0] != "no compile"]
+    there = [d for d in (Defect(*row) for row in rows_of(DRAWN)) if d.applied()]
+    listed, by = {d.key for d in there}, {d.key: known[d.key][1] for d in tried}
+    there += [d for d in tried if d.key not in listed and known[d.key][0] != "no compile"]
+    rows = ["\t".join([*d.key, by.get(d.key, d.by)]) for d in there]
     DRAWN.write_text("\n".join([*comments, *rows]) + "\n")
 
 
@@ -462,6 +473,7 @@ def main():
     parser.add_argument("--patience", type=float, default=40, help="seconds of cases for each defect")
     parser.add_argument("--resume", action="store_true", help="keep results of other sources and tests, but of survivors")
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--fresh", type=int, default=0, help="so many of each file without any in the table of drawn ones")
     parser.add_argument("--named", action="store_true", help="run cases on named defects as well")
     parser.add_argument("--as-built", action="store_true", help="the core is as in the last run")
     options = parser.parse_args()
