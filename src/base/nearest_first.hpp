@@ -70,10 +70,8 @@ public:
     };
 
     void start(Memory& memory) { heap_.start(memory); }
-    Done reserve(size_t n) { return heap_.reserve(n); }
     void clear() { heap_.clear(); }
     bool empty() const { return heap_.empty(); }
-    const Entry& top() const { return heap_[0]; }
 
     Done push(Entry entry) {
         if (!heap_.reserve_one()) return false;

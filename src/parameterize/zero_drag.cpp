@@ -67,8 +67,6 @@ Done ZeroDrags::find_way(uint32_t tripod) {
         vertex_ = mesh_.target(h);
         return way_.push(h);
     }
-    const uint32_t start = mesh_.face[tripod];
-    reached_from_[start] = START;
     queue_.clear();
     for (const uint32_t h : sides)
         if (!cross(h)) return false;
@@ -79,13 +77,12 @@ Done ZeroDrags::find_way(uint32_t tripod) {
             continue;
         }
         vertex_ = apex;
-        for (uint32_t h = queue_[i]; h != START; h = reached_from_[mesh_.face[h]])
+        for (uint32_t h = queue_[i]; h != BARRED; h = reached_from_[mesh_.face[h]])
             if (!way_.push(h)) return false;
         if (!way_.push(way_.back())) return false;
         std::reverse(way_.begin(), way_.end());
     }
     for (const uint32_t h : queue_) reached_from_[mesh_.face[twin(h)]] = NONE;
-    reached_from_[start] = BARRED;
     return true;
 }
 

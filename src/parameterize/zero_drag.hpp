@@ -29,7 +29,7 @@ public:
     Done drag(const Array<uint32_t>& tripods, Call& call, size_t& left);
 
 private:
-    static constexpr uint32_t START = NONE - 1, BARRED = NONE - 2;
+    static constexpr uint32_t BARRED = NONE - 1; // a tripod
     Done find_way(uint32_t tripod);
     Done cross(uint32_t h);
     bool follow_way();
