@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../src/base/disjoint_sets.hpp"
 #include "../src/loops/class_lengths.hpp"
 #include "../src/loops/dual_length.hpp"
 #include "../src/loops/elementary_moves.hpp"
@@ -60,6 +61,15 @@ public:
 long euler(const hmf::CutSurface& surface) {
     return static_cast<long>(surface.point_count) + surface.region_count - static_cast<long>(surface.segment_count);
 }
+// Whether all regions hang together across segments.
+bool is_connected(const hmf::CutSurface& surface) {
+    std::vector<uint32_t> parent(surface.region_count);
+    for (uint32_t r = 0; r < surface.region_count; ++r) parent[r] = r;
+    size_t pieces = surface.region_count;
+    for (size_t s = 0; s < surface.segment_count; ++s)
+        pieces -= hmf::unite(parent.data(), surface.region[2 * s], surface.region[2 * s + 1]);
+    return pieces == 1;
+}
 size_t holes(const hmf::Component& component) {
     return static_cast<size_t>(std::count(component.is_hole.begin(), component.is_hole.end(), uint8_t{1}));
 }
@@ -104,14 +114,18 @@ TEST(PantsComponents, HaveTheirHolesAndHandles) {
     hmf::Array<double> length;
     ASSERT_TRUE(length.allocate(surface.memory, surface.mesh().edge_count));
     for (uint32_t e = 0; e < surface.mesh().edge_count; ++e) length[e] = dual(e);
-    size_t tori = 0;
+    size_t tori = 0, apart = 0;
     for (uint32_t k = 0; k < pants.count(); ++k)
         for (uint32_t l = k; l < pants.count(); ++l) {
-            if (!components.touch(k, l)) continue;
             const uint32_t both[2] = {k, l};
             const size_t taken = k == l ? 1 : 2;
             hmf::Component whole, half;
             ASSERT_TRUE(components.build(both, taken, whole, surface.memory));
+            ASSERT_EQ(components.touch(k, l), is_connected(whole.surface)) << k << " " << l;
+            if (!components.touch(k, l)) {
+                ++apart;
+                continue;
+            }
             const long chi = euler(whole.surface);
             ASSERT_TRUE(chi == 2 || chi == 0);
             EXPECT_EQ(holes(whole), chi == 2 ? 3 + taken : taken);
@@ -143,6 +157,7 @@ TEST(PantsComponents, HaveTheirHolesAndHandles) {
             for (const hmf::HoleJoins::Join& join : found) EXPECT_NE(join.hole[0], join.hole[1]);
         }
     EXPECT_GT(tori, 0u);
+    EXPECT_GT(apart, 0u);
 }
 
 // A failed allocation anywhere in the moves is a failure, and nothing is kept.

@@ -7,6 +7,7 @@
 //     o---o---o---o      on the side, held
 #include "../src/quads/boundary_walk.hpp"
 #include "../src/quads/fit_quads.hpp"
+#include "../src/quads/line_walk.hpp"
 #include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
@@ -410,6 +411,48 @@ protected:
 };
 
 } // namespace
+
+// Random triangles are missing.  Against all edges of the boundary that end at a corner of the triangle.
+TEST(Boundary, NearestEdgeAtATriangle) {
+    test::MadeMesh made(test::plate(2, 1, 2));
+    Mesh mesh = made.mesh();
+    const double* const position = made.positions.data();
+    std::vector<uint32_t> face(mesh.face, mesh.face + 2 * mesh.edge_count);
+    std::mt19937 random(11);
+    std::vector<bool> missing(mesh.face_count);
+    for (uint32_t f = 0; f < mesh.face_count; ++f) missing[f] = random() % 8 == 0;
+    for (uint32_t& f : face)
+        if (missing[f]) f = hmf::NONE;
+    mesh.face = face.data();
+    size_t found = 0, none = 0;
+    for (uint32_t side = 0; side < 2 * mesh.edge_count; ++side) {
+        if (face[side] == hmf::NONE) continue;
+        const uint32_t corner[3] = {mesh.origin[side], mesh.target(side), mesh.origin[mesh.prev(side)]};
+        double p[3], nearest[3], t = 0, least = HUGE_VAL;
+        for (int k = 0; k < 3; ++k) {
+            const double share[3] = {0.2 * (random() % 5), 0.1, 0.3};
+            p[k] = 0;
+            for (int c = 0; c < 3; ++c) p[k] += share[c] * position[3 * corner[c] + static_cast<uint32_t>(k)];
+        }
+        for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
+            const bool is_at =
+                std::count(corner, corner + 3, mesh.origin[h]) + std::count(corner, corner + 3, mesh.target(h));
+            if (is_at && face[h] != hmf::NONE && face[h ^ 1u] == hmf::NONE)
+                least = std::min(least, hmf::nearest_on_edge(mesh, position, h, p, nearest, t));
+        }
+        const uint32_t rim = hmf::rim_near(mesh, position, side, p);
+        ++(rim == hmf::NONE ? none : found);
+        if (rim == hmf::NONE) {
+            EXPECT_EQ(least, HUGE_VAL) << side;
+            continue;
+        }
+        EXPECT_NE(face[rim], hmf::NONE);
+        EXPECT_EQ(face[rim ^ 1u], hmf::NONE);
+        EXPECT_EQ(hmf::nearest_on_edge(mesh, position, rim, p, nearest, t), least) << side;
+    }
+    EXPECT_GT(found, 50u);
+    EXPECT_GT(none, 20u);
+}
 
 // Two vertices of a straight boundary in the wrong order: they change places by sliding along it, all else stays.
 TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
