@@ -487,6 +487,38 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     EXPECT_EQ(cylinders_of(fine, initialize(*hierarchy, fine)), HMF_ERROR_VALUE_NOT_HARMONIC);
 }
 
+// On every level, with the loops on any other: each has its cylinder, and heights times circumferences are the energy of
+// that level.
+TEST(Cylinders, OnEachLevel) {
+    const Hierarchy hierarchy(pretzel(2, 3), 0.4, 60);
+    ASSERT_GE(hierarchy.levels(), 3u);
+    for (size_t level = 0; level < hierarchy.levels(); ++level) {
+        Loops loops = library_loops(hierarchy, level);
+        loops.weights = {1, 3};
+        hmf_solve_options options = solve_options(HMF_METHOD_NEWTON, 1e-10);
+        options.stop_level = level;
+        const Solution solution = solve(hierarchy, &loops, options);
+        ASSERT_EQ(solution.status, HMF_OK) << solution.error.message;
+        for (size_t other = 0; other < hierarchy.levels(); ++other) {
+            Loops carried = library_loops(hierarchy, other);
+            carried.weights = loops.weights;
+            const auto set = cylinders(solution.foliation, &carried);
+            ASSERT_TRUE(set);
+            ASSERT_EQ(set->count, 2u);
+            double flux = 0, area = 0;
+            for (size_t c = 0; c < 2; ++c) {
+                ASSERT_LT(set->list[c].loop, 2u);
+                EXPECT_EQ(set->list[c].height, loops.weights[set->list[c].loop]) << level << " " << other;
+                flux += set->list[c].height * set->list[c].circumference;
+                area += set->list[c].area;
+            }
+            EXPECT_NE(set->list[0].loop, set->list[1].loop);
+            EXPECT_NEAR(flux, solution.report.energy, 1e-9 * solution.report.energy) << level;
+            EXPECT_NEAR(area, solution.report.energy, 1e-9 * solution.report.energy) << level;
+        }
+    }
+}
+
 // What is not the minimum is improved where it is near, and refused where its energy is larger by a hundredth.
 TEST(Cylinders, OfValuesNearTheMinimum) {
     const Hierarchy hierarchy(pretzel(2, 1));
