@@ -183,6 +183,32 @@ TEST(ClassCertificate, SaysWhichHeightIsWrong) {
     }
 }
 
+// A start that is not that of its loops: each weight in turn is another one, two change places, a loop has no cylinder.
+TEST(ClassCertificate, SaysWhetherTheStartAgrees) {
+    Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
+    const auto agrees = [&](bool by_class) {
+        EXPECT_EQ(start.watch.start(start.state, 1, by_class ? &start.loops : nullptr, start.weights, start.call),
+                  HMF_OK);
+        return start.watch.started;
+    };
+    start.load({5, 3, 4, 7, 1, 2});
+    for (const bool by_class : {false, true}) {
+        EXPECT_TRUE(agrees(by_class));
+        for (int64_t& w : start.weights) {
+            const int64_t before = w;
+            w += 1;
+            EXPECT_FALSE(agrees(by_class));
+            w = before;
+        }
+        std::swap(start.weights[0], start.weights[3]);
+        EXPECT_EQ(agrees(by_class), !by_class);
+        std::swap(start.weights[0], start.weights[3]);
+    }
+    start.load({5, 3, 4, 7, 1, 0});
+    EXPECT_FALSE(agrees(true));
+    EXPECT_FALSE(agrees(false));
+}
+
 // Heights are compared in the unit of the reference: four times the values in a quarter of the unit are the same.
 TEST(ClassCertificate, KnowsAFinerUnit) {
     Start start(pretzel(3, 3), HMF_LOOPS_PANTS);
