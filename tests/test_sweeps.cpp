@@ -1,6 +1,7 @@
 // A task of a sweep: it looks only at the stars of the vertices inside of its block.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -223,4 +224,24 @@ TEST(SweepTask, AsksNothingOfAVertexBeyond) {
         EXPECT_EQ(shared.outside, !inside);
         EXPECT_EQ(task.values, inside ? whole.values : before);
     }
+}
+
+// Of all moves, in one task or in several.
+TEST(SweepResult, LargestIsOfAllMoves) {
+    test::Random random(17);
+    double largest = 0;
+    SweepResult whole, sum;
+    for (int part = 0; part < 9; ++part) {
+        SweepResult task;
+        for (int move = 0; move < 20; ++move) {
+            const double pull = std::exp(6 * random.unit() - 3), excess = pull * random.unit();
+            task.add_move(excess, pull);
+            whole.add_move(excess, pull);
+            largest = std::max(largest, excess / pull);
+        }
+        sum += task;
+    }
+    EXPECT_NEAR(whole.largest, largest, 1e-15);
+    EXPECT_EQ(sum.largest, whole.largest);
+    EXPECT_EQ(sum.moves, 180u);
 }
