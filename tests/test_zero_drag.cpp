@@ -247,3 +247,25 @@ TEST(ZeroDrag, ToAVertexWithAllCorners) {
     ASSERT_EQ(t.tripod.size(), 4u);
     EXPECT_EQ(t.drag(2), 2u);
 }
+
+// In a finer unit the same ways and heights, until the sides need more bits than there are: then all zeros are left.
+TEST(ZeroDrag, HeightsHaveRoom) {
+    Glued g = one_vertex();
+    g.insert(2, {12, 20, 20});
+    Tripods t(g);
+    EXPECT_EQ(t.drag(2), 2u);
+    for (const int bits : {1, 40, 55}) {
+        SCOPED_TRACE(bits);
+        Glued finer = g;
+        for (int64_t& x : finer.value) x <<= bits;
+        Tripods f(finer);
+        size_t left = 0;
+        EXPECT_TRUE(hmf::ZeroDrags(f.mesh, f.bundle, f.du, f.taken).drag(f.tripod, f.call, left));
+        EXPECT_EQ(left, bits < 55 ? 2u : 4u);
+        if (bits == 55) continue; // sides of 2^61
+        for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
+            EXPECT_EQ(f.du.value[e], t.du.value[e] * (int64_t{1} << bits));
+            EXPECT_EQ(f.bundle.turn[e], t.bundle.turn[e]);
+        }
+    }
+}
