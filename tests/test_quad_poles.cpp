@@ -1,8 +1,16 @@
-// Quads over poles, by themselves: a tube of quads whose ends are folded flat.
+// Quads over poles: a tube of quads whose ends are folded flat, and how many quads there are.
+#include "../src/api/use_entry.hpp"
+#include "../src/quads/graph_points.hpp"
+#include "../src/quads/grid_sizes.hpp"
+#include "../src/quads/quad_input.hpp"
+#include "../src/quads/quad_mesh.hpp"
 #include "../src/quads/quad_poles.hpp"
+#include "../src/quads/quad_sizes.hpp"
+#include "support/surface.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -71,4 +79,49 @@ TEST(QuadsOverPoles, WhatBelongsToAVertexStaysTogether) {
         for (const auto& use : uses) EXPECT_GE(use.second, 3) << use.first;
         EXPECT_EQ(mesh.vertex_count(), mesh.quad_count() + 2);
     }
+}
+
+// The number of quads, one over each pole, is known from the sizes before they are made: so a wished number can be had.
+TEST(QuadsOverPoles, NumberIsKnownBefore) {
+    size_t poles = 0, plain = 0;
+    for (const size_t genus : {0, 1, 2}) {
+        const test::TriMesh mesh = genus == 1 ? test::torus(24, 12, 2, 0.8) : test::pretzel(genus, 1);
+        for (size_t marks = genus == 0 ? 4 : 1; marks < 8; marks += 2) {
+            std::vector<uint32_t> at;
+            for (size_t i = 0; i < marks; ++i) at.push_back(static_cast<uint32_t>(i * (mesh.vertex_count() / marks)));
+            const test::SolvedSurface surface(mesh, at);
+            ASSERT_TRUE(surface.solution.foliation);
+            hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+            hmf::Call call(memory, nullptr, nullptr, nullptr);
+            hmf::Leaves leaves;
+            ASSERT_EQ(leaves.load(*surface.solution.foliation, call), HMF_OK);
+            hmf::Foliation& f = leaves.state.foliation;
+            const hmf::CriticalGraph& graph = leaves.cylinders.graph;
+            const double* const position = leaves.state.hierarchy->levels[0].position;
+            const hmf::QuadInput in{f, position, leaves.cylinders, graph, nullptr, hmf::Conjugate(f, position)};
+            hmf::FlatMetric metric;
+            ASSERT_EQ(hmf::flat_metric(f, position, leaves.cylinders, metric, call), HMF_OK);
+            std::vector<int> prongs(graph.zeros.size(), 0);
+            for (const hmf::Sector& s : graph.sectors) ++prongs[s.zero];
+            for (const int count : prongs) ++(count == 1 ? poles : plain);
+            for (const double number : {100, 400, 1000}) {
+                hmf::GridSizes grid;
+                hmf::QuadMesh quads, none;
+                hmf::GraphPoints points(in, grid, none, call);
+                hmf::Array<double> length;
+                hmf::QuadSizes sizes;
+                hmf::QuadWish wish;
+                wish.step = std::sqrt(metric.flat_area / number);
+                ASSERT_TRUE(grid.allocate(in, memory) && points.measure(length));
+                const double ring = graph.zeros.empty() ? points.length(0) : 0;
+                ASSERT_EQ(sizes.start(leaves.cylinders, length, ring, wish.merge, call), HMF_OK);
+                ASSERT_EQ(sizes.of_step(wish.step, call), HMF_OK);
+                ASSERT_EQ(hmf::make_quads(f, position, leaves.cylinders, nullptr, wish, quads, call), HMF_OK);
+                EXPECT_EQ(sizes.quad_count(), static_cast<int64_t>(quads.quad_count()))
+                    << genus << " " << marks << " " << number;
+            }
+        }
+    }
+    EXPECT_GT(poles, 20u);
+    EXPECT_GT(plain, 5u);
 }
