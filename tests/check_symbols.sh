@@ -2,8 +2,8 @@
 # check_symbols.sh SHARED_LIBRARY STATIC_LIBRARY
 #
 # The shared library exports exactly the functions of hmf.h and uses.h; the static one
-# has no other C symbol; it needs only the C and C++ runtime and has no
-# writable data, because there is no global state.
+# has no other C symbol; it needs only the C and C++ runtime, of libm no function whose
+# last bit each system has of its own, and has no writable data, because there is no global state.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 shared=$1
@@ -53,6 +53,11 @@ objdump -p "$shared" | awk '$1 == "NEEDED" { print $2 }' |
     grep -vE '^(libc|libm|libstdc\+\+|libc\+\+|libgcc_s|libasan|libubsan|ld-linux[^.]*)\.so' |
     sed 's/$/ is needed/' > "$work/needed"
 report "no-dependency" "$work/needed"
+
+nm -u "$static" | awk '{ print $NF }' | sort -u |
+    grep -xE '(pow|exp|exp2|expm1|log|log2|log10|log1p|a?(sin|cos|tan)h?|atan2|sincos|cbrt|hypot|erfc?|[lt]gamma)[fl]?' |
+    sed 's/$/ is called: not the same bits everywhere/' > "$work/libm"
+report "same-bits-of-libm" "$work/libm"
 
 objdump -p "$shared" | awk '$1 == "SONAME" { print $2 }' > "$work/soname"
 major=$(sed -n 's/^#define HMF_VERSION_MAJOR //p' "$root/include/hmf/hmf.h")

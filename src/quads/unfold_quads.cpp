@@ -104,7 +104,8 @@ private:
         Array<uint8_t> inside, listed;
         moving_.start(memory);
         region_.start(memory);
-        pull_ = PULL * std::pow(WEAKER, round);
+        pull_ = PULL;
+        for (int k = 0; k < round; ++k) pull_ *= WEAKER; // not std::pow, whose last bit is each library's own
         if (!inside.allocate_filled(memory, quads_.vertex_count(), uint8_t{0})
             || !listed.allocate_filled(memory, quads_.quad_count(), uint8_t{0}))
             return call_.out_of_memory();
