@@ -16,6 +16,7 @@
 #include "../src/quads/surface_walk.hpp"
 #include "../src/quads/unfold_quads.hpp"
 #include "support/make_mesh.hpp"
+#include "support/meter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -515,4 +516,31 @@ TEST_F(OnATriangle, VerticesLeaveItAsALastResort) {
     EXPECT_EQ(figures.inverted, 0u);
     EXPECT_LT(height(), -41);
     EXPECT_GT(height(), -41.5);
+}
+
+// There and back again; and each allocation that fails is told, as what was not kept cannot be given back.
+TEST(QuadPlaces, AreKeptOrNot) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::QuadMesh quads;
+    quads.start(memory);
+    const double p[3] = {1, 2, 3}, q[3] = {4, 5, 6};
+    ASSERT_TRUE(quads.add_vertex(p, 7, 1) && quads.add_vertex(q, 8, 0));
+    size_t kept = 0;
+    for (uint64_t fail = 0; fail < 4; ++fail) {
+        test::Meter meter;
+        meter.fail = fail;
+        hmf::Memory measured(test::Meter::take, test::Meter::give, &meter, 0);
+        hmf::QuadPlaces places;
+        if (!places.keep(quads, measured)) continue;
+        ++kept;
+        quads.put(0, q, 9);
+        places.give_back(quads);
+        EXPECT_EQ(quads.positions[0], 1);
+        EXPECT_EQ(quads.positions[5], 6);
+        EXPECT_EQ(quads.sides[0], 7u);
+        EXPECT_EQ(quads.held[0], 1);
+        quads.start(memory); // what was given back belongs to the other memory
+        ASSERT_TRUE(quads.add_vertex(p, 7, 1) && quads.add_vertex(q, 8, 0));
+    }
+    EXPECT_EQ(kept, 1u); // three allocations, of which one failed each time but the first
 }
