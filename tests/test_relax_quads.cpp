@@ -8,6 +8,7 @@
 #include "../src/quads/boundary_walk.hpp"
 #include "../src/quads/fit_quads.hpp"
 #include "../src/quads/line_walk.hpp"
+#include "../src/quads/quad_mesh.hpp"
 #include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
 #include "../src/quads/sharp_edges.hpp"
