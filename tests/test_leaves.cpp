@@ -487,8 +487,8 @@ TEST_P(Leaves, ForeignLoopsAreRefused) {
     EXPECT_EQ(cylinders_of(fine, initialize(*hierarchy, fine)), HMF_ERROR_VALUE_NOT_HARMONIC);
 }
 
-// On every level, with the loops on any other: each has its cylinder, and heights times circumferences are the energy of
-// that level.
+// On every level, with the loops on any other: each has its cylinder, and heights times circumferences are the energy
+// of that level.
 TEST(Cylinders, OnEachLevel) {
     const Hierarchy hierarchy(pretzel(2, 3), 0.4, 60);
     ASSERT_GE(hierarchy.levels(), 3u);
