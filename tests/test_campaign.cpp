@@ -463,11 +463,11 @@ TEST(Campaign, Lattices) { run(sample(20, 4), Family::lattices); }
 // unit got coarser) or had lost the class (the second try with other walks than the first).
 // 9008: 60 bits are too short.  30077: a height had more than 63.  719732: edges from a vertex to itself round pants of
 // zero triangles, of which none was known to open (test_self_edges.cpp).  870826: less than a unit was missing at two
-// zeros with a heavy edge between them.
+// zeros with a heavy edge between them.  970250: each step took some of 600 zeros off vertices, but the residual stayed.
 TEST(Campaign, SeedsThatFailed) {
     Tally tally;
-    for (const uint64_t seed : {9008, 719732, 870826, 30077, 1201, 2180, 2328})
-        if (tally.problems < sample<size_t>(7, 3)) solve_problem(seed, tally);
+    for (const uint64_t seed : {9008, 719732, 870826, 30077, 1201, 2180, 2328, 970250})
+        if (tally.problems < sample<size_t>(8, 3)) solve_problem(seed, tally);
     EXPECT_EQ(tally.wrong, 0u);
     EXPECT_EQ(tally.errors, 0u);
     EXPECT_EQ(tally.all.converged, tally.all.solves);
