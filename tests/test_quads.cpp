@@ -296,6 +296,34 @@ TEST(Quads, TrianglesThatAreFlatUpToRounding) {
             }
 }
 
+// Lengths along leaves that differ by a factor of a million, beside triangles of 0.00001 degrees: the numbers of columns
+// of a cylinder's two sides, rounded one by one, are millions apart. They are brought together in few steps (each asks
+// once for progress; one column in a step took 8 s), and the quads are as many as wished and sound.
+TEST(Quads, ColumnsThatAreMillionsApart) {
+    hmf_build_options build{};
+    build.struct_size = sizeof build;
+    build.mollify = 1e-5;
+    const Hierarchy hierarchy(with_bad_triangles(plate(3), 10, 1e-5, 4), build);
+    const Solution solution = solve(hierarchy, nullptr, solve_options(0, 0));
+    ASSERT_TRUE(solution.foliation);
+    size_t reports = 0;
+    hmf_control control{};
+    control.struct_size = sizeof control;
+    control.progress_user = &reports;
+    control.progress = [](void* user, double) -> int32_t {
+        ++*static_cast<size_t*>(user);
+        return HMF_PROGRESS_CONTINUE;
+    };
+    const hmf_quad_options options = wish(5000, 0);
+    const Made made = make<hmf_quad_mesh>([&](hmf_quad_mesh** out, hmf_error* error) {
+        return hmf_quads(solution.foliation.get(), &options, &control, out, error);
+    });
+    ASSERT_TRUE(made);
+    EXPECT_LT(reports, 300000u);
+    EXPECT_NEAR(static_cast<double>(made->quad_count), 5000, 50);
+    expect_sound(*made, 3);
+}
+
 // The corners of a plate stick out: vertices of relaxed quads lie on most of them.
 TEST(Quads, TipsAreReached) {
     const TriMesh mesh = plate(2);
