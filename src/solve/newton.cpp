@@ -252,7 +252,7 @@ private:
         // Where the step went too far, and wherever else it made extrema or moved zeros, the
         // neighbourhood stays as it is.  If the energy rises, the bounds hold back too much: the others
         // are solved for once more.  If nothing helps, all take a shorter step.
-        double factor = 1;
+        double factor = 1, rise = 0;
         uint32_t radius = steering::first_rings_held, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;
         if (unchecked) lengthen(w_.options.unchecked);
@@ -290,9 +290,11 @@ private:
                 tight = true;
                 if (!solve_linear(effort.tight, effort.residual)) return interrupted(w_.call);
                 model_.project(f_, w_.rings, patch_, distance_);
-            } else if (sound && !part_step_ && solves < steering::solves_of_a_step
+            } else if (sound && !part_step_
+                       && (solves < steering::solves_of_a_step || energy_change_ < steering::rise_gets_less * rise)
                        && (effort.close || energy_change_ < steering::curable_rise * model_.energy)) {
                 ++solves;
+                rise = energy_change_;
                 ++w_.statistics.linear_solves;
                 // Far from the minimum this model does not last, and the setup is for one without these bounds.
                 const double accuracy = effort.close ? effort.tight : steering::first_accuracy;
