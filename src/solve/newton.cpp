@@ -493,7 +493,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     UnitOfLevel unit{!finest};
     Parts parts;
     bool moves_wait = false, zeros_moved = false;
-    uint32_t failed = 0; // steps in a row of which nothing was taken
+    uint32_t failed = 0;   // steps in a row that were not taken whole
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
     for (uint32_t round = 0; round < plan.rounds; ++round) {
         if (!newton.look()) return interrupted(work.call);
@@ -534,7 +534,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         Effort effort = next_effort(work, plan, newton, parts, round, residual);
         effort.close |= failed >= steering::failures;
         if (const hmf_status status = newton.step(effort, accepted, tight)) return status;
-        failed = accepted == 0 ? failed + 1 : 0;
+        failed = accepted < 1 ? failed + 1 : 0;
         zeros_moved = accepted == 1 && !newton.was_within_bounds();
         if (effort.part) {
             if (accepted < 1) ++parts.shortened;
