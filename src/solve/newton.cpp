@@ -149,6 +149,17 @@ public:
         return picked_.size() <= most;
     }
 
+    // One move for each zero whose residual in the last look is above this; false: none moves.
+    bool move_zeros(double residual) {
+        bool moved = false;
+        for (const uint32_t v : model_.resting) {
+            if (residual_at(f_, w_.rings, weight_, v, 0, w_.star) <= residual) continue;
+            SweepResult result;
+            moved |= relax_vertex(f_, w_.rings, weight_, v, w_.star, result);
+        }
+        return moved;
+    }
+
 private:
     // The vertices within some rings of the zeros of the last look, nearest first, with their distances.
     void pick_near_zeros(uint32_t rings_around) {
@@ -492,6 +503,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitOfLevel unit{!finest};
     Parts parts;
+    uint32_t stalls = 0;
     bool moves_wait = false, zeros_moved = false;
     uint32_t failed = 0;   // steps in a row that were not taken whole
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
@@ -521,7 +533,13 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
         const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::patience_with_zeros) : unit.patience;
         if (!parts.in_a_row && !progress.goes_on(residual, model.energy, model.resting.size(), patience)) {
             if (finest && unit.is_refined(work, goal, progress)) continue;
-            break;
+            if (!finest) return HMF_OK;
+            if (const hmf_status status = newton.step_precisely()) return status;
+            if (!newton.look()) return interrupted(work.call);
+            if (model.residual_max > goal && (++stalls > steering::stalls || !newton.move_zeros(goal)))
+                return end_beyond_rounding(work, goal);
+            progress.forget_least();
+            continue;
         }
         if (work.call.out_of_time()) return HMF_LIMIT_TIME;
         if (steps_left == 0) return HMF_LIMIT_ITERATIONS;

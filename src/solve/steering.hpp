@@ -48,6 +48,8 @@ constexpr uint32_t rounds_before_finer = 3;
 constexpr uint32_t patience_when_rounded = 4;
 // And later where the last step came to a bound: a zero on a ring of heavy edges goes on by one of them in a round.
 constexpr uint32_t patience_with_zeros = 60;
+// So often a level that has stalled goes on after precise steps and moves of its zeros.
+constexpr uint32_t stalls = 8;
 
 // Residual from which on the minimum is near: a whole step is worth more effort.
 constexpr double close_residual = 1e-2;
