@@ -67,7 +67,7 @@ enum Kind : size_t { formula, plates, volume, kinds };
 struct Problem {
     TriMesh mesh;
     Kind kind = formula;
-    double stretch = 1;
+    double stretch = 1, mollify = 0;
     bool bad_triangles = false, flipped = false, decimated = false;
     std::vector<uint32_t> marks; // vertices
     int32_t loop_kind = HMF_LOOPS_CUT;
@@ -93,7 +93,7 @@ TriMesh random_formula(Random& random) {
     return torus_with_finger(24, 16, 3 + random.below(30), length);
 }
 
-enum class Family { usual, marked, lattices };
+enum class Family { usual, marked, lattices, flat };
 
 hmf_build_options build_options_of(const Problem& p, double ratio, uint64_t coarsest = 0, int32_t collapse = 0) {
     hmf_build_options options{};
@@ -101,6 +101,7 @@ hmf_build_options build_options_of(const Problem& p, double ratio, uint64_t coar
     options.ratio = ratio;
     options.coarsest = coarsest;
     options.collapse = collapse;
+    options.mollify = p.mollify;
     options.marked_vertices = p.marks.data();
     options.marked_count = p.marks.size();
     return options;
@@ -205,8 +206,25 @@ bool make_lattice(uint64_t seed, Problem& p) {
     return make_loops(seed, p, random);
 }
 
+// Plates with triangles up to a hundred thousand times as long as wide, some of them without area, accepted with mollify.
+bool make_flat(uint64_t seed, Problem& p) {
+    Random random(seed);
+    p.kind = plates;
+    p.bad_triangles = true;
+    p.mollify = 1e-5;
+    p.stretch = 1000 * log_uniform(random, 2);
+    p.mesh = subdivide(thin_plate(2 + random.below(5), p.stretch));
+    if (random.below(2)) p.mesh = subdivide(p.mesh);
+    for (size_t flat = 1 + random.below(8); flat > 0; --flat) {
+        const size_t triangle = random.below(p.mesh.triangle_count());
+        flatten(p.mesh, triangle, random.below(2));
+    }
+    return make_loops(seed, p, random);
+}
+
 bool make_problem(uint64_t seed, Problem& p, Family family = Family::usual) {
     if (family == Family::lattices) return make_lattice(seed, p);
+    if (family == Family::flat) return make_flat(seed, p);
     Random random(seed);
     const bool is_marked = family == Family::marked;
     p.kind = static_cast<Kind>(random.below(kinds));
@@ -420,7 +438,8 @@ void solve_problem(uint64_t seed, Tally& tally, Family family = Family::usual) {
         }
 }
 
-void run(size_t usual, Family family) {
+// One in so many may miss 1e-8.
+void run(size_t usual, Family family, size_t one_in = 200) {
     const size_t problems = number("HMF_CAMPAIGN_PROBLEMS", usual), seed = number("HMF_CAMPAIGN_SEED", 1);
     Tally tally;
     for (size_t i = 0; i < problems; ++i) {
@@ -444,9 +463,9 @@ void run(size_t usual, Family family) {
                 tally.quads.refused, tally.atlases.made, tally.atlases.refused);
     EXPECT_EQ(tally.wrong, 0u);
     EXPECT_EQ(tally.errors, 0u);
-    // 1e-8 on 99.5 %; in a small sample one may miss it.
+    // In a small sample one may.
     const size_t missed = tally.all.solves - tally.all.converged;
-    EXPECT_LE(missed, 1 + tally.all.solves / 200);
+    EXPECT_LE(missed, 1 + tally.all.solves / one_in);
 }
 
 } // namespace
@@ -458,6 +477,10 @@ TEST(Campaign, MarkedVertices) { run(sample(10, 4), Family::marked); }
 
 // One in twenty stalled while there was a multigrid alone (sparse_factor.hpp).
 TEST(Campaign, Lattices) { run(sample(20, 4), Family::lattices); }
+
+// One in eight stalled while a step whose energy rose was halved until nothing was left of it. 1e-8 on 99 % is what they
+// have now: some zeros on heavy edges need parts of a unit that no move has.
+TEST(Campaign, FlatTriangles) { run(sample(20, 4), Family::flat, 100); }
 
 // Once these ended in an internal error (cylinders of equal height not told apart; all zeros in triangles when the
 // unit got coarser) or had lost the class (the second try with other walks than the first).
