@@ -206,7 +206,7 @@ bool make_lattice(uint64_t seed, Problem& p) {
     return make_loops(seed, p, random);
 }
 
-// Plates with triangles up to a hundred thousand times as long as wide, some of them without area, accepted with mollify.
+// Plates with triangles up to a hundred thousand times as long as wide, some of them without area (mollify).
 bool make_flat(uint64_t seed, Problem& p) {
     Random random(seed);
     p.kind = plates;
@@ -478,15 +478,15 @@ TEST(Campaign, MarkedVertices) { run(sample(10, 4), Family::marked); }
 // One in twenty stalled while there was a multigrid alone (sparse_factor.hpp).
 TEST(Campaign, Lattices) { run(sample(20, 4), Family::lattices); }
 
-// One in eight stalled while a step whose energy rose was halved until nothing was left of it. 1e-8 on 99 % is what they
-// have now: some zeros on heavy edges need parts of a unit that no move has.
+// One in eight stalled while a step whose energy rose was halved until nothing was left of it. 1e-8 on 99 % is what
+// they have now: some zeros on heavy edges need parts of a unit that no move has.
 TEST(Campaign, FlatTriangles) { run(sample(20, 4), Family::flat, 100); }
 
 // Once these ended in an internal error (cylinders of equal height not told apart; all zeros in triangles when the
 // unit got coarser) or had lost the class (the second try with other walks than the first).
 // 9008: 60 bits are too short.  30077: a height had more than 63.  719732: edges from a vertex to itself round pants of
 // zero triangles, of which none was known to open (test_self_edges.cpp).  870826: less than a unit was missing at two
-// zeros with a heavy edge between them.  970250: each step took some of 600 zeros off vertices, but the residual stayed.
+// zeros with a heavy edge between them.  970250: each step took some of 600 zeros off vertices, the residual stayed.
 TEST(Campaign, SeedsThatFailed) {
     Tally tally;
     for (const uint64_t seed : {9008, 719732, 870826, 30077, 1201, 2180, 2328, 970250})

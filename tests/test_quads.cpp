@@ -296,9 +296,9 @@ TEST(Quads, TrianglesThatAreFlatUpToRounding) {
             }
 }
 
-// Lengths along leaves that differ by a factor of a million, beside triangles of 0.00001 degrees: the numbers of columns
-// of a cylinder's two sides, rounded one by one, are millions apart. They are brought together in few steps (each asks
-// once for progress; one column in a step took 8 s), and the quads are as many as wished and sound.
+// Lengths along leaves that differ by a factor of a million, beside triangles of 0.00001 degrees: the numbers of
+// columns of a cylinder's two sides, rounded one by one, are millions apart. They are brought together in few steps
+// (each asks once for progress; one column in a step took 8 s), and the quads are as many as wished and sound.
 TEST(Quads, ColumnsThatAreMillionsApart) {
     hmf_build_options build{};
     build.struct_size = sizeof build;
