@@ -13,6 +13,7 @@
 //      its triangle (so the class is kept) and the energy falls; else the
 //      place where it fails is held fast, or the whole step is halved
 //   4. moves near the singularities, where the model is not smooth
+// A level that has stalled goes on after steps that are solved for exactly, and moves of the zeros that these leave.
 // Where the residual is large in a part of the mesh only, 2 and 3 are done for the unknowns there (part_system.hpp).
 // Far from the singularities one round is exact, so a few rounds reach the
 // minimum.  The certificate is the residual of [W] Eq. 4 at every vertex.
@@ -262,7 +263,7 @@ private:
         if (!propose(effort, tight)) return interrupted(w_.call);
         // Where the step went too far, and wherever else it made extrema or moved zeros, the
         // neighbourhood stays as it is.  If the energy rises, the bounds hold back too much: the others
-        // are solved for once more.  If nothing helps, all take a shorter step.
+        // are solved for once more, and again while it rises less.  If nothing helps, all take a shorter step.
         double factor = 1, rise = 0;
         uint32_t radius = steering::first_rings_held, solves = 0;
         const bool unchecked = w_.options.unchecked > 0 && !w_.gated;

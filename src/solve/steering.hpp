@@ -102,8 +102,8 @@ constexpr double rounding_of_energy = 1e-17;
 constexpr double curable_rise = 1e-5;
 constexpr uint32_t solves_of_a_step = 2;
 constexpr double rise_gets_less = 0.7; // by which another solve may follow
-constexpr uint32_t failures =
-    2; // steps in a row not taken whole: the next is solved for again wherever its energy rises
+// After so many steps in a row that were not taken whole the next one is solved for again wherever its energy rises.
+constexpr uint32_t failures = 2;
 constexpr uint32_t rounds_for_extrema = 8;
 
 // Single moves near the zeros after a step: rings and passes.  A zero that has not
