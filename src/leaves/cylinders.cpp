@@ -95,6 +95,8 @@ hmf_status Cylinders::walk_across(Foliation& f, uint32_t h, int64_t at, Array<Pa
     for (uint32_t step = 0; step <= f.mesh.vertex_count; ++step) {
         const bool arrived = graph.mark_ahead(f, h, at, found);
         const int64_t to = arrived ? found.at : width(f, h);
+        // Values that have left their class may be further across than integers are.
+        if (to - at >= INT64_MAX - distance) break;
         // The first height is that of a boundary leaf.
         if (path && !path->push({h, at, to, distance + 1})) return call.out_of_memory();
         distance += to - at;

@@ -504,7 +504,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
     uint64_t steps_left = finest && work.options.step_limit ? work.options.step_limit : plan.rounds;
     UnitOfLevel unit{!finest};
     Parts parts;
-    uint32_t stalls = 0;
+    uint32_t stalls_left = work.options.unchecked > 0 ? 0 : steering::stalls;
     bool moves_wait = false, zeros_moved = false;
     uint32_t failed = 0;   // steps in a row that were not taken whole
     double tight_from = 0; // the residual before a tight step of the whole level within all bounds
@@ -537,8 +537,9 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             if (!finest) return HMF_OK;
             if (const hmf_status status = newton.step_precisely()) return status;
             if (!newton.look()) return interrupted(work.call);
-            if (model.residual_max > goal && (++stalls > steering::stalls || !newton.move_zeros(goal)))
+            if (model.residual_max > goal && (stalls_left == 0 || !newton.move_zeros(goal)))
                 return end_beyond_rounding(work, goal);
+            stalls_left -= stalls_left > 0;
             progress.forget_least();
             continue;
         }
