@@ -28,6 +28,12 @@ struct Reference {
     }
 };
 
+// Many distances are equal.
+Pair drawn(test::Random& random) {
+    const double distance = static_cast<double>(random.below(40));
+    return {distance, static_cast<uint32_t>(random.below(1000))};
+}
+
 double near_one(test::Random& random) { return 1 + random.unit(); }
 
 TwoDoubles fine(test::Random& random) {
@@ -52,7 +58,7 @@ TEST(NearestFirst, IsAPriorityQueue) {
     for (int i = 0; i < 4000; ++i) {
         // More come than go at first, then all go.
         if (i < 2500 && (reference.queue.empty() || random.below(3) > 0)) {
-            const Pair next(static_cast<double>(random.below(40)), static_cast<uint32_t>(random.below(1000)));
+            const Pair next = drawn(random);
             reference.queue.push(next);
             ASSERT_TRUE(heap.push({next.first, next.second}));
         } else if (!reference.queue.empty()) {
@@ -73,7 +79,7 @@ TEST(NearestFirst, RoundedIsAPriorityQueue) {
     Reference reference;
     for (int i = 0; i < 4000; ++i) {
         if (i < 2500 && (reference.queue.empty() || random.below(3) > 0)) {
-            const Pair next(static_cast<double>(random.below(40)), static_cast<uint32_t>(random.below(1000)));
+            const Pair next = drawn(random);
             reference.queue.push(next);
             ASSERT_TRUE(heap.push(next.first, next.second));
         } else if (!reference.queue.empty()) {
