@@ -532,7 +532,7 @@ hmf_status newton_level(LevelWork& work, double tolerance) {
             return HMF_OK;
         }
         const uint32_t patience = zeros_moved ? std::max(unit.patience, steering::patience_with_zeros) : unit.patience;
-        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, model.resting.size(), patience)) {
+        if (!parts.in_a_row && !progress.goes_on(residual, model.energy, patience)) {
             if (finest && unit.is_refined(work, goal, progress)) continue;
             if (!finest) return HMF_OK;
             if (const hmf_status status = newton.step_precisely()) return status;

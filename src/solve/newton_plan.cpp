@@ -31,14 +31,12 @@ Effort effort_for_part(Effort effort) {
     return effort;
 }
 
-bool Progress::goes_on(double residual, double energy, size_t zeros, uint32_t patience) {
-    if (residual < steering::less_residual * least_residual_ || energy < least_energy_ * (1 - steering::less_energy)
-        || zeros < fewest_zeros_)
+bool Progress::goes_on(double residual, double energy, uint32_t patience) {
+    if (residual < steering::less_residual * least_residual_ || energy < least_energy_ * (1 - steering::less_energy))
         without_ = 0;
     else if (++without_ > patience) return false;
     least_residual_ = std::min(least_residual_, residual);
     least_energy_ = std::min(least_energy_, energy);
-    fewest_zeros_ = std::min(fewest_zeros_, zeros);
     return true;
 }
 

@@ -25,13 +25,12 @@ Effort effort_for_part(Effort effort);
 class Progress {
 public:
     // False: not for so many rounds.
-    bool goes_on(double residual, double energy, size_t zeros, uint32_t patience);
+    bool goes_on(double residual, double energy, uint32_t patience);
     void forget_least() { least_residual_ = least_energy_ = none; }
 
 private:
     static constexpr double none = 1e300;
     double least_residual_ = none, least_energy_ = none;
-    size_t fewest_zeros_ = SIZE_MAX;
     uint32_t without_ = 0;
 };
 

@@ -37,8 +37,7 @@ constexpr double double_residual = 0.3;
 // One or two extrema of a step are no limb but lie near the zeros, and are settled by moves.
 constexpr uint64_t few_extrema_on_double = 2;
 
-// Progress is half of the least residual yet, so much less energy, or fewer vertices with a zero than ever: needles in
-// rings have hundreds of them, of which a round moves some into triangles while the residual stays.
+// Progress is half of the least residual yet, or so much less energy.
 constexpr double less_residual = 0.5;
 constexpr double less_energy = 1e-9;
 constexpr uint32_t patience = 12; // rounds without progress, after which a level has stalled
