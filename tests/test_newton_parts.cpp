@@ -463,12 +463,12 @@ TEST(Layout, TooWideIsPushedBack) {
     for (const uint32_t h : seams.hanging) tree[edge_of(h)] = 1;
     uint32_t pushed = 0;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        ASSERT_LT(std::abs(layout.u[h]), 2 * back);
-        ASSERT_LT(std::abs(layout.v[h]), 2 * back);
-        ASSERT_EQ(layout.u[mesh.next[h]] - layout.u[h], du.at(bundle, h));
-        ASSERT_EQ(layout.v[mesh.next[h]] - layout.v[h], dv.at(bundle, h));
+        ASSERT_LT(std::abs(layout.at[h].u), 2 * back);
+        ASSERT_LT(std::abs(layout.at[h].v), 2 * back);
+        ASSERT_EQ(layout.at[mesh.next[h]].u - layout.at[h].u, du.at(bundle, h));
+        ASSERT_EQ(layout.at[mesh.next[h]].v - layout.at[h].v, dv.at(bundle, h));
         if (!tree[edge_of(h)]) continue;
-        const int64_t shift = layout.u[twin(h)] - layout.u[mesh.next[h]];
+        const int64_t shift = layout.at[twin(h)].u - layout.at[mesh.next[h]].u;
         ASSERT_TRUE(shift == 0 || shift == back || shift == -back);
         pushed += shift != 0;
     }

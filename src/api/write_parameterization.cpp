@@ -166,8 +166,7 @@ public:
             for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
                 if (end - e > ahead) {
                     const uint32_t there = mesh_.next[2 * (e + ahead) + 1];
-                    prefetch(&layout.u[there]);
-                    prefetch(&layout.v[there]);
+                    prefetch(&layout.at[there]);
                 }
                 // The same either way: nothing.
                 if (from_.is_seam(e, from_.transition(mesh_, flat_.bundle, 2 * e))) edge(e, part);
@@ -191,10 +190,8 @@ private:
     // What is read and written for a triangle that comes soon.
     HMF_INLINE void prefetch_triangle(CallerTriangles::Of of) const {
         const uint32_t h = of.side, n = mesh_.next[h];
-        prefetch(&from_.layout.u[h]);
-        prefetch(&from_.layout.v[h]);
-        prefetch(&from_.layout.u[n]);
-        prefetch(&from_.layout.v[n]);
+        prefetch(&from_.layout.at[h]);
+        prefetch(&from_.layout.at[n]);
         prefetch(&mesh_.next[n]);
         if (of.triangle >= shown_) return;
         prefetch(&to_.corner_uv[6 * size_t{of.triangle}]);
@@ -210,8 +207,9 @@ private:
         double* uv = fill(to_.corner_uv) + 6 * t;
         uint32_t h = of.side;
         for (size_t s = 0; s < 3; ++s, h = mesh_.next[h]) {
-            *uv++ = static_cast<double>(from_.layout.u[h]) * unit_;
-            *uv++ = static_cast<double>(from_.layout.v[h]) * unit_;
+            const Layout::Point& at = from_.layout.at[h];
+            *uv++ = static_cast<double>(at.u) * unit_;
+            *uv++ = static_cast<double>(at.v) * unit_;
         }
     }
 

@@ -76,16 +76,34 @@ public:
                 }
             }
         }
+        // What is missing is read in the order of memory, and kept up to date on the way to the roots.
+        Array<int64_t> rest;
+        if (!rest.allocate(memory, n) || !call.pass(n, 0, [&](size_t begin, size_t end) {
+                for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
+                    if (end - v > Stars::ahead)
+                        for (const uint32_t h : charts_.stars.of(v + Stars::ahead)) prefetch(&flux_.value[edge_of(h)]);
+                    rest[v] = missing(v);
+                }
+            }))
+            return false;
         for (uint32_t i = size; i-- > roots;) {
             if (i % STRIDE == 0 && !call.tick(0)) return false;
-            if (i >= 3 * Stars::ahead) {
-                prefetch(&charts_.stars.offset[order_[i - 3 * Stars::ahead]]);
-                prefetch(charts_.stars.of(order_[i - 2 * Stars::ahead]).begin());
-                for (const uint32_t h : charts_.stars.of(order_[i - Stars::ahead])) prefetch(&flux_.value[edge_of(h)]);
+            if (i >= 2 * Stars::ahead) {
+                prefetch(&parent_[order_[i - 2 * Stars::ahead]]);
+                const uint32_t soon = order_[i - Stars::ahead], h = parent_[soon];
+                prefetch(&rest[soon]);
+                prefetch(&charts_.chart[h]);
+                prefetch(&flux_.value[edge_of(h)]);
+                prefetch(&mesh_.origin[twin(h)]);
             }
-            carry(order_[i]);
+            const uint32_t v = order_[i], h = parent_[v];
+            const int64_t flux = charts_.chart[h] * rest[v];
+            flux_.add(bundle_, h, -flux);
+            // The same flux from the other side.
+            rest[mesh_.target(h)] += charts_.chart[twin(h)] * bundle_.turn[edge_of(h)] * flux;
         }
-        return has_odd || missing(0) == 0 || turn_round(size, memory);
+        assert(has_odd || rest[0] == missing(0));
+        return has_odd || rest[0] == 0 || turn_round(size, memory);
     }
 
 private:

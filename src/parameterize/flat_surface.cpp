@@ -33,16 +33,16 @@ hmf_status flat_surface(State& state, FlatSurface& flat, Call& call) {
     return HMF_OK;
 }
 
-Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call) {
-    Foliation& f = state.foliation;
-    if (state.level == 0 && state.triangulation == Triangulation::intrinsic) {
-        const hmf_hierarchy& h = *state.hierarchy;
-        if (h.intrinsic_flip_count > 0 && !state.own(call)) return false;
-        for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
-            if (i % 4096 == 0 && !call.tick(0)) return false;
-            unflip_forms(f.mesh, h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);
-        }
-        state.triangulation = Triangulation::input;
+Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call) {
+    const hmf_hierarchy& h = *state.hierarchy;
+    if (state.level > 0 || state.triangulation == Triangulation::input || h.intrinsic_flip_count == 0) return true;
+    const Mesh& mesh = state.foliation.mesh;
+    Array<uint32_t> next; // of the mesh on the way: forms need no more of it
+    if (!next.allocate(call.memory, size_t{2} * mesh.edge_count)) return false;
+    call.parallel.copy(next.data(), mesh.next, next.size());
+    for (size_t i = h.intrinsic_flip_count; i-- > 0;) {
+        if (i % 4096 == 0 && !call.tick(0)) return false;
+        unflip_forms(next.data(), h.intrinsic_flips[i], flat.bundle, flat.du, flat.dv);
     }
     return true;
 }

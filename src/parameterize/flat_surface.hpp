@@ -17,8 +17,8 @@ struct FlatSurface {
 // of the state stay as they are.
 [[nodiscard]] hmf_status flat_surface(State& state, FlatSurface& flat, Call& call);
 
-// Carries mesh and forms of level 0 to the caller's triangulation.  The values of the state stay behind.
-Done flat_surface_to_input(State& state, FlatSurface& flat, Call& call);
+// Carries the forms of level 0 from the intrinsic triangulation of the state to the caller's.  The state stays behind.
+Done flat_surface_to_input(const State& state, FlatSurface& flat, Call& call);
 
 // Cone angle of each vertex as a multiple of pi.  They add up to the number of
 // faces: each face has one corner in the middle, by u, then v, then number.

@@ -78,7 +78,8 @@ Transition Parameterization::transition(const Mesh& mesh, const SignBundle& bund
     const uint32_t t = twin(h), there = mesh.next[t];
     const int8_t sign =
         static_cast<int8_t>(layout.chart[mesh.face[h]] * layout.chart[mesh.face[t]] * bundle.turn[edge_of(h)]);
-    return {sign, layout.u[there] - sign * layout.u[h], layout.v[there] - sign * layout.v[h]};
+    const Layout::Point &from = layout.at[h], &to = layout.at[there];
+    return {sign, to.u - sign * from.u, to.v - sign * from.v};
 }
 
 hmf_status Parameterization::build(const Mesh& mesh, const double* position, const FlatSurface& flat, uint32_t start,
@@ -102,8 +103,9 @@ AffineMap Parameterization::map_of(const Mesh& mesh, const double* position, uin
     const uint32_t h[3] = {side, mesh.next[side], mesh.prev(side)};
     double u[3], v[3];
     for (int c = 0; c < 3; ++c) {
-        u[c] = static_cast<double>(layout.u[h[c]] - layout.u[side]) * unit;
-        v[c] = static_cast<double>(layout.v[h[c]] - layout.v[side]) * unit;
+        const Layout::Point &p = layout.at[h[c]], &first = layout.at[side];
+        u[c] = static_cast<double>(p.u - first.u) * unit;
+        v[c] = static_cast<double>(p.v - first.v) * unit;
     }
     AffineMap map = affine_map(position + size_t{3} * mesh.origin[h[0]], position + size_t{3} * mesh.origin[h[1]],
                                position + size_t{3} * mesh.origin[h[2]], u, v);

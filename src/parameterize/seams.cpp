@@ -107,15 +107,16 @@ public:
         };
         if (!call_.pass(sides, 0, count)) return false;
         ++free_sides_[root];
-        for (uint32_t start = 0; start < sides; ++start) {
-            if (free_sides_[mesh_.face[start]] != 1) continue;
+        // The last sides are those that only the finest level has: neighbours in memory are neighbours on the surface.
+        for (uint32_t start = sides; start-- > 0;) {
             // Along a chain: the faces behind the branches of it come later.
-            for (uint32_t h = start; free_sides_[mesh_.face[h]] == 1;) {
+            uint32_t h = start;
+            for (uint32_t face = mesh_.face[h]; free_sides_[face] == 1; face = mesh_.face[h]) {
                 if (hanging.size() % STRIDE == 0 && !call_.tick(0)) return false;
-                while (!is_free(h)) h = mesh_.next[h];
+                h = free_side(h);
                 role_[edge_of(h)] = HANGING;
                 hanging.add(h);
-                --free_sides_[mesh_.face[h]];
+                free_sides_[face] = 0;
                 h = twin(h);
                 --free_sides_[mesh_.face[h]];
             }
@@ -152,6 +153,12 @@ public:
 
 private:
     bool is_free(uint32_t h) const { return role_[edge_of(h)] == FREE; }
+    // The one of the face of h; without branches, which nobody could foretell.
+    uint32_t free_side(uint32_t h) const {
+        const uint32_t n = mesh_.next[h], p = mesh_.next[n];
+        const uint32_t other = is_free(n) ? n : p;
+        return is_free(h) ? h : other;
+    }
 
     const Mesh& mesh_;
     uint8_t* role_;
@@ -235,32 +242,28 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     const size_t sides = size_t{2} * mesh.edge_count;
     Array<uint32_t> trunk; // half-edges, whose faces are laid out
     trunk.start(memory);
-    if (!u.allocate(memory, sides) || !v.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0)
-        || !call.tick(0))
+    if (!at.allocate(memory, sides) || !chart.allocate_filled(memory, mesh.face_count, 0) || !call.tick(0))
         return false;
     // From the value at h round its face.
     const auto lay = [&](uint32_t h) {
         const int8_t s = chart[mesh.face[h]];
         const uint32_t n = mesh.next[h], p = mesh.next[n];
-        u[n] = u[h] + s * du.at(bundle, h);
-        v[n] = v[h] + s * dv.at(bundle, h);
-        u[p] = u[n] + s * du.at(bundle, n);
-        v[p] = v[n] + s * dv.at(bundle, n);
+        at[n] = {at[h].u + s * du.at(bundle, h), at[h].v + s * dv.at(bundle, h)};
+        at[p] = {at[n].u + s * du.at(bundle, n), at[n].v + s * dv.at(bundle, n)};
     };
     // The face of t, beside that of its twin.
     const auto lay_beside = [&](uint32_t t) {
         constexpr int64_t limit = int64_t{1} << 52;
         const uint32_t h = twin(t);
         chart[mesh.face[t]] = static_cast<int8_t>(chart[mesh.face[h]] * bundle.turn[edge_of(t)]);
-        u[t] = u[mesh.next[h]];
-        v[t] = v[mesh.next[h]];
+        const auto inside = [](int64_t x) { return x > limit ? x - limit : x < -limit ? x + limit : x; };
         // Too far from 0 for an exact double: a seam with a translation more.
-        u[t] += u[t] > limit ? -limit : u[t] < -limit ? limit : 0;
-        v[t] += v[t] > limit ? -limit : v[t] < -limit ? limit : 0;
+        const Point& beside = at[mesh.next[h]];
+        at[t] = {inside(beside.u), inside(beside.v)};
         lay(t);
     };
     chart[mesh.face[seams.root]] = 1;
-    u[seams.root] = v[seams.root] = 0;
+    at[seams.root] = {0, 0};
     lay(seams.root);
     if (!trunk.push(seams.root)) return false;
     for (size_t i = 0; i < trunk.size(); ++i) {
@@ -281,8 +284,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
             prefetch(&mesh.face[h]);
             prefetch(&mesh.next[n]);
             for (const uint32_t t : {h, n}) {
-                prefetch(&u[t]);
-                prefetch(&v[t]);
+                prefetch(&at[t]);
                 prefetch(&du.value[edge_of(t)]);
                 prefetch(&dv.value[edge_of(t)]);
             }

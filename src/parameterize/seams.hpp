@@ -36,7 +36,10 @@ Done cut_through_cones(const Mesh& mesh, const Stars& stars, const double* lengt
 // same from both sides of every edge that is not on a seam, but where a layout
 // that is too wide is pushed back by 2^52.
 struct Layout {
-    Array<int64_t> u, v; // per half-edge
+    struct Point {
+        int64_t u, v;
+    };
+    Array<Point> at;     // per half-edge
     Array<int8_t> chart; // per face: sign of the layout in the chart of the face
     Done build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm& du, const TwistedForm& dv,
                const Seams& seams, Call& call);

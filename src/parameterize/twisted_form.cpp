@@ -397,9 +397,9 @@ hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bun
 //       i A|B j       ->      i--h->j       their values go to the chart of the
 //        \ h /                 \ B /        new one.  The flipped edge is the
 //          l                     l          sum of two others, the form is closed.
-void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv) {
-    const uint32_t h = 2 * edge, il = mesh.next[mesh.next[h]], jk = mesh.next[mesh.next[twin(h)]];
-    unflip(mesh, edge);
+void unflip_forms(uint32_t* next, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv) {
+    const uint32_t h = 2 * edge, il = next[next[h]], jk = next[next[twin(h)]];
+    unflip_sides(next, edge);
     if (bundle.turn[edge] < 0) {
         const uint32_t changed[2] = {jk, il};
         for (const uint32_t moved : changed) {
@@ -410,7 +410,7 @@ void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du
             dv.value[e] = -dv.value[e];
         }
     }
-    const uint32_t ki = mesh.next[mesh.next[h]];
+    const uint32_t ki = next[next[h]];
     du.value[edge] = -(du.at(bundle, jk) + du.at(bundle, ki));
     dv.value[edge] = -(dv.at(bundle, jk) + dv.at(bundle, ki));
 }

@@ -51,7 +51,7 @@ struct VertexCharts {
 [[nodiscard]] hmf_status form_of_foliation(Foliation& f, const double* weight, SignBundle& bundle, TwistedForm& du,
                                            Call& call);
 
-// Reverses a flip of an edge of a mesh, its bundle and two forms on it.
-void unflip_forms(Mesh& mesh, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);
+// Reverses a flip of an edge of a mesh, of which `next` is enough, its bundle and two forms on it.
+void unflip_forms(uint32_t* next, uint32_t edge, SignBundle& bundle, TwistedForm& du, TwistedForm& dv);
 
 } // namespace hmf
