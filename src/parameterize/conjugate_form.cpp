@@ -76,13 +76,14 @@ public:
                 }
             }
         }
-        // What is missing is read in the order of memory, and kept up to date on the way to the roots.
+        // What is missing is read in the order of memory, and kept up to date on the way to the roots; nothing is at odd
+        // zeros, where it would not be small.
         Array<int64_t> rest;
         if (!rest.allocate(memory, n) || !call.pass(n, 0, [&](size_t begin, size_t end) {
                 for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
                     if (end - v > Stars::ahead)
                         for (const uint32_t h : charts_.stars.of(v + Stars::ahead)) prefetch(&flux_.value[edge_of(h)]);
-                    rest[v] = missing(v);
+                    rest[v] = charts_.odd[v] ? 0 : missing(v);
                 }
             }))
             return false;
