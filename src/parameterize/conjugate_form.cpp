@@ -89,7 +89,7 @@ public:
             return false;
         for (uint32_t i = size; i-- > roots;) {
             if (i % STRIDE == 0 && !call.tick(0)) return false;
-            if (i >= 2 * Stars::ahead) {
+            if (i >= roots + 2 * Stars::ahead) {
                 prefetch(&parent_[order_[i - 2 * Stars::ahead]]);
                 const uint32_t soon = order_[i - Stars::ahead], h = parent_[soon];
                 prefetch(&rest[soon]);
