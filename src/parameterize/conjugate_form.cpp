@@ -76,8 +76,8 @@ public:
                 }
             }
         }
-        // What is missing is read in the order of memory, and kept up to date on the way to the roots; nothing is at odd
-        // zeros, where it would not be small.
+        // What is missing is read in the order of memory, and kept up to date on the way to the roots.  At odd zeros
+        // nothing is read: it would not be small.
         Array<int64_t> rest;
         if (!rest.allocate(memory, n) || !call.pass(n, 0, [&](size_t begin, size_t end) {
                 for (uint32_t v = static_cast<uint32_t>(begin); v < end; ++v) {
