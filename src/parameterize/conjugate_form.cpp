@@ -98,10 +98,10 @@ public:
                 prefetch(&mesh_.origin[twin(h)]);
             }
             const uint32_t v = order_[i], h = parent_[v];
-            const int64_t flux = charts_.chart[h] * rest[v];
-            flux_.add(bundle_, h, -flux);
-            // The same flux from the other side.
-            rest[mesh_.target(h)] += charts_.chart[twin(h)] * bundle_.turn[edge_of(h)] * flux;
+            carry(v, rest[v]);
+            // The same from the other side.
+            const int chart = charts_.chart[h] * charts_.chart[twin(h)] * bundle_.turn[edge_of(h)];
+            rest[mesh_.target(h)] += chart * rest[v];
         }
         assert(has_odd || rest[0] == missing(0));
         return has_odd || rest[0] == 0 || turn_round(size, memory);
@@ -114,9 +114,10 @@ private:
         return sum;
     }
 
-    void carry(uint32_t v) {
+    // What is missing at v, to its parent.
+    void carry(uint32_t v, int64_t rest) {
         const uint32_t h = parent_[v];
-        flux_.add(bundle_, h, -charts_.chart[h] * missing(v));
+        flux_.add(bundle_, h, -charts_.chart[h] * rest);
     }
 
     // No odd zero, but closed paths that come back with the opposite sign: half
@@ -137,8 +138,8 @@ private:
             const uint32_t h = 2 * e, v = mesh_.origin[h], w = mesh_.target(h);
             if (gauge[v] * gauge[w] == relative(h)) continue;
             flux_.add(bundle_, h, -gauge[v] * charts_.chart[h] * (missing(0) / 2));
-            for (uint32_t x = v; x != 0; x = mesh_.target(parent_[x])) carry(x);
-            for (uint32_t x = w; x != 0; x = mesh_.target(parent_[x])) carry(x);
+            for (uint32_t x = v; x != 0; x = mesh_.target(parent_[x])) carry(x, missing(x));
+            for (uint32_t x = w; x != 0; x = mesh_.target(parent_[x])) carry(x, missing(x));
             break;
         }
         return true;
