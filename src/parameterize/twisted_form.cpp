@@ -17,6 +17,10 @@
 // Where zeros are so dense that corners run out, one is dragged to a vertex
 // further away (zero_drag.hpp).
 //
+// Clusters.  Zero triangles are given to the outside one by one; a graph of zero
+// edges is left, across which u goes on as across a leaf.  The zeros of the cluster
+// lie where this graph branches, and move along it to the vertices that take them.
+//
 // At a marked vertex the chart comes back with the opposite sign, as round a
 // pole.  A zero that shares its place with one gets a vertex of its own: the
 // nearest neighbour moves there, so that both are one cluster, with as many
@@ -75,9 +79,8 @@ public:
         if (!call_.tick(0)) return call_.was_cancelled();
         if (!call_.pass(m, 0, [&](size_t begin, size_t end) {
                 for (size_t e = begin; e < end; ++e) {
-                    const int8_t a = sign_[2 * e], b = sign_[2 * e + 1];
-                    bundle_.turn[e] = a == 0 ? turn_across(static_cast<uint32_t>(e)) : static_cast<int8_t>(-a * b);
-                    du_.value[e] = a * f_.value[e];
+                    bundle_.turn[e] = static_cast<int8_t>(-sign_[2 * e] * sign_[2 * e + 1]);
+                    du_.value[e] = sign_[2 * e] * f_.value[e];
                 }
             }))
             return call_.was_cancelled();
@@ -89,15 +92,16 @@ public:
     }
 
 private:
-    // Signs in a face whose longest side is h: h is the sum of the two others.
+    // Signs in a face whose longest side is h: h is the sum of the two others.  A zero side gets the sign of u of the
+    // corner opposite to it.
     void sign_face(uint32_t h) {
-        sign_[h] = 1;
         const uint32_t n = mesh_.next[h], p = mesh_.next[n];
-        sign_[n] = static_cast<int8_t>(f_.at(n) ? -1 : 0);
-        sign_[p] = static_cast<int8_t>(f_.at(p) ? -1 : 0);
+        sign_[h] = 1;
+        sign_[n] = -1;
+        sign_[p] = static_cast<int8_t>(f_.at(p) ? -1 : 1);
     }
 
-    // False: a tripod.
+    // False: a tripod, or a zero triangle.
     bool sign_regular_face(uint32_t h, uint32_t n, uint32_t p) {
         const uint32_t side[3] = {h, n, p};
         for (const uint32_t x : side) {
@@ -106,29 +110,50 @@ private:
             sign_face(x);
             return true;
         }
-        return f_.at(h) == 0 && f_.at(n) == 0 && f_.at(p) == 0;
+        return false;
     }
 
     Done sign_faces() {
         const size_t sides = size_t{2} * mesh_.edge_count, block = Parallel::pass_block(sides);
-        uint32_t tripods[Parallel::most_parts] = {};
+        uint32_t others[Parallel::most_parts] = {};
         const auto sign = [&](size_t begin, size_t end) {
             uint32_t found = 0;
             for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(end),
                           [&](uint32_t h, uint32_t n, uint32_t p) { found += !sign_regular_face(h, n, p); });
-            tripods[begin / block] = found;
+            others[begin / block] = found;
         };
         if (!call_.pass(sides, 0, sign)) return false;
         // They are few: the blocks that have some are read again.
         for (size_t begin = 0; begin < sides; begin += block) {
-            if (tripods[begin / block] == 0) continue;
+            if (others[begin / block] == 0) continue;
             bool listed = true;
             for_each_face(mesh_, static_cast<uint32_t>(begin), static_cast<uint32_t>(std::min(begin + block, sides)),
                           [&](uint32_t h, uint32_t n, uint32_t p) {
-                              if (listed && !sign_regular_face(h, n, p))
-                                  listed = static_cast<bool>(tripod_.push(h) && corner_.push(NONE));
+                              if (!listed || sign_regular_face(h, n, p)) return;
+                              if (f_.at(h) != 0) listed = static_cast<bool>(tripod_.push(h) && corner_.push(NONE));
+                              else listed = static_cast<bool>(queue_.push(h));
                           });
             if (!listed) return false;
+        }
+        return give_zero_triangles_to_the_outside();
+    }
+
+    // Zero triangles, listed in queue_: as long as one has a side where a neighbor has its signs, it joins that
+    // neighbor, in the same chart.  u leaves its other sides as it left that one.
+    Done give_zero_triangles_to_the_outside() {
+        Array<uint32_t> entered; // sides of zero triangles, with a neighbor that has its signs
+        entered.start(memory_);
+        for (const uint32_t h : queue_)
+            for (const uint32_t x : {h, mesh_.next[h], mesh_.prev(h)})
+                if (sign_[twin(x)] != 0 && !entered.push(x)) return false;
+        queue_.clear();
+        for (size_t i = 0; i < entered.size(); ++i) {
+            const uint32_t h = entered[i], n = mesh_.next[h], p = mesh_.next[n];
+            if (sign_[h] != 0) continue;
+            sign_[n] = sign_[p] = sign_[twin(h)];
+            sign_[h] = static_cast<int8_t>(-sign_[twin(h)]);
+            for (const uint32_t x : {twin(n), twin(p)})
+                if (sign_[x] == 0 && !entered.push(x)) return false;
         }
         return true;
     }
@@ -276,12 +301,6 @@ private:
         }
     }
 
-    // That of a zero edge if u goes on from one side of it to the other, as across a leaf.
-    int8_t turn_across(uint32_t e) const {
-        const int8_t a = sign_[mesh_.next[2 * e]], b = sign_[mesh_.next[2 * e + 1]]; // out of the edge, both
-        return a == 0 || b == 0 ? 1 : static_cast<int8_t>(-a * b);
-    }
-
     // The zeros of a cluster go one by one to the vertices with most closed corners.  Sets odd_ and taken_.
     Done place_zeros_of_clusters() {
         Array<uint8_t> closed;
@@ -320,9 +339,8 @@ private:
         return true;
     }
 
-    // All vertices of a cluster but its zeros shall be even: the turns along a spanning tree see to that.  Round a
-    // closed leaf made of edges they are even both ways, if u goes on across all edges and if it turns back at all:
-    // turn_across decides.
+    // All vertices of a cluster but its zeros shall be even: the turns along a spanning tree of its zero edges see to
+    // that.  A change of the turns along a path moves one zero from end to end, which is an isotopy (mathematics, 10).
     Done turn_zero_edges() {
         Array<uint32_t> parent; // half-edge to the parent
         if (!parent.allocate(memory_, mesh_.vertex_count)) return false;
