@@ -9,7 +9,8 @@ by side.  Closed triangle meshes of one component.  Columns:
   quads        their number
   sound        closed, oriented, manifold, one component, the genus of the input, four corners each
   irregular    vertices with another number of edges than 4
-  inverted     quads with a corner of 180 degrees or more, seen along the cross product of the diagonals
+  inverted     quads with a corner of 180 degrees or more, seen along the cross product of the diagonals, and those for which
+               that is opposite to the normals of the input at all of 8 points near the middle
   aspect       longest / shortest side of a quad, 95 % quantile
   angle        degrees by which a corner is off 90, 95 % quantile
   spread       area of the quads, 95 % quantile / 5 % quantile
@@ -84,6 +85,10 @@ def figures(points, triangles, vertices, quads):
     chosen = random.choice(len(triangles), 50000, p=areas / areas.sum())
     weights = random.dirichlet([1, 1, 1], len(chosen))
     samples = np.concatenate([points[np.unique(triangles)], (points[triangles[chosen]] * weights[:, :, None]).sum(1)])
+    upright = ends / np.maximum(2 * areas, 1e-300)[:, None]
+    near = cKDTree(samples[-len(chosen):]).query(corner.mean(1), k=8)[1]
+    agree = (upright[chosen][near] * (normal / np.maximum(2 * area, 1e-300)[:, None])[:, None]).sum(2).max(1) > 0
+    is_inverted = ((np.cross(ahead, back) * normal[:, None]).sum(2) <= 0).any(1) | ~agree
     short = norm(corner[:, 0] - corner[:, 2]) > norm(corner[:, 1] - corner[:, 3])
     turned = np.where(short[:, None], np.roll(quads, -1, axis=1), quads)
     halves = np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
@@ -92,13 +97,13 @@ def figures(points, triangles, vertices, quads):
         "quads": len(quads),
         "sound": "yes" if is_sound(quads, euler(triangles, half_edges(triangles))) else "no",
         "irregular": int((degree[degree > 0] != 4).sum()),
-        "inverted": int(((np.cross(ahead, back) * normal[:, None]).sum(2) <= 0).any(1).sum()),
+        "inverted": int(is_inverted.sum()),
         "aspect": np.quantile(sides.max(1) / np.maximum(sides.min(1), 1e-300), 0.95),
         "angle": np.quantile(np.abs(np.degrees(np.arccos(np.clip(cosine, -1, 1))) - 90), 0.95),
         "spread": np.quantile(area, 0.95) / max(np.quantile(area, 0.05), 1e-300),
         "distance": 100 * distance / norm(np.ptp(points, axis=0)),
         "covered": area.sum() / areas.sum(),
-        "sharp": sharp_share(points, triangles, ends / np.maximum(2 * areas, 1e-300)[:, None], vertices, quads, sides.mean()),
+        "sharp": sharp_share(points, triangles, upright, vertices, quads, sides.mean()),
     }
 
 

@@ -8,6 +8,7 @@
 #include "../src/quads/boundary_walk.hpp"
 #include "../src/quads/fit_quads.hpp"
 #include "../src/quads/line_walk.hpp"
+#include "../src/quads/quad_figures.hpp"
 #include "../src/quads/quad_mesh.hpp"
 #include "../src/quads/quad_shape.hpp"
 #include "../src/quads/relax_quads.hpp"
@@ -286,7 +287,7 @@ TEST(SquareCorners, DisorderBecomesSquares) {
         };
         EXPECT_GT(most_off(), 0.29);
         ASSERT_EQ(hmf::square_corners(mesh, position, 400, 0, quads, call), HMF_OK);
-        ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+        ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
         EXPECT_EQ(figures.inverted, 0u);
         if (tip > 0) EXPECT_LT(quads.positions[3 * MIDDLE] - N / 2, 0.6);
         else EXPECT_LT(most_off(), 0.02);
@@ -379,11 +380,19 @@ TEST(UnfoldQuads, PatchFaceDownIsTurned) {
     };
     const size_t before = inwards();
     EXPECT_GE(before, (HIGH - LOW) * (HIGH - LOW));
+    hmf::QuadFigures figures;
+    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
+    EXPECT_EQ(figures.inverted, before);
+    EXPECT_GT(figures.area, N * N + 2 * (HIGH - LOW) * (HIGH - LOW) - 1e-9);
     hmf::Unfolded unfolded;
     ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
     EXPECT_TRUE(unfolded.better);
     EXPECT_EQ(inwards(), 0u);
-    EXPECT_EQ(quads.positions[0], 0); // what is held stays
+    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
+    EXPECT_EQ(figures.inverted, 0u);
+    EXPECT_NEAR(figures.area, N * N, 1e-9);
+    EXPECT_NEAR(figures.distance, std::sqrt(40.0 * 40 + 48 * 48), 1e-9); // of the corner of the surface
+    EXPECT_EQ(quads.positions[0], 0);                                    // what is held stays
 }
 
 namespace {
@@ -478,7 +487,7 @@ TEST_F(OnATriangle, VerticesSlideAlongTheBoundary) {
     ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
     EXPECT_TRUE(unfolded.better);
     hmf::QuadFigures figures;
-    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 0u);
     for (uint32_t i = 0; i <= N; ++i) {
         EXPECT_EQ(quads.positions[3 * i * (N + 1) + 1], -40);
@@ -508,11 +517,11 @@ TEST_F(OnATriangle, VerticesLeaveItAsALastResort) {
     hmf::QuadFigures figures;
     hmf::Unfolded unfolded;
     ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::on_surface, quads, unfolded, call), HMF_OK);
-    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_EQ(figures.inverted, 2u);
     EXPECT_GE(height(), -40);
     ASSERT_EQ(hmf::unfold_quads(mesh, position, hmf::Unfold::off_surface, quads, unfolded, call), HMF_OK);
-    ASSERT_EQ(hmf::quad_figures(quads, figures, call), HMF_OK);
+    ASSERT_EQ(hmf::quad_figures(mesh, position, nullptr, quads, figures, call), HMF_OK);
     EXPECT_TRUE(unfolded.better);
     EXPECT_EQ(figures.inverted, 0u);
     EXPECT_LT(height(), -41);

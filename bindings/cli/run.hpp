@@ -121,6 +121,7 @@ private:
 
     // Report.
     void report();
+    std::string area_sentence() const;
     std::string design_sentence() const;
     readers::Json report_json(double seconds) const;
     // Sums over the components, then their own reports.
@@ -159,9 +160,10 @@ private:
         uint64_t collapsed = 0;
     } atlas_; // written
     std::vector<Owned<hmf_quad_mesh>> quad_meshes_;
-    size_t leaves_ = 0, quads_ = 0;       // written
-    size_t irregular_ = 0, inverted_ = 0; // vertices, quads
-    size_t fewest_ = 0;                   // quads where as few as possible are wished; 0: no more than are wished
+    size_t leaves_ = 0, quads_ = 0;                               // written
+    size_t irregular_ = 0, inverted_ = 0;                         // vertices, quads
+    double quad_area_ = 0, covered_area_ = 0, quad_distance_ = 0; // of the quads, of their surface; the greatest
+    size_t fewest_ = 0; // quads where as few as possible are wished; 0: no more than are wished
 };
 
 } // namespace cli

@@ -92,6 +92,10 @@ void Run::make_quad_meshes() {
             quads_ += mesh->quad_count;
             irregular_ += mesh->irregular_count;
             inverted_ += mesh->inverted_count;
+            const double surface = mesh->edge_length * mesh->edge_length * static_cast<double>(mesh->quad_count);
+            quad_area_ += mesh->area_ratio * surface;
+            covered_area_ += surface;
+            quad_distance_ = std::max(quad_distance_, mesh->distance);
         }
     });
     if (r_.count > 0 && static_cast<double>(quads_) > FAR_ABOVE * static_cast<double>(r_.count)) count_fewest();

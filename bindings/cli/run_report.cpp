@@ -15,6 +15,8 @@ namespace {
 
 using readers::Json;
 
+constexpr double FAR_OFF = 0.1; // areas of quads and of their surface
+
 // The sum of a number in the reports of components; null: none has it.
 Json sum(const Json::Array& reports, const char* key) {
     Json total;
@@ -77,7 +79,7 @@ void Run::report() {
     if (r_.count > 0 && quads_ > 0)
         outcome_.summary += "\n" + r_.quads + ": " + counted(quads_, "quad") + ", " + std::to_string(irregular_)
                           + (irregular_ == 1 ? " irregular vertex, " : " irregular vertices, ")
-                          + counted(inverted_, "inverted quad");
+                          + counted(inverted_, "inverted quad") + area_sentence();
     if (fewest_ > 0)
         outcome_.summary += "; " + std::to_string(r_.count)
                           + " were wished, and these loops and marked vertices need about " + std::to_string(fewest_);
@@ -87,6 +89,15 @@ void Run::report() {
     }
     if (kind_ == LOOPS_EVEN) outcome_.summary += "\n" + design_sentence();
     else if (tipped_ > 0) outcome_.summary += "\n" + sentence_of(marks_, tipped_, has_tips_);
+}
+
+// Where quads lie upon others, or do not reach everywhere.
+std::string Run::area_sentence() const {
+    const double ratio = quad_area_ / covered_area_;
+    if (std::fabs(ratio - 1) < FAR_OFF) return {};
+    char text[100];
+    std::snprintf(text, sizeof text, "; they have %.2f times the area of the surface", ratio);
+    return text;
 }
 
 std::string Run::design_sentence() const {
@@ -137,6 +148,8 @@ Json Run::report_json(double seconds) const {
         report.set("quads", quads_);
         report.set("quads_irregular", irregular_);
         report.set("quads_inverted", inverted_);
+        report.set("quads_area_ratio", quad_area_ / covered_area_);
+        report.set("quads_distance", quad_distance_);
         if (fewest_ > 0) report.set("quads_fewest", fewest_);
     }
     return report;

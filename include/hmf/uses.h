@@ -247,8 +247,11 @@ typedef struct hmf_quad_mesh {
     const double *positions;     /* vertex_count x 3; points of the surface, but see relax */
     const uint32_t *quads;       /* quad_count x 4 vertices, oriented as the triangles */
     uint64_t irregular_count;    /* vertices with another number of edges than 4, on the boundary than 3 */
-    uint64_t inverted_count;     /* quads with a corner of 180 degrees or more, seen along the normal of the quad */
+    uint64_t inverted_count;     /* quads with a corner of 0, or of 180 degrees or more, seen from outside the surface
+                                    where they lie: those that are folded over count as well */
     double edge_length;          /* root of the area of the surface / number of quads */
+    double area_ratio;           /* area of the quads / area of the surface; far above 1 where quads lie upon others */
+    double distance;             /* greatest distance of a vertex of the surface from the quads near it */
 } hmf_quad_mesh;
 
 /*

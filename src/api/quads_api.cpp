@@ -57,8 +57,7 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
     QuadMesh made;
     QuadFigures figures;
     double area = 0;
-    if (make_sized_quads(f, h.levels[foliation->level].position, leaves.cylinders, wish, made, area, call)
-        || quad_figures(made, figures, call))
+    if (make_sized_quads(f, h.levels[foliation->level].position, leaves.cylinders, wish, made, area, figures, call))
         return call.status();
     for (double& x : made.positions) x /= h.scale;
     hmf_quad_mesh mesh{sizeof(hmf_quad_mesh),
@@ -69,7 +68,9 @@ extern "C" hmf_status hmf_quads(const hmf_foliation* foliation, const hmf_quad_o
                        nullptr,
                        figures.irregular,
                        figures.inverted,
-                       std::sqrt(area / static_cast<double>(made.quad_count())) / h.scale};
+                       std::sqrt(area / static_cast<double>(made.quad_count())) / h.scale,
+                       figures.area / area,
+                       figures.distance / h.scale};
     ResultBlock block;
     block.array(mesh, mesh.positions, made.positions.size(), made.positions.data());
     block.array(mesh, mesh.quads, made.quads.size(), made.quads.data());

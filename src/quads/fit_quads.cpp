@@ -5,7 +5,7 @@
 #include "fit_quads.hpp"
 
 #include "boundary_corners.hpp"
-#include "boundary_walk.hpp"
+#include "quad_figures.hpp"
 #include "quad_shape.hpp"
 #include "reach_tips.hpp"
 #include "relax_quads.hpp"
@@ -65,11 +65,8 @@ hmf_status untangle(const Mesh& mesh, const double* position, int steps, int aft
         return call.status();
     inverted = unfolded.inverted;
     if (inverted == 0 || !outwards) return HMF_OK;
-    QuadFigures figures;
-    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call) || quad_figures(quads, figures, call))
-        return call.status();
-    inverted = figures.inverted;
-    return HMF_OK;
+    if (relax_quads(mesh, position, 0, Untangle::all, false, quads, call)) return call.status();
+    return count_inverted(mesh, position, quads, inverted, call) ? HMF_OK : call.stopped();
 }
 
 // Is given up before the finest quads where some stay inverted.
@@ -103,45 +100,6 @@ hmf_status fit(const Mesh& mesh, const double* position, const Reflection* front
     return HMF_OK;
 }
 
-// The surface of a double without its back, where points would be seen from behind.
-struct Front {
-    Array<uint32_t> face;
-    Mesh mesh;
-
-    // The vertices of the quads that were found behind are in front then.
-    Done build(const Mesh& whole, const Reflection& reflection, QuadMesh& quads, Memory& memory) {
-        const size_t sides = size_t{2} * whole.edge_count;
-        if (!face.allocate(memory, sides)) return false;
-        for (size_t h = 0; h < sides; ++h) face[h] = reflection.is_front[h] ? whole.face[h] : NONE;
-        mesh = whole;
-        mesh.face = face.data();
-        for (uint32_t& side : quads.sides)
-            if (face[side] == NONE) side = twin(reflection.half_edge[side]);
-        return true;
-    }
-
-    // Those of the boundary lie on its edges; a marked one at a corner stays, and so does one of which it is not
-    // known on which edge it lies.
-    void find_rim(const double* position, QuadMesh& quads) const {
-        for (uint32_t v = 0; v < quads.vertex_count(); ++v) {
-            if (!is_at_boundary(quads.held[v])) continue;
-            const double* const p = &quads.positions[size_t{3} * v];
-            const uint32_t rim = rim_near(mesh, position, quads.sides[v], p);
-            if (rim != NONE) quads.sides[v] = rim;
-            if (rim == NONE || is_marked_corner(position, rim, p)) quads.held[v] = AT_CORNER;
-        }
-    }
-
-    // Whether p is a marked vertex at an end of the boundary edge, and the boundary turns there.
-    bool is_marked_corner(const double* position, uint32_t rim, const double* p) const {
-        for (const uint32_t v : {mesh.origin[rim], mesh.target(rim)}) {
-            const Point off = point(position, v) - point(p, 0);
-            if (mesh.is_marked(v) && !(dot(off, off) > 0)) return true;
-        }
-        return false;
-    }
-};
-
 Done copy(const QuadMesh& from, QuadMesh& to, Memory& memory) {
     return copy(from.positions, to.positions, memory) && copy(from.quads, to.quads, memory)
         && copy(from.sides, to.sides, memory) && copy(from.held, to.held, memory);
@@ -168,21 +126,16 @@ hmf_status fit_better(const Mesh& mesh, const double* position, const Reflection
     if (inverted == 0 || steps == 0) return HMF_OK;
     Unfolded unfolded;
     if (unfold_quads(mesh, position, Unfold::off_surface, quads, unfolded, call)) return call.status();
-    inverted = unfolded.inverted;
-    return HMF_OK;
+    return count_inverted(mesh, position, quads, inverted, call) ? HMF_OK : call.stopped();
 }
 
 } // namespace
 
 hmf_status fit_quads(const Mesh& mesh, const double* position, const Reflection* front, int steps, int halvings,
                      QuadMesh& quads, uint64_t& inverted, Call& call) {
-    if (!front) return fit_better(mesh, position, front, steps, halvings, quads, inverted, call);
-    Front shown;
-    if (!shown.build(mesh, *front, quads, call.memory)) return call.out_of_memory();
-    shown.find_rim(position, quads);
     size_t corners = 0;
-    if (steps > 0 && take_boundary_corners(shown.mesh, position, quads, corners, call)) return call.status();
-    return fit_better(shown.mesh, position, front, steps, halvings, quads, inverted, call);
+    if (front && steps > 0 && take_boundary_corners(mesh, position, quads, corners, call)) return call.status();
+    return fit_better(mesh, position, front, steps, halvings, quads, inverted, call);
 }
 
 } // namespace hmf

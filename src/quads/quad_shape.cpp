@@ -32,8 +32,16 @@ Point view(const Mesh& mesh, const double* position, const QuadMesh& quads, cons
     if (dot(normal, outwards_at(mesh, position, quads, corner)) > CLEARLY) return normal;
     for (size_t k = 0; k < 4; ++k) middle = middle + 0.25 * at(quads, corner[k]);
     const double p[3] = {middle.x, middle.y, middle.z};
-    double nearest[3];
-    const Point there = normal_at(mesh, position, walk_to_nearest(mesh, position, quads.sides[corner[0]], p, nearest));
+    double least = HUGE_VAL;
+    Point there;
+    for (size_t k = 0; k < 4; ++k) {
+        double nearest[3];
+        const uint32_t side = walk_to_nearest(mesh, position, quads.sides[corner[k]], p, nearest);
+        const Point off = point(nearest, 0) - middle;
+        if (!(dot(off, off) < least)) continue;
+        least = dot(off, off);
+        there = normal_at(mesh, position, side);
+    }
     return dot(normal, there) < 0 ? there : normal;
 }
 

@@ -6,16 +6,12 @@
 //     /         \        /   |   \        quads stay best
 //
 // Where it would have to go too far, it goes some way along the edges there; the next time the quads have followed.
-//
-// Each vertex of the surface belongs to the vertex of the quads that is nearest
-// along edges, and is compared with the quads round that.
 #include "reach_tips.hpp"
 
 #include "../base/heap_sort.hpp"
-#include "../base/nearest_first.hpp"
+#include "nearest_quads.hpp"
 #include "quad_shape.hpp"
 #include "sharp_edges.hpp"
-#include "surface_walk.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,49 +37,13 @@ public:
     hmf_status run(size_t& moved) {
         moved = 0;
         tips_.start(call_.memory);
-        if (!stars_.build(quads_, call_.memory) || !find_owners() || !find_tips()) return call_.stopped();
+        if (!stars_.build(quads_, call_.memory) || !near_.build(mesh_, position_, front_, quads_, stars_, call_)
+            || !find_tips())
+            return call_.stopped();
         return reach(moved) ? HMF_OK : call_.stopped();
     }
 
 private:
-    bool is_in_front(uint32_t h) const { return !front_ || front_->is_front[h] || front_->is_front[twin(h)]; }
-
-    // By Dijkstra's algorithm from the corners of the triangles where vertices of quads lie.
-    Done find_owners() {
-        const uint32_t n = mesh_.vertex_count;
-        NearestFirst heap;
-        Array<double> distance;
-        heap.start(call_.memory);
-        if (!distance.allocate_filled(call_.memory, n, HUGE_VAL) || !owner_.allocate_filled(call_.memory, n, NONE)
-            || !before_.allocate_filled(call_.memory, n, NONE))
-            return false;
-        const auto offer = [&](uint32_t x, double d, uint32_t v, uint32_t from) -> Done {
-            if (!(d < distance[x])) return true;
-            distance[x] = d;
-            owner_[x] = v;
-            before_[x] = from;
-            return heap.push({d, x});
-        };
-        for (uint32_t v = 0; v < quads_.vertex_count(); ++v) {
-            uint32_t h = quads_.sides[v];
-            for (int k = 0; k < 3; ++k, h = mesh_.next[h])
-                if (!offer(mesh_.origin[h], length(at(quads_, v) - point(position_, mesh_.origin[h])), v, NONE))
-                    return false;
-        }
-        for (size_t i = 0; !heap.empty(); ++i) {
-            if (i % 16384 == 0 && !call_.tick(0)) return false;
-            const NearestFirst::Entry top = heap.pop();
-            const uint32_t x = top.item;
-            if (top.distance > distance[x]) continue;
-            for (const uint32_t h : mesh_.around(x)) {
-                const uint32_t y = mesh_.target(h);
-                const double d = top.distance + length(point(position_, x) - point(position_, y));
-                if (is_in_front(h) && !offer(y, d, owner_[x], x)) return false;
-            }
-        }
-        return true;
-    }
-
     // The farthest of the vertices that belong to each vertex of the quads, if it is far.
     Done find_tips() {
         double sides = 0;
@@ -95,9 +55,10 @@ private:
             return false;
         for (uint32_t x = 0; x < mesh_.vertex_count; ++x) {
             if (x % 4096 == 0 && !call_.tick(0)) return false;
-            if (owner_[x] == NONE) continue;
-            const FarVertex tip = nearest_quad(x, farthest[owner_[x]].distance);
-            if (tip.quad != NONE) farthest[owner_[x]] = tip;
+            const uint32_t owner = near_.owner(x);
+            if (owner == NONE) continue;
+            const NearestQuads::Place place = near_.find(x, farthest[owner].distance);
+            if (place.quad != NONE) farthest[owner] = {x, place.quad, place.square};
         }
         for (const FarVertex& tip : farthest)
             if (tip.quad != NONE && !tips_.push(tip)) return false;
@@ -105,31 +66,6 @@ private:
             return a.distance != b.distance ? a.distance > b.distance : a.vertex < b.vertex;
         });
         return true;
-    }
-
-    // Squared distance from the quads round its owner, each of two triangles along its shorter diagonal;
-    // no quad if it is at most `least`.
-    FarVertex nearest_quad(uint32_t x, double least) const {
-        FarVertex tip{x, NONE, HUGE_VAL};
-        const double* const p = position_ + size_t{3} * x;
-        for (const uint32_t* q = stars_.begin(owner_[x]); q != stars_.end(owner_[x]); ++q) {
-            const double* corner[4];
-            for (size_t k = 0; k < 4; ++k) corner[k] = &quads_.positions[size_t{3} * quads_.quads[4 * size_t{*q} + k]];
-            const Point a = at(quads_, quads_.quads[4 * size_t{*q}]) - at(quads_, quads_.quads[4 * size_t{*q} + 2]),
-                        b = at(quads_, quads_.quads[4 * size_t{*q} + 1]) - at(quads_, quads_.quads[4 * size_t{*q} + 3]);
-            const size_t turn = dot(a, a) <= dot(b, b) ? 0 : 1;
-            for (size_t half = 0; half < 4; half += 2) {
-                double nearest[3];
-                int on = 0;
-                const double square = nearest_in_triangle(p, corner[(turn + half) % 4], corner[(turn + half + 1) % 4],
-                                                          corner[(turn + half + 2) % 4], nearest, on);
-                if (!(square > least)) return {x, NONE, 0};
-                if (!(square < tip.distance)) continue;
-                tip.distance = square;
-                tip.quad = *q;
-            }
-        }
-        return tip;
     }
 
     // Farthest first; of two neighbours only the first one moves.
@@ -140,7 +76,7 @@ private:
             if (!call_.tick(0)) return false;
             // The tip itself, or as far on the way to it as quads stay good.
             uint32_t best = NONE, to = tip.vertex;
-            for (; to != NONE && !(is_near(tip.quad, to)); to = before_[to]) {
+            for (; to != NONE && !(is_near(tip.quad, to)); to = near_.before(to)) {
                 best = mover(tip.quad, to, near);
                 if (best != NONE) break;
             }
@@ -215,8 +151,7 @@ private:
     QuadMesh& quads_;
     Call& call_;
     QuadStars stars_;
-    // Per vertex of the surface: that of the quads, NONE if it is not in front; and the one before on the way from it.
-    Array<uint32_t> owner_, before_;
+    NearestQuads near_;
     Array<FarVertex> tips_;
     double least_ = 0; // distance of what is far
 };

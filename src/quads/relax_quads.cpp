@@ -321,20 +321,6 @@ hmf_status relax_quads(const Mesh& mesh, const double* position, int steps, Unta
     return Relaxation(mesh, position, outwards, quads, call).run(steps, most);
 }
 
-hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call) {
-    Array<uint32_t> valence;
-    figures = {};
-    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
-    for (const uint32_t v : quads.quads) ++valence[v];
-    for (uint32_t v = 0; v < quads.vertex_count(); ++v)
-        figures.irregular += valence[v] != (is_at_boundary(quads.held[v]) ? 2 : 4);
-    for (size_t q = 0; q < quads.quad_count(); ++q) {
-        if (q % SLICE == 0 && !call.tick(0)) return call.was_cancelled();
-        figures.inverted += !(worst_corner(quads, q) > 0);
-    }
-    return HMF_OK;
-}
-
 namespace {
 
 // Every edge gets a vertex in its middle, every quad one in its own:

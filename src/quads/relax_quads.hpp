@@ -20,9 +20,4 @@ enum class Untangle { some, all };
 // Each quad becomes four.
 [[nodiscard]] hmf_status refine_quads(const Mesh& mesh, const double* position, QuadMesh& quads, Call& call);
 
-struct QuadFigures {
-    uint64_t irregular = 0, inverted = 0;
-};
-[[nodiscard]] hmf_status quad_figures(const QuadMesh& quads, QuadFigures& figures, Call& call);
-
 } // namespace hmf

@@ -1,6 +1,7 @@
 #include "sized_quads.hpp"
 
 #include "fit_quads.hpp"
+#include "front_surface.hpp"
 
 #include <cmath>
 #include <utility>
@@ -25,8 +26,8 @@ hmf_status wished_number(const SizedQuads& wish, double area, double by_default,
 
 // That number, then each cut in four so many times.
 hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
-                        const FlatMetric& metric, double number, int halvings, QuadMesh& out, uint64_t& inverted,
-                        Call& call) {
+                        const FlatMetric& metric, const FrontSurface* front, double number, int halvings, QuadMesh& out,
+                        uint64_t& inverted, Call& call) {
     QuadWish first;
     first.step = std::sqrt(metric.flat_area * wish.share / number);
     first.count = wish.count > 0 ? static_cast<int64_t>(std::floor(number + 0.5)) : 0;
@@ -35,16 +36,20 @@ hmf_status make_and_fit(Foliation& f, const double* position, const Cylinders& c
     if (!(first.step > 0) || !std::isfinite(first.step))
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0, "edge_length is out of proportion to the surface.");
     if (make_quads(f, position, cylinders, wish.front, first, out, call)) return call.status();
+    if (front) front->bring_forward(position, out);
     if (!(wish.relax > 0)) return HMF_OK;
-    return fit_quads(f.mesh, position, wish.front ? wish.reflection : nullptr, wish.relax, halvings, out, inverted,
-                     call);
+    return fit_quads(front ? front->mesh() : f.mesh, position, front ? wish.reflection : nullptr, wish.relax, halvings,
+                     out, inverted, call);
 }
 
 } // namespace
 
 hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders, const SizedQuads& wish,
-                            QuadMesh& out, double& area, Call& call) {
+                            QuadMesh& out, double& area, QuadFigures& figures, Call& call) {
     FlatMetric metric;
+    FrontSurface surface;
+    const FrontSurface* const front = wish.front ? &surface : nullptr;
+    if (front && !surface.build(f.mesh, *wish.reflection, call.memory)) return call.out_of_memory();
     if (flat_metric(f, position, cylinders, metric, call)) return call.status();
     area = metric.area * wish.share;
     const double by_default = 0.5 * wish.share * static_cast<double>(f.mesh.face_count);
@@ -58,19 +63,21 @@ hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinder
         fewer /= 4;
     // Quads that are inverted stay so when they are cut: then there are more and smaller ones to begin with.
     uint64_t inverted = 0;
-    if (make_and_fit(f, position, cylinders, wish, metric, fewer, halvings, out, inverted, call)) return call.status();
+    if (make_and_fit(f, position, cylinders, wish, metric, front, fewer, halvings, out, inverted, call))
+        return call.status();
     for (; halvings > 0 && inverted > 0; fewer *= 4) {
         QuadMesh other;
         uint64_t left = 0;
         --halvings;
         other.start(call.memory);
-        if (make_and_fit(f, position, cylinders, wish, metric, 4 * fewer, halvings, other, left, call))
+        if (make_and_fit(f, position, cylinders, wish, metric, front, 4 * fewer, halvings, other, left, call))
             return call.status();
         if (left >= inverted) continue;
         inverted = left;
         std::swap(out, other);
     }
-    return HMF_OK;
+    return quad_figures(front ? surface.mesh() : f.mesh, position, front ? wish.reflection : nullptr, out, figures,
+                        call);
 }
 
 } // namespace hmf

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../leaves/mirror_symmetry.hpp"
-#include "quad_mesh.hpp"
+#include "quad_figures.hpp"
 
 namespace hmf {
 
@@ -16,8 +16,9 @@ struct SizedQuads {
     const Reflection* reflection = nullptr; // likewise
 };
 
-// area: of what the caller sees.
+// area: of what the caller sees.  figures: of the quads made.
 [[nodiscard]] hmf_status make_sized_quads(Foliation& f, const double* position, const Cylinders& cylinders,
-                                          const SizedQuads& wish, QuadMesh& out, double& area, Call& call);
+                                          const SizedQuads& wish, QuadMesh& out, double& area, QuadFigures& figures,
+                                          Call& call);
 
 } // namespace hmf

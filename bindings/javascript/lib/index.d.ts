@@ -336,10 +336,14 @@ export interface QuadMesh {
     quads: Uint32Array;
     /** Vertices with another number of edges than 4. */
     irregularCount: number;
-    /** Quads with a corner of 180 degrees or more, seen along their normal. */
+    /** Quads with a corner of 0, or of 180 degrees or more, seen from outside the surface where they lie. */
     invertedCount: number;
     /** Root of the area of the surface / number of quads. */
     edgeLength: number;
+    /** Area of the quads / area of the surface. */
+    areaRatio: number;
+    /** Greatest distance of a vertex of the surface from the quads near it. */
+    distance: number;
 }
 
 export interface AtlasOptions extends ProgressOptions {

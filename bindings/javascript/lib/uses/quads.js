@@ -9,8 +9,15 @@ export function quads(foliation, options) {
     if (given.edgeLength !== undefined) fields.edge_length = realNumber(given.edgeLength, 'edgeLength');
     return foliation.perform(given, (frame, address) => {
         const result = frame.result('hmf_quads', address, frame.structure('hmf_quad_options', fields));
-        const { vertex_count, quad_count, irregular_count, inverted_count, edge_length } = frame.read('hmf_quad_mesh', result);
-        const arrays = frame.arrays('hmf_quad_mesh', result, { positions: 3 * vertex_count, quads: 4 * quad_count });
-        return { ...arrays, irregularCount: irregular_count, invertedCount: inverted_count, edgeLength: edge_length };
+        const made = frame.read('hmf_quad_mesh', result);
+        const arrays = frame.arrays('hmf_quad_mesh', result, { positions: 3 * made.vertex_count, quads: 4 * made.quad_count });
+        return {
+            ...arrays,
+            irregularCount: made.irregular_count,
+            invertedCount: made.inverted_count,
+            edgeLength: made.edge_length,
+            areaRatio: made.area_ratio,
+            distance: made.distance,
+        };
     });
 }

@@ -24,10 +24,14 @@ class QuadMesh(NamedTuple):
     quads: Indices
     #: Vertices with another number of edges than 4.
     irregular_count: int = 0
-    #: Quads with a corner of 180 degrees or more, seen along their normal.
+    #: Quads with a corner of 0, or of 180 degrees or more, seen from outside the surface where they lie.
     inverted_count: int = 0
     #: Root of the area of the surface / number of quads.
     edge_length: float = 0.0
+    #: Area of the quads / area of the surface.
+    area_ratio: float = 0.0
+    #: Greatest distance of a vertex of the surface from the quads near it.
+    distance: float = 0.0
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Writes ``.obj``, ``.off``, ``.ply``, ``.vtp``, or ``.glb``, where each quad becomes two triangles."""
@@ -89,4 +93,6 @@ def quads(
         made.irregular_count,
         made.inverted_count,
         made.edge_length,
+        made.area_ratio,
+        made.distance,
     )

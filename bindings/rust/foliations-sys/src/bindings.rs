@@ -587,6 +587,8 @@ pub struct hmf_quad_mesh {
     pub irregular_count: u64,
     pub inverted_count: u64,
     pub edge_length: f64,
+    pub area_ratio: f64,
+    pub distance: f64,
 }
 impl Default for hmf_quad_mesh {
     fn default() -> Self {

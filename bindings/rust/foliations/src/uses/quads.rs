@@ -35,7 +35,8 @@ impl QuadMesh {
         self.block.irregular_count
     }
 
-    /// Quads with a corner of 180 degrees or more, seen along their normal.
+    /// Quads with a corner of 0, or of 180 degrees or more, seen from outside the surface where
+    /// they lie.
     pub fn inverted_count(&self) -> u64 {
         self.block.inverted_count
     }
@@ -43,6 +44,16 @@ impl QuadMesh {
     /// Root of the area of the surface / number of quads.
     pub fn edge_length(&self) -> f64 {
         self.block.edge_length
+    }
+
+    /// Area of the quads / area of the surface.
+    pub fn area_ratio(&self) -> f64 {
+        self.block.area_ratio
+    }
+
+    /// Greatest distance of a vertex of the surface from the quads near it.
+    pub fn distance(&self) -> f64 {
+        self.block.distance
     }
 }
 

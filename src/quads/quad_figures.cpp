@@ -1,0 +1,62 @@
+#include "quad_figures.hpp"
+
+#include "nearest_quads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+constexpr uint32_t SLICE = 4096; // elements between ticks
+
+Done measure_distance(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
+                      double& distance, Call& call) {
+    QuadStars stars;
+    NearestQuads near;
+    if (!stars.build(quads, call.memory) || !near.build(mesh, position, front, quads, stars, call)) return false;
+    double square = 0;
+    for (uint32_t x = 0; x < mesh.vertex_count; ++x) {
+        if (x % SLICE == 0 && !call.tick(0)) return false;
+        if (near.owner(x) == NONE) continue;
+        const NearestQuads::Place place = near.find(x, square);
+        if (place.quad != NONE) square = place.square;
+    }
+    distance = std::sqrt(square);
+    return true;
+}
+
+} // namespace
+
+Done count_inverted(const Mesh& mesh, const double* position, const QuadMesh& quads, uint64_t& inverted, Call& call) {
+    inverted = 0;
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        if (q % SLICE == 0 && !call.tick(0)) return false;
+        double as_it_lies = 0;
+        const double seen = worst_corner_from_outside(mesh, position, quads, q, &as_it_lies);
+        inverted += !(std::min(seen, as_it_lies) > 0);
+    }
+    return true;
+}
+
+hmf_status quad_figures(const Mesh& mesh, const double* position, const Reflection* front, const QuadMesh& quads,
+                        QuadFigures& figures, Call& call) {
+    Array<uint32_t> valence;
+    figures = {};
+    if (!valence.allocate_filled(call.memory, quads.vertex_count(), 0u)) return call.out_of_memory();
+    for (const uint32_t v : quads.quads) ++valence[v];
+    for (uint32_t v = 0; v < quads.vertex_count(); ++v)
+        figures.irregular += valence[v] != (is_at_boundary(quads.held[v]) ? 2 : 4);
+    for (size_t q = 0; q < quads.quad_count(); ++q) {
+        const auto corner = [&](size_t k) { return at(quads, quads.quads[4 * q + k]); };
+        const Point normal = cross(corner(2) - corner(0), corner(3) - corner(1));
+        figures.area += 0.5 * std::sqrt(dot(normal, normal));
+    }
+    if (!count_inverted(mesh, position, quads, figures.inverted, call)
+        || !measure_distance(mesh, position, front, quads, figures.distance, call))
+        return call.stopped();
+    return HMF_OK;
+}
+
+} // namespace hmf
