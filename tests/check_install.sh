@@ -110,15 +110,6 @@ refuses_others() { # folder
     done
 }
 
-# Each line of the C++ block of the README is one of the example.
-readme_shows_cpp_example() {
-    awk '/^```cpp$/ { on = 1; next } /^```/ { if (on) exit } on { sub(/^ */, ""); print }' "$root/README.md" > "$work/readme.cpp"
-    [ "$(wc -l < "$work/readme.cpp")" -gt 3 ] || return 1
-    while IFS= read -r line; do
-        grep -qF "$line" "$root/bindings/cpp/torus.cpp" || { echo "not in the example: $line"; return 1; }
-    done < "$work/readme.cpp"
-}
-
 version_matches() { # prefix
     pc=$(dirname "$(find "$1" -name hmf.pc)")
     header=$(sed -n 's/^#define HMF_VERSION_[MP][A-Z]* //p' "$1/include/hmf/hmf.h" | paste -sd.)
@@ -142,6 +133,5 @@ done
 awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' "$root/README.md" > "$work/readme.c"
 check "readme-has-example" grep -q hmf_solve "$work/readme.c"
 check "readme-example" use_pkg_config "$work/moved-static" "$work/readme.c" "$work/readme"
-check "readme-shows-cpp-example" readme_shows_cpp_example
 check "c-example" use_c_example "$work/moved-static" "$work/c-example" "$work/hpp-static/torus.txt"
 exit $failed

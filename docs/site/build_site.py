@@ -24,26 +24,50 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BINDINGS = ROOT / "bindings"
 
-# Page: text of the repository.
-TEXTS = {
-    "index.md": "README.md",
-    "python.md": "bindings/python/README.md",
-    "javascript.md": "bindings/javascript/README.md",
-    "rust.md": "bindings/rust/foliations/README.md",
-    "mathematics.md": "docs/mathematics.md",
-    "benchmarks.md": "bench/README.md",
-    "conformality.md": "bench/conformality.md",
-    "source.md": "src/README.md",
-    "packages.md": "bindings/packaging/README.md",
-    "contributing.md": "CONTRIBUTING.md",
-    "changes.md": "CHANGELOG.md",
+# Section, then title and page of each; a text of the repository with its path, other pages are generated.
+SITE = {
+    "": [("hmf", "index.md", "README.md")],
+    "Guides": [
+        ("Getting started", "getting-started.md", "docs/getting-started.md"),
+        ("The tool", "tool.md", "docs/tool.md"),
+        ("Loops and classes", "loops.md", "docs/loops.md"),
+        ("Boundaries and marked vertices", "boundary.md", "docs/boundary.md"),
+        ("Quads", "quads.md", "docs/quads.md"),
+        ("Atlas", "atlas.md", "docs/atlas.md"),
+        ("Threads", "threads.md", "docs/threads.md"),
+        ("Embedding", "embedding.md", "docs/embedding.md"),
+        ("Gallery", "gallery.md", None),
+    ],
+    "Reference": [
+        ("All languages", "reference.md", None),
+        ("C", "c.md", None),
+        ("C++", "cpp.md", None),
+        ("Python", "python.md", "bindings/python/README.md"),
+        ("Python, every function", "python_reference.md", None),
+        ("JavaScript", "javascript.md", "bindings/javascript/README.md"),
+        ("Rust", "rust.md", "bindings/rust/foliations/README.md"),
+        ("Compatibility", "abi.md", "docs/abi.md"),
+    ],
+    "Background": [
+        ("Mathematics", "mathematics.md", "docs/mathematics.md"),
+        ("Architecture", "architecture.md", "docs/architecture.md"),
+        ("Map of the source", "source.md", "src/README.md"),
+        ("Reliability", "reliability.md", "docs/reliability.md"),
+        ("Benchmarks", "benchmarks.md", "bench/README.md"),
+        ("Conformality", "conformality.md", "bench/conformality.md"),
+        ("Even designs", "design.md", "bench/design.md"),
+        ("Quads of other programs", "quad_peers.md", "bench/quads.md"),
+        ("Constants of the solver", "steering.md", "bench/steering.md"),
+    ],
+    "Project": [
+        ("Contributing", "contributing.md", "CONTRIBUTING.md"),
+        ("Security", "security.md", "SECURITY.md"),
+        ("Releases", "releasing.md", "docs/releasing.md"),
+        ("Packages", "packages.md", "bindings/packaging/README.md"),
+        ("Changes", "changes.md", "CHANGELOG.md"),
+    ],
 }
-NAVIGATION = [
-    ("Start", "index.md"), ("Concepts", "concepts.md"), ("Tutorial", "tutorial.md"), ("Gallery", "gallery.md"),
-    ("Reference, side by side", "reference.md"), ("C", "c.md"), ("C++", "cpp.md"), ("Python", "python.md"), ("Python, every function", "python_reference.md"),
-    ("JavaScript", "javascript.md"), ("Rust", "rust.md"), ("The mathematics", "mathematics.md"), ("Benchmarks", "benchmarks.md"),
-    ("Conformality", "conformality.md"), ("Packages", "packages.md"), ("Map of the source", "source.md"), ("Contributing", "contributing.md"), ("Changes", "changes.md"),
-]
+TEXTS = {page: text for pages in SITE.values() for _, page, text in pages if text}
 
 
 def page_of(path: Path) -> str | None:
@@ -180,7 +204,7 @@ def reference_page(pages: Path, functions: list[str]) -> None:
         anchor = f"[`{function}`](c.md#{function})" if f"\n### {function}\n" in contracts else f"`{function}`"
         rows.append(f"| {anchor} | " + " | ".join(cells) + " |")
     if missing:
-        sys.exit("The table NAMES is not true any more:\n" + "\n".join(missing))
+        sys.exit("The table NAMES does not fit the sources:\n" + "\n".join(missing))
     (pages / "reference.md").write_text("\n".join(rows) + "\n")
 
 
@@ -222,13 +246,6 @@ def gallery_pages(pages: Path) -> None:
         image = f"![{doc.splitlines()[0]}](gallery_{picture.name})\n\n" if picture.is_file() else ""
         out.append(f"## {path.stem}\n\n{doc}\n\n{image}```python\n{source}```\n")
     (pages / "gallery.md").write_text("\n".join(out))
-    first = (BINDINGS / "python/README.md").read_text()
-    shell, program = (re.search(rf"```{kind}\n(.*?)```", first, re.S)[1] for kind in ("sh", "python"))
-    steps = re.search(r"^## The tool\n\n```sh\n(.*?)\n```", (ROOT / "README.md").read_text(), re.M | re.S)[1]
-    (pages / "tutorial.md").write_text(
-        "# Tutorial\n\n## From a wheel to a picture\n\nInstall, load a mesh, draw a loop, solve, look, save; `pretzel.obj` stands for your own.\n\n```sh\n" + shell + "```\n\nThe same in Python:\n\n```python\n" + program
-        + "```\n\n![The picture it makes](gallery_first.png)\n\nThe tests run both as they stand here.\n\n## With the tool\n\n```sh\n" + steps
-        + "\n```\n\nWhat each option does: `hmf solve --help`, or `man hmf`.\n")
 
 
 class NotMade(Exception):
@@ -277,20 +294,6 @@ def generated_pages(pages: Path, work: Path) -> None:
         page.write_text(f"{first}\n\n{note}\n{rest}")
 
 
-def concepts_page(pages: Path) -> None:
-    for name in ("demo.png", "checkerboard.png"):
-        shutil.copy2(BINDINGS / "cli" / name, pages / name)
-    how = re.search(r"^## How it works\n(.*?)^## ", (ROOT / "README.md").read_text(), re.S | re.M)[1]
-    words = re.search(r"^## Words\n(.*?)^## ", (ROOT / "src/README.md").read_text(), re.S | re.M)[1]
-    (pages / "concepts.md").write_text(
-        "# Concepts\n\n## A measured foliation\n\nParallel curves that fill the surface, with a distance between them; where the stripes "
-        "fork there are *zeros*.\n\n![Stripes along the leaves, zeros blue, loops green](demo.png)\n\n## The parameterisation\n\n"
-        "The distance along the leaves is a second coordinate; together they are conformal.\n\n![The same surface with a checkerboard](checkerboard.png)\n\n"
-        "## Cylinders and leaves between zeros\n\n![Critical leaves and cylinders](gallery_leaves.png)\n\n## Weights\n\n![Other weights, other foliations](gallery_weights.png)\n\n"
-        "## Quads\n\n![A quad mesh along the leaves](gallery_quads.png)\n\n## How it works\n" + translated(how, ROOT, pages)
-        + "\n## Words\n" + translated(words, ROOT / "src", pages))
-
-
 def build(out: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         pages = Path(folder) / "docs"
@@ -302,10 +305,11 @@ def build(out: Path) -> None:
         reference_page(pages, functions)
         python_page(pages)
         gallery_pages(pages)
-        concepts_page(pages)
         generated_pages(pages, Path(folder))
         (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n")
-        navigation = "\n".join(f'  - "{title}": {page}' for title, page in NAVIGATION)
+        navigation = "\n".join(
+            (f'  - "{section}":\n' if section else "") + "\n".join(f'{"      " if section else "  "}- "{title}": {page}' for title, page, _ in entries)
+            for section, entries in SITE.items())
         (Path(folder) / "mkdocs.yml").write_text(
             "site_name: hmf\nsite_description: Harmonic measured foliations on triangle meshes\nuse_directory_urls: false\nextra_css: [wide.css]\n"
             "theme:\n  name: readthedocs\n  highlightjs: false\nplugins: [search]\nmarkdown_extensions: [tables, fenced_code, {toc: {permalink: false}}]\n"
@@ -351,7 +355,7 @@ def check(out: Path) -> int:
             if not target.is_file() or ours and part and target in parsed and urllib.parse.unquote(part) not in parsed[target].names:
                 dead.append(f"{os.path.relpath(path, out)}: {link}")
     print("\n".join(dead) if dead else f"{len(parsed)} pages, {sum(len(p.links) for p in parsed.values())} links, none is dead")
-    return 1 if dead or len(parsed) < len(NAVIGATION) else 0
+    return 1 if dead or len(parsed) < sum(map(len, SITE.values())) else 0
 
 
 if __name__ == "__main__":

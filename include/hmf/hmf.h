@@ -520,7 +520,7 @@ typedef struct hmf_loop_set {
  * the coarsest level of a hierarchy with the default options that has 420 vertices
  * for each handle and 1000 in all, or 10 000 from ten handles on; of these the
  * classes with the shortest closed geodesics are chosen one after another,
- * measured on finer levels where they are close, up to the mesh of the caller.
+ * measured on finer levels, of about 100 000 vertices at most, where they are close.
  * PANTS are shortened then, as long as one of them, or two that bound a piece
  * together, can be replaced by shorter ones.  A hierarchy with other options gets
  * the loops from there, for the time and the memory of another hmf_build.  So the

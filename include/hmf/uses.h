@@ -304,8 +304,8 @@ HMF_API hmf_status hmf_quads(const hmf_foliation *foliation, const hmf_quad_opti
 typedef struct hmf_atlas_options {
     uint32_t struct_size;
     uint32_t reserved;           /* 0 */
-    double margin;               /* least distance of two charts, as a part of the side of the square, in [0, 1/16];
-                                    half of it is left free along the border; default 1/512 */
+    double margin;               /* least distance of two charts, as a part of the side of the square, at most 1/16;
+                                    half of it is left free along the border; 0 = 1/512 */
 } hmf_atlas_options;
 
 typedef struct hmf_chart_set {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -58,3 +59,12 @@ def test_the_first_hour_of_the_readme(tmp_path: Path) -> None:
     assert "converged" in output
     files = {file.name for file in tmp_path.iterdir()}
     assert {"first.png", "first.glb", "first.npz"} <= files
+
+
+def test_the_programs_of_the_guides(tmp_path: Path) -> None:
+    script = PACKAGE.parents[1] / "docs" / "run_examples.py"
+    tool = shutil.which("hmf", path=str(Path(sys.executable).parent))
+    if tool is None or not script.is_file():
+        pytest.skip("no tool in this environment, or no guides beside the package")
+    pytest.importorskip("matplotlib")
+    assert ", 0 not ok" in run(tmp_path, str(script), tool, "python")
