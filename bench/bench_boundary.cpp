@@ -49,7 +49,7 @@ void run_once(const readers::TriangleMesh& mesh, Run& run) {
     hmf_status status = hmf_build(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(),
                                   mesh.triangle_count(), nullptr, nullptr, &hierarchy, &error);
     const double built = processor_seconds();
-    if (status == HMF_OK) status = hmf_solve(hierarchy, nullptr, nullptr, nullptr, &foliation, &error);
+    if (status == HMF_OK) status = hmf_solve_cut_system(hierarchy, nullptr, nullptr, &foliation, &error);
     if (status != HMF_OK) run.failure = error.message;
     if (foliation) {
         const hmf_report& report = *hmf_foliation_report(foliation);

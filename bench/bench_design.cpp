@@ -38,7 +38,7 @@ Run solve(const readers::TriangleMesh& mesh, const uint32_t* marks, uint64_t cou
         run.status = hmf_solve(hierarchy, loops, nullptr, nullptr, &foliation, &error);
         run.seconds = processor_seconds() - begin;
     }
-    if (foliation) run.unevenness = hmf_foliation_report(foliation)->unevenness;
+    if (foliation) hmf_conformal_scale(foliation, nullptr, nullptr, 0, &run.unevenness, nullptr);
     if (run.status != HMF_OK) std::fprintf(stderr, "status %d: %s\n", static_cast<int>(run.status), error.message);
     hmf_foliation_destroy(foliation);
     hmf_destroy(hierarchy);

@@ -187,8 +187,8 @@ private:
         control.progress_user = &stop;
         hmf_error error{};
         meter_.begin_call();
-        const hmf_status status =
-            hmf_solve(h, bytes_.byte() % 4 ? nullptr : &loops.set, &solve, &control, &made, &error);
+        const hmf_status status = bytes_.byte() % 4 ? hmf_solve_cut_system(h, &solve, &control, &made, &error)
+                                                    : hmf_solve(h, &loops.set, &solve, &control, &made, &error);
         expect_status(status, error, {0, 1, 2, 4});
         FUZZ_ASSERT(memory_is_short_ || status / 100 != 2);
         FUZZ_ASSERT(status != HMF_CANCELLED || stop.at > 0);

@@ -126,7 +126,7 @@ struct Start {
     void reload(const std::vector<int64_t>& weight) {
         load(weight);
         // The walks go with the mesh of the state.
-        state.words = &watch.words;
+        watch.listen(state);
         ASSERT_TRUE(watch.words.start(state.foliation.mesh, h().levels[0].mesh.edge_count, call));
     }
     const hmf_hierarchy& h() const { return *hierarchy.get(); }

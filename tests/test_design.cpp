@@ -127,7 +127,6 @@ TEST(Scale, FlatPillow) {
     for (const double s : scale_of(solution.foliation, mesh.triangle_count(), &unevenness))
         EXPECT_NEAR(s, expected, 1e-7);
     EXPECT_LT(unevenness, 1e-8);
-    EXPECT_EQ(solution.report.unevenness, unevenness);
 }
 
 // A triangle that is flat up to rounding has no area to speak of and any density: the unevenness is that of the same
@@ -262,7 +261,9 @@ TEST(EvenDesign, ALimbGetsPoles) {
     EXPECT_LT(made->unevenness, 0.5 * made->unevenness_before);
     const Solution solution = solve_design(mesh, *made);
     ASSERT_EQ(solution.status, HMF_OK) << solution.error.message;
-    EXPECT_NEAR(solution.report.unevenness, made->unevenness, 0.25 * made->unevenness);
+    double unevenness = -1;
+    scale_of(solution.foliation, mesh.triangle_count(), &unevenness);
+    EXPECT_NEAR(unevenness, made->unevenness, 0.25 * made->unevenness);
     for (uint64_t c = 0; c < made->loops->count; ++c) {
         EXPECT_EQ(made->loops->weights[c], std::floor(made->loops->weights[c]));
         EXPECT_GE(made->loops->weights[c], 1);

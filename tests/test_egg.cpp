@@ -85,7 +85,7 @@ TEST(Egg, QuadsOverPolesLieOnIt) {
     const Hierarchy hierarchy(mesh, with_marks(marks));
     ASSERT_TRUE(hierarchy);
     const auto f = make<hmf_foliation>(
-        [&](auto out, hmf_error* e) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, e); });
+        [&](auto out, hmf_error* e) { return hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, e); });
     ASSERT_TRUE(f);
     for (const uint64_t relax : {0, 1, 20}) {
         hmf_quad_options options{};

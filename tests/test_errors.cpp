@@ -264,6 +264,12 @@ TEST_F(OnTorus, NullPointers) {
     hmf_level_info info{};
     uint32_t index = 0;
     double value = 0;
+    const Loops loops = library_loops(hierarchy, 0);
+    const hmf_loop_set set = loops.view();
+    hmf_foliation* none = nullptr;
+    expect_error(hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, &none, &error), HMF_ERROR_NULL, error);
+    expect_error(hmf_initialize(hierarchy.get(), nullptr, nullptr, &none, &error), HMF_ERROR_NULL, error);
+    EXPECT_EQ(none, nullptr);
     for (const bool there : {false, true}) {
         SCOPED_TRACE(there);
         const hmf_hierarchy* const x = there ? hierarchy.get() : nullptr;
@@ -293,9 +299,10 @@ TEST_F(OnTorus, NullPointers) {
         make(static_cast<hmf_loop_set*>(nullptr),
              [&](auto out, auto e) { return hmf_loops(x, 0, HMF_LOOPS_CUT, nullptr, out, e); });
         hmf_foliation* const made = nullptr;
-        make(made, [&](auto out, auto e) { return hmf_initialize(x, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_initialize(x, &set, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_foliation_create(x, 0, v, count, nullptr, out, e); });
-        make(made, [&](auto out, auto e) { return hmf_solve(x, nullptr, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_solve(x, &set, nullptr, nullptr, out, e); });
+        make(made, [&](auto out, auto e) { return hmf_solve_cut_system(x, nullptr, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_relax(y, nullptr, nullptr, out, e); });
         make(made, [&](auto out, auto e) { return hmf_interpolate(y, 0, nullptr, out, e); });
         make(static_cast<hmf_singularity_set*>(nullptr),
@@ -385,7 +392,8 @@ TEST_F(OnTorus, StructuresOfOtherHeaders) {
     {
         SCOPED_TRACE("hmf_solve_options");
         expect_sizes(sized<hmf_solve_options>(), [&](const hmf_solve_options* o, hmf_error* error) {
-            *error = solved(nullptr, o);
+            *error = outcome<hmf_foliation>(
+                [&](auto out, hmf_error* e) { return hmf_solve_cut_system(hierarchy.get(), o, nullptr, out, e); });
             return error->status;
         });
         expect_sizes(sized<hmf_solve_options>(), [&](const hmf_solve_options* o, hmf_error* error) {

@@ -58,7 +58,7 @@ TEST(Hpp, SameValuesAsC) {
     hmf_foliation* solved = nullptr;
     ASSERT_EQ(HMF_OK, hmf_build(m.positions.data(), m.vertex_count(), m.triangles.data(), m.triangle_count(), nullptr,
                                 nullptr, &raw, nullptr));
-    ASSERT_EQ(HMF_OK, hmf_solve(raw, nullptr, nullptr, nullptr, &solved, nullptr));
+    ASSERT_EQ(HMF_OK, hmf_solve_cut_system(raw, nullptr, nullptr, &solved, nullptr));
     hmf_destroy(raw);
     size_t count = 0;
     const double* values = hmf_foliation_values(solved, &count);
@@ -83,7 +83,7 @@ TEST(Hpp, EvenDesign) {
     const hmf::Solution solution = hmf::Hierarchy(m.positions, m.triangles, options).solve(design.loops);
     EXPECT_EQ(solution.status, HMF_OK);
     EXPECT_LT(design.unevenness, design.unevenness_before);
-    EXPECT_EQ(solution.foliation.unevenness(), solution.report.unevenness);
+    EXPECT_NEAR(solution.foliation.unevenness(), design.unevenness, 0.25 * design.unevenness);
     EXPECT_EQ(solution.foliation.conformal_scale().size(), m.triangle_count());
     hmf::DesignOptions plain;
     plain.no_poles = true;
@@ -291,7 +291,7 @@ TEST(Hpp, Progress) {
     const hmf::SolveOptions defaults;
     const auto cancel = [](double) { return hmf::Progress::cancel; };
     EXPECT_EQ(HMF_CANCELLED, error_of([&] { hierarchy.solve(defaults, cancel); }).status());
-    EXPECT_EQ(HMF_CANCELLED, error_of([&] { hierarchy.initialize(cancel); }).status());
+    EXPECT_EQ(HMF_CANCELLED, error_of([&] { hierarchy.initialize(hierarchy.loops(0), cancel); }).status());
     int calls = 0;
     const hmf::Solution solution = hierarchy.solve(
         defaults, [&](double) { return ++calls > 20 ? hmf::Progress::finish : hmf::Progress::proceed; });
@@ -463,8 +463,6 @@ TEST(Hpp, StartsFromAFoliation) {
     options.start = &read;
     EXPECT_NEAR(first.report.energy, hierarchy.solve(options).report.energy, 1e-9 * first.report.energy);
     EXPECT_EQ(HMF_ERROR_OPTIONS, error_of([&] { hierarchy.solve(hierarchy.loops(0), options); }).status());
-    EXPECT_EQ(copy(hierarchy.initialize().values()),
-              copy(hierarchy.initialize(hierarchy.loops(hierarchy.coarsest_level())).values()));
 }
 
 TEST(Hpp, MollifyAcceptsTrianglesWithoutArea) {

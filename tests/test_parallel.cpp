@@ -190,7 +190,7 @@ TEST(Parallel, SameBitsOfSolveOnRandomProblems) {
         ASSERT_TRUE(hierarchy);
         const auto run = [&](const hmf_control* control) {
             return bits_of(*make<hmf_foliation>([&](auto out, auto error) {
-                return hmf_solve(hierarchy.get(), nullptr, nullptr, control, out, error);
+                return hmf_solve_cut_system(hierarchy.get(), nullptr, control, out, error);
             }));
         };
         const Bits expected = run(nullptr);
@@ -218,7 +218,7 @@ TEST(Parallel, FailuresWithThreads) {
         hmf_control control = host.lend(progress.control());
         const auto run = [&] {
             hmf_foliation* f = nullptr;
-            const hmf_status status = hmf_solve(hierarchy.get(), nullptr, nullptr, &control, &f, nullptr);
+            const hmf_status status = hmf_solve_cut_system(hierarchy.get(), nullptr, &control, &f, nullptr);
             EXPECT_EQ(f != nullptr, status == HMF_OK);
             hmf_foliation_destroy(f);
             EXPECT_EQ(meter.used, held);
@@ -308,12 +308,12 @@ TEST(Pool, ManyThreadsOnOneHierarchy) {
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
     const Foliation shared = make<hmf_foliation>(
-        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); });
+        [&](auto out, auto error) { return hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, error); });
     const Bits expected = bits_of(*shared);
     const Bits map = bits_of(*make<hmf_parameterization>(
         [&](auto out, auto error) { return hmf_parameterize(shared.get(), nullptr, nullptr, out, error); }));
     const Foliation again = make<hmf_foliation>(
-        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); });
+        [&](auto out, auto error) { return hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, error); });
     hmf_pool* const pool = hmf_pool_create(3);
     hmf_control control{};
     control.struct_size = sizeof control;
@@ -325,7 +325,8 @@ TEST(Pool, ManyThreadsOnOneHierarchy) {
     for (int i = 0; i < 3; ++i)
         threads.emplace_back([&, i] {
             hmf_foliation* f = nullptr;
-            if (hmf_solve(hierarchy.get(), nullptr, nullptr, &control, &f, nullptr) == HMF_OK) solved[i] = bits_of(*f);
+            if (hmf_solve_cut_system(hierarchy.get(), nullptr, &control, &f, nullptr) == HMF_OK)
+                solved[i] = bits_of(*f);
             hmf_foliation_destroy(f);
             // The first of them makes the flat surface that is kept with the foliation.
             hmf_parameterization* p = nullptr;
@@ -346,7 +347,7 @@ TEST(Pool, CancelFromAnotherThread) {
     const Hierarchy hierarchy(mesh);
     ASSERT_TRUE(hierarchy);
     const Bits expected = bits_of(*make<hmf_foliation>(
-        [&](auto out, auto error) { return hmf_solve(hierarchy.get(), nullptr, nullptr, nullptr, out, error); }));
+        [&](auto out, auto error) { return hmf_solve_cut_system(hierarchy.get(), nullptr, nullptr, out, error); }));
     hmf_pool* const pool = hmf_pool_create(3);
     struct Asked {
         std::atomic<uint32_t> reports{0};
@@ -374,7 +375,7 @@ TEST(Pool, CancelFromAnotherThread) {
             control.progress = Asked::report;
             control.progress_user = &asked[i];
             hmf_foliation* f = nullptr;
-            status[i] = hmf_solve(hierarchy.get(), nullptr, nullptr, &control, &f, nullptr);
+            status[i] = hmf_solve_cut_system(hierarchy.get(), nullptr, &control, &f, nullptr);
             if (f) bits[i] = bits_of(*f);
             hmf_foliation_destroy(f);
         });

@@ -380,7 +380,7 @@ TEST(Lifetimes, FoliationsOutliveTheirHierarchy) {
                         &options, nullptr, &h, nullptr),
               HMF_OK);
     hmf_foliation* f = nullptr;
-    ASSERT_EQ(hmf_solve(h, nullptr, nullptr, nullptr, &f, nullptr), HMF_OK);
+    ASSERT_EQ(hmf_solve_cut_system(h, nullptr, nullptr, &f, nullptr), HMF_OK);
     double before = 0, after = 0;
     ASSERT_EQ(hmf_energy(f, nullptr, &before, nullptr), HMF_OK);
     const uint64_t held = meter.used;

@@ -109,7 +109,7 @@ void add_all(const TriMesh& mesh, int exponent, Numbers& to, double& log_scale) 
     const LevelMesh coarse = read_level(h, h.coarsest());
     to.lengths(coarse.positions.data(), coarse.positions.size());
     const auto f = make<hmf_foliation>(
-        [&](auto out, hmf_error* e) { return hmf_solve(h.get(), nullptr, nullptr, nullptr, out, e); });
+        [&](auto out, hmf_error* e) { return hmf_solve_cut_system(h.get(), nullptr, nullptr, out, e); });
     ASSERT_TRUE(f);
     const std::vector<double> values = values_of(f);
     to.plain(values.data(), values.size());

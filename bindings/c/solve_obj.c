@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     if (!read_obj(&m, argv[1])) return perror(argv[1]), 5;
 
     status = hmf_build(m.positions, m.vertex_count, m.triangles, m.triangle_count, NULL, NULL, &hierarchy, &error);
-    if (!status) status = hmf_solve(hierarchy, NULL, NULL, NULL, &foliation, &error);
+    if (!status) status = hmf_solve_cut_system(hierarchy, NULL, NULL, &foliation, &error);
     if (status) fprintf(stderr, "%s: %s\n", hmf_status_string(status), error.message);
     if (foliation) { /* also if a limit ended the optimisation */
         report = hmf_foliation_report(foliation);

@@ -127,6 +127,13 @@ std::vector<double> Component::log_scale(const hmf_control* control) const {
     return scale;
 }
 
+double Component::unevenness() const {
+    double unevenness = 0;
+    hmf_error error{};
+    check(hmf_conformal_scale(foliation_.get(), nullptr, nullptr, 0, &unevenness, &error), error, subject_);
+    return unevenness;
+}
+
 size_t Component::genus() const { return hmf_genus(hierarchy_.get()); }
 
 size_t Component::boundaries() const { return hmf_boundary_count(hierarchy_.get()); }
@@ -316,7 +323,7 @@ Json Component::json(const std::vector<hmf_singularity>& singularities) const {
                    {"loops_seconds", loops_seconds_},
                    {"solve_seconds", r.solve_seconds},
                    {"energy", r.energy},
-                   {"unevenness", r.unevenness},
+                   {"unevenness", unevenness()},
                    {"residual_max", r.residual_max},
                    {"residual_mean", r.residual_mean},
                    {"poles", r.poles},

@@ -80,6 +80,8 @@ public:
     uint64_t edge_count() const { return finest_.edge_count; }
     // log |grad u| of each triangle.
     std::vector<double> log_scale(const hmf_control* control) const;
+    // Standard deviation of log_scale over the surface.
+    double unevenness() const;
 
     const hmf_loop_set& loops() const { return loops_; }
     // The loops on the input mesh.

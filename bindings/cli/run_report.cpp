@@ -106,8 +106,8 @@ std::string Run::design_sentence() const {
                      + (loop_count_ == 1 ? " with a weight" : " with weights");
     if (is_alone()) {
         char numbers[100];
-        std::snprintf(numbers, sizeof numbers, "; unevenness %.2f, with --loops cut %.2f",
-                      components_[0].report().unevenness, components_[0].design()->unevenness_before);
+        std::snprintf(numbers, sizeof numbers, "; unevenness %.2f, with --loops cut %.2f", components_[0].unevenness(),
+                      components_[0].design()->unevenness_before);
         text += numbers;
     }
     return text + " (--save-marks and --save-loops keep them)";

@@ -557,8 +557,7 @@ HMF_API hmf_status hmf_loops(const hmf_hierarchy *hierarchy, size_t level, int32
  * Closed initial foliation of the loops on their level ([W] 3.3): the value of
  * an edge is the sum of the weights of the loops that cross it.
  *
- *   loops      NULL = those of hmf_loops on the coarsest level (with boundary: on
- *              level 0), weights 1
+ *   loops      on any level
  *   out        the foliation on loops->level, without a report
  *
  * Checks that every loop is closed, simple and essential, that they are
@@ -754,7 +753,6 @@ typedef struct hmf_report {
     int32_t class_state;         /* HMF_CLASS_*: do the values belong to the loops? */
     uint32_t class_repeats;      /* levels that were solved once more, as the first result had left the class */
     double class_seconds;        /* for the certificate, part of solve_seconds */
-    double unevenness;           /* of the values, see hmf_conformal_scale */
 } hmf_report;
 
 /* The report of a foliation that hmf_solve or hmf_relax made, else NULL.
@@ -764,8 +762,7 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
 /*
  * The harmonic foliation in the class of the loops.
  *
- *   loops      on any level; NULL = those of hmf_loops on the coarsest level
- *              (level 0 with single_level), weights 1
+ *   loops      on any level; NULL if, and only if, options->start is given
  *   out        the foliation on options->stop_level, with its report
  *
  * With options->start the class is that of a foliation, perhaps of another
@@ -791,6 +788,14 @@ HMF_API const hmf_report *hmf_foliation_report(const hmf_foliation *foliation);
 HMF_API hmf_status hmf_solve(const hmf_hierarchy *hierarchy, const hmf_loop_set *loops,
                              const hmf_solve_options *options, const hmf_control *control, hmf_foliation **out,
                              hmf_error *error);
+
+/*
+ * hmf_solve with the loops that hmf_loops makes (HMF_LOOPS_CUT) on the coarsest
+ * level, with boundary and for HMF_METHOD_SINGLE_LEVEL on level 0; weights 1.
+ * options->start must be NULL.  Returns what hmf_loops and hmf_solve return.
+ */
+HMF_API hmf_status hmf_solve_cut_system(const hmf_hierarchy *hierarchy, const hmf_solve_options *options,
+                                        const hmf_control *control, hmf_foliation **out, hmf_error *error);
 
 /*
  * Optimises a foliation on its level; otherwise as hmf_solve.  The class is that

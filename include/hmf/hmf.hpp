@@ -672,11 +672,12 @@ public:
     /* hmf_initialize */
     Foliation initialize(const Loops& loops, const ProgressFunction& progress = nullptr) const {
         const hmf_loop_set set = detail::raw(loops);
-        return initialize_set(&set, progress);
+        return Foliation(detail::make<hmf_foliation>(progress,
+                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
+                                                         return hmf_initialize(get(), &set, control, out, error);
+                                                     }),
+                         genus());
     }
-
-    /* hmf_initialize with the loops of the library. */
-    Foliation initialize(const ProgressFunction& progress = nullptr) const { return initialize_set(nullptr, progress); }
 
     /* hmf_foliation_create: a foliation of values, edge_count of the level. */
     Foliation foliation(std::size_t level, Span<double> values, const ProgressFunction& progress = nullptr) const {
@@ -689,9 +690,13 @@ public:
                          genus());
     }
 
-    /* hmf_solve with the loops of the library, or from options.start. */
+    /* hmf_solve from options.start; without a start hmf_solve_cut_system. */
     Solution solve(const SolveOptions& options = {}, const ProgressFunction& progress = nullptr) const {
-        return solve_set(nullptr, options, progress);
+        if (options.start) return solve_set(nullptr, options, progress);
+        return Foliation::solved(options, progress, genus(),
+                                 [&](auto all, const hmf_control* control, auto out, hmf_error* error) {
+                                     return hmf_solve_cut_system(get(), all, control, out, error);
+                                 });
     }
 
     /* hmf_solve */
@@ -708,14 +713,6 @@ private:
         std::vector<T> array(width * static_cast<std::size_t>(this->level(level).*count));
         detail::check([&](hmf_error* error) { return call(get(), level, array.data(), array.size(), error); });
         return array;
-    }
-
-    Foliation initialize_set(const hmf_loop_set* loops, const ProgressFunction& progress) const {
-        return Foliation(detail::make<hmf_foliation>(progress,
-                                                     [&](const hmf_control* control, auto out, hmf_error* error) {
-                                                         return hmf_initialize(get(), loops, control, out, error);
-                                                     }),
-                         genus());
     }
 
     Solution solve_set(const hmf_loop_set* loops, const SolveOptions& options, const ProgressFunction& progress) const {

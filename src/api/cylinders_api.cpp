@@ -1,6 +1,6 @@
 // uses.h: cylinders.
 #include "../cylinders/cylinder_measures.hpp"
-#include "../leaves/front_cylinders.hpp"
+#include "../cylinders/front_cylinders.hpp"
 #include "../solve/to_minimum.hpp"
 #include "read_loop_set.hpp"
 #include "result.hpp"
@@ -49,7 +49,7 @@ extern "C" hmf_status hmf_cylinders(const hmf_foliation* foliation, const hmf_lo
             "Cylinders of a surface with boundary are told apart by their loops, on level 0. Give the loops "
             "of the foliation, and carry it to level 0.");
     WeightedLoops given;
-    if (loops && read_loop_set(h, loops, 0, given, call)) return call.status();
+    if (loops && read_loop_set(h, loops, nullptr, given, call)) return call.status();
     const GivenWeights of_loops{given.level, given.loops, given.weights, given.unit};
     Leaves leaves;
     State solved;

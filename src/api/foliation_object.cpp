@@ -2,7 +2,6 @@
 
 #include "../foliation/coarser_unit.hpp"
 #include "read_values.hpp"
-#include "shared_flat.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,7 +99,7 @@ hmf_status make_foliation(const State& state, const Making& making, Call& call, 
     hmf_foliation* object = block.make(made, h, call);
     if (!object) return call.status();
     object->bytes = call.memory.used() - before;
-    new (&object->flat) std::atomic<SharedFlat*>(nullptr);
+    new (&object->kept) std::atomic<Kept*>(nullptr);
     double* values = fill(object->values);
     call.parallel.for_blocks(n, [&](size_t begin, size_t end) {
         for (size_t e = begin; e < end; ++e)
@@ -143,7 +142,7 @@ hmf_status hmf_foliation_create(const hmf_hierarchy* hierarchy, size_t level, co
 void hmf_foliation_destroy(hmf_foliation* foliation) {
     if (!foliation) return;
     hmf_hierarchy* const hierarchy = const_cast<hmf_hierarchy*>(foliation->hierarchy);
-    free_shared_flat(*foliation);
+    if (Kept* const kept = foliation->kept.load()) kept->destroy(kept, *hierarchy);
     free_block(foliation);
     hmf_destroy(hierarchy);
 }
@@ -159,8 +158,8 @@ double hmf_foliation_unit(const hmf_foliation* foliation) { return foliation ? f
 
 uint64_t hmf_foliation_memory(const hmf_foliation* foliation) {
     if (!foliation) return 0;
-    const SharedFlat* const kept = foliation->flat.load(std::memory_order_acquire);
-    return foliation->bytes + (kept ? kept->bytes() : 0);
+    const Kept* const kept = foliation->kept.load(std::memory_order_acquire);
+    return foliation->bytes + (kept ? kept->bytes : 0);
 }
 
 const hmf_report* hmf_foliation_report(const hmf_foliation* foliation) {

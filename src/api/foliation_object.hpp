@@ -16,8 +16,14 @@
 #include "result.hpp"
 
 namespace hmf {
-struct SharedFlat;
-}
+
+// Base of what an application computes from a foliation and keeps with it.
+struct Kept {
+    uint64_t bytes;
+    void (*destroy)(Kept* kept, const hmf_hierarchy& hierarchy);
+};
+
+} // namespace hmf
 
 struct hmf_foliation {
     const hmf_hierarchy* hierarchy;
@@ -33,7 +39,7 @@ struct hmf_foliation {
     uint64_t bytes;         // of its block
     uint64_t has_report;    // 1 or 0
     hmf_report report;
-    mutable std::atomic<hmf::SharedFlat*> flat; // NULL until a use needs it
+    mutable std::atomic<hmf::Kept*> kept; // NULL until an application needs it
 };
 
 namespace hmf {

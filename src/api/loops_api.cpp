@@ -1,11 +1,9 @@
-// hmf.h: loops, initialize.
+// hmf.h: the loops that the library makes.
 #include "../cylinders/reference_loops.hpp"
 #include "../hierarchy/caller_numbers.hpp"
 #include "../loops/library_loops.hpp"
 #include "../loops/surface_loops.hpp"
-#include "../solve/double_reflection.hpp"
-#include "foliation_object.hpp"
-#include "read_loop_set.hpp"
+#include "solve_call.hpp"
 
 using namespace hmf;
 
@@ -27,6 +25,19 @@ hmf_status loops_of_surface(const hmf_hierarchy& h, size_t level, int32_t kind, 
     block.array(made, made.arcs, found.arcs.size(), found.arcs.data());
     *out = block.make(made, h, call);
     return call.status();
+}
+
+// On a closed surface on the given level, with boundary on level 0; weights 1.
+hmf_status weighted_cut_system(const hmf_hierarchy& h, size_t level, WeightedLoops& out, Call& call) {
+    if (h.is_double()) {
+        FoundLoops found;
+        if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
+        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
+                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
+        return read_loop_set(h, &made, found.is_round.data(), out, call);
+    }
+    out.level = level;
+    return reference_loops(h, level, HMF_LOOPS_CUT, call, out.loops) ? call.status() : set_unit_weights(out, call);
 }
 
 } // namespace
@@ -55,22 +66,19 @@ hmf_status hmf_loops(const hmf_hierarchy* hierarchy, size_t level, int32_t kind,
     return entry.end();
 }
 
-hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_control* control,
-                          hmf_foliation** out, hmf_error* error) {
-    Entry entry(hierarchy, control, error);
+hmf_status hmf_solve_cut_system(const hmf_hierarchy* hierarchy, const hmf_solve_options* options,
+                                const hmf_control* control, hmf_foliation** out, hmf_error* error) {
+    Entry entry(hierarchy, control, error, true);
     Call& call = entry.call;
-    if (entry.check(hierarchy, out)) return call.status();
-    WeightedLoops given;
-    if (read_loop_set(*hierarchy, loops, hierarchy->level_count - 1, given, call)) return call.status();
-    State state;
-    if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
-    state.load(given.level, Triangulation::input);
-    initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
-    Symmetrised made;
-    if (make_symmetric(state, call, made)) return call.status();
-    Making making;
-    making.unit = given.unit;
-    return make_foliation(state, making, call, out) ? call.status() : entry.end();
+    SolveOptions solve;
+    if (entry.check(hierarchy, out) || read_solve_options(options, *hierarchy, solve, call)) return call.status();
+    if (solve.start)
+        return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
+                         "There is a start, which gives the class. Use hmf_solve, or set start to NULL.");
+    call.range(0, 0); // the levels share the whole range
+    WeightedLoops cut;
+    if (weighted_cut_system(*hierarchy, first_level(*hierarchy, solve), cut, call)) return call.status();
+    return solve_loops(*hierarchy, cut, solve, call, out);
 }
 
 } // extern "C"

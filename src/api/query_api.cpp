@@ -1,12 +1,9 @@
 // hmf.h: interpolate, energy, residuals, singularities.
-#include "../design/conformal_scale.hpp"
 #include "../hierarchy/caller_numbers.hpp"
 #include "../solve/double_reflection.hpp"
 #include "../solve/fraction.hpp"
 #include "foliation_object.hpp"
 #include "singularity_list.hpp"
-
-#include <cmath>
 
 using namespace hmf;
 
@@ -73,31 +70,6 @@ hmf_status hmf_residuals(const hmf_foliation* foliation, const hmf_control* cont
         return status;
     if (call.cancelled()) return call.was_cancelled();
     for (uint32_t v = 0; v < n; ++v) out[v] = residual[foliation->level == 0 ? h.vertex_internal[v] : v];
-    return entry.end();
-}
-
-hmf_status hmf_conformal_scale(const hmf_foliation* foliation, const hmf_control* control, double* log_scale,
-                               size_t capacity, double* unevenness, hmf_error* error) {
-    Entry entry(hierarchy_of(foliation), control, error);
-    Call& call = entry.call;
-    const void* const output = log_scale ? log_scale : unevenness;
-    if (entry.check(hierarchy_of(foliation), output)) return call.status();
-    State state;
-    ConformalScale scale;
-    Array<uint32_t> side;
-    if (load_values(*foliation, foliation->level, state, call)) return call.status();
-    const Mesh& mesh = state.foliation.mesh;
-    const size_t shown = foliation->hierarchy->shown_triangles(foliation->level);
-    if (log_scale && check_capacity(capacity, shown, "log_scale", call)) return call.status();
-    if (!call.tick(0.3)) return call.was_cancelled();
-    if (!scale.measure(mesh, foliation->hierarchy->levels[foliation->level].position, state.foliation.value,
-                       foliation->unit, call.memory, &call)
-        || (log_scale && !side_of_triangles(*foliation->hierarchy, foliation->level, side, call)))
-        return call.stopped();
-    if (!call.tick(0.8)) return call.was_cancelled();
-    const double offset = scale.offset + natural_log(foliation->hierarchy->scale);
-    for (size_t t = 0; log_scale && t < shown; ++t) log_scale[t] = scale.log_scale[mesh.face[side[t]]] + offset;
-    if (unevenness) *unevenness = scale.unevenness();
     return entry.end();
 }
 

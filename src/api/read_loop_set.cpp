@@ -2,8 +2,6 @@
 
 #include "../hierarchy/caller_numbers.hpp"
 #include "../loops/double_loops.hpp"
-#include "../loops/surface_loops.hpp"
-#include "../cylinders/reference_loops.hpp"
 #include "read_values.hpp"
 
 #include <algorithm>
@@ -31,7 +29,7 @@ hmf_status check_shape(const hmf_hierarchy& h, const hmf_loop_set& all, Call& ca
                          static_cast<int>(all.element_kind));
     if (all.count == 0 || !all.offsets || !all.elements)
         return call.fail(all.count == 0 ? HMF_ERROR_LOOP_COUNT : HMF_ERROR_NULL, HMF_ELEMENT_LOOP, 0,
-                         "There are no loops. Give at least one, or NULL for the loops that the library makes.");
+                         "There are no loops. Give at least one.");
     for (uint64_t c = 0; c < all.count; ++c)
         if (all.offsets[c + 1] < all.offsets[c] || all.offsets[0] != 0)
             return call.fail(HMF_ERROR_LOOP_COUNT, HMF_ELEMENT_LOOP, c,
@@ -115,12 +113,21 @@ hmf_status read_weights(bool is_double, const Given& given, WeightedLoops& out, 
     return HMF_OK;
 }
 
-// given: with what is known of the loops of the library.
-hmf_status read_given(const hmf_hierarchy& h, const hmf_loop_set* set, WeightedLoops& out, Given& given, Call& call) {
+} // namespace
+
+hmf_status set_unit_weights(WeightedLoops& out, Call& call) { return read_weights(false, Given{}, out, call); }
+
+hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, const uint8_t* is_round, WeightedLoops& out,
+                         Call& call) {
+    if (!set)
+        return call.fail(HMF_ERROR_NULL, HMF_ELEMENT_NONE, 0,
+                         "The loops are NULL. Give loops, or take those of hmf_loops.");
     hmf_loop_set all;
     if (read_options(set, all, "hmf_loop_set", call) || check_shape(h, all, call)) return call.status();
-    out.level = static_cast<size_t>(all.level);
+    Given given;
+    given.is_round = is_round;
     given.weights = all.weights;
+    out.level = static_cast<size_t>(all.level);
     if ((h.is_double() ? read_on_double : read_on_closed)(h, all, out, given, call)
         || read_weights(h.is_double(), given, out, call))
         return call.status();
@@ -128,24 +135,6 @@ hmf_status read_given(const hmf_hierarchy& h, const hmf_loop_set* set, WeightedL
     const Mesh& mesh = loop_mesh(h, out.level);
     const hmf_status status = check_loops(mesh, out.loops, call, &given.loops);
     return status ? status : pull_tight(mesh, call, out.loops);
-}
-
-} // namespace
-
-hmf_status read_loop_set(const hmf_hierarchy& h, const hmf_loop_set* set, size_t own, WeightedLoops& out, Call& call) {
-    Given given;
-    if (set) return read_given(h, set, out, given, call);
-    if (h.is_double()) {
-        FoundLoops found;
-        if (surface_loops(h, HMF_LOOPS_CUT, call, found)) return call.status();
-        const hmf_loop_set made = {sizeof made,          HMF_LOOP_TRIANGLES,     0,       found.count(),
-                                   found.offsets.data(), found.triangles.data(), nullptr, found.arcs.data()};
-        given.is_round = found.is_round.data();
-        return read_given(h, &made, out, given, call);
-    }
-    out.level = own;
-    if (reference_loops(h, own, HMF_LOOPS_CUT, call, out.loops)) return call.status();
-    return read_weights(false, given, out, call);
 }
 
 } // namespace hmf

@@ -17,8 +17,11 @@ struct WeightedLoops {
     uint32_t callers(uint32_t loop) const { return loop < of.size() ? of[loop] : loop; }
 };
 
-// set NULL: the library's cut system on level `own`, weights 1.
-[[nodiscard]] hmf_status read_loop_set(const hmf_hierarchy& hierarchy, const hmf_loop_set* set, size_t own,
+// is_round: as in SurfaceLoops, if it is known, else NULL.
+[[nodiscard]] hmf_status read_loop_set(const hmf_hierarchy& hierarchy, const hmf_loop_set* set, const uint8_t* is_round,
                                        WeightedLoops& out, Call& call);
+
+// Weights of 1 for loops on a closed surface.
+[[nodiscard]] hmf_status set_unit_weights(WeightedLoops& loops, Call& call);
 
 } // namespace hmf

@@ -6,8 +6,8 @@ namespace hmf {
 
 namespace {
 
-void free_part(const hmf_hierarchy& h, SharedFlat* part) {
-    if (!part) return;
+void free_part(Kept* kept, const hmf_hierarchy& h) {
+    SharedFlat* const part = static_cast<SharedFlat*>(kept);
     Memory own(h.allocate, h.release, h.allocator_user, 0, sizeof *part);
     part->~SharedFlat();
     own.give(part, sizeof *part);
@@ -21,30 +21,33 @@ hmf_status build(const hmf_foliation& foliation, FlatSurface& flat, Call& call) 
 
 } // namespace
 
+SharedFlat::SharedFlat(const hmf_hierarchy& h, uint64_t used) :
+    Kept{sizeof *this, free_part}, memory(h.allocate, h.release, h.allocator_user, h.memory_limit, used) {}
+
 hmf_status shared_flat(const hmf_foliation& foliation, Entry& entry, const FlatSurface*& out) {
     out = nullptr;
     if (!is_minimum(foliation)) return HMF_OK;
-    SharedFlat* part = foliation.flat.load(std::memory_order_acquire);
+    Kept* part = foliation.kept.load(std::memory_order_acquire);
     if (!part) {
         const hmf_hierarchy& h = *foliation.hierarchy;
         void* block = entry.memory.take(sizeof(SharedFlat));
         if (!block) return entry.call.out_of_memory();
-        SharedFlat* made = new (block) SharedFlat(h, entry.memory.used());
+        const uint64_t before = entry.memory.used();
+        SharedFlat* made = new (block) SharedFlat(h, before);
         Call call = entry.part(made->memory, 0.8);
         made->memory.keep_arrays();
         const hmf_status status = build(foliation, made->flat, call);
         made->memory.release_kept();
         if (status) {
-            free_part(h, made);
+            free_part(made, h);
             return call.status();
         }
-        if (foliation.flat.compare_exchange_strong(part, made, std::memory_order_acq_rel)) part = made;
-        else free_part(h, made);
+        made->bytes += made->memory.used() - before;
+        if (foliation.kept.compare_exchange_strong(part, made, std::memory_order_acq_rel)) part = made;
+        else free_part(made, h);
     }
-    out = &part->flat;
+    out = &static_cast<const SharedFlat*>(part)->flat;
     return HMF_OK;
 }
-
-void free_shared_flat(hmf_foliation& foliation) { free_part(*foliation.hierarchy, foliation.flat.load()); }
 
 } // namespace hmf

@@ -1,15 +1,13 @@
-// hmf.h: solve, relax.
-#include "read_loop_set.hpp"
+// hmf.h: initialize, solve, relax.
+#include "../solve/double_reflection.hpp"
 #include "read_values.hpp"
+#include "solve_call.hpp"
 #include "solve_result.hpp"
 
 #include <algorithm>
 
-using namespace hmf;
+namespace hmf {
 
-namespace {
-
-// The solve options with all defaults in place.
 hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy& h, SolveOptions& options,
                               Call& call) {
     hmf_solve_options& given = options;
@@ -41,6 +39,12 @@ hmf_status read_solve_options(const hmf_solve_options* from, const hmf_hierarchy
     call.set_time_limit(options.time_limit);
     return HMF_OK;
 }
+
+size_t first_level(const hmf_hierarchy& h, const SolveOptions& options) {
+    return options.method == HMF_METHOD_SINGLE_LEVEL ? 0 : h.level_count - 1;
+}
+
+namespace {
 
 // Runs the cascade and hands the result over; the state lies on level `given`,
 // on the caller's side of level 0.  loops: those of the foliation, NULL if it was given.
@@ -105,7 +109,38 @@ hmf_status load_start(const hmf_hierarchy& h, const hmf_foliation& start, size_t
 
 } // namespace
 
+hmf_status solve_loops(const hmf_hierarchy& h, const WeightedLoops& loops, const SolveOptions& options, Call& call,
+                       hmf_foliation** out) {
+    State state;
+    if (!state.allocate(h, std::min(options.stop(), loops.level), call.memory)) return call.out_of_memory();
+    state.load(loops.level, Triangulation::input);
+    initial_foliation(state.foliation.mesh, loops.loops, loops.weights.data(), state.foliation.value);
+    return solve_from(state, first_level(h, options), &loops, loops.unit, options, call, out);
+}
+
+} // namespace hmf
+
+using namespace hmf;
+
 extern "C" {
+
+hmf_status hmf_initialize(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_control* control,
+                          hmf_foliation** out, hmf_error* error) {
+    Entry entry(hierarchy, control, error);
+    Call& call = entry.call;
+    if (entry.check(hierarchy, out)) return call.status();
+    WeightedLoops given;
+    if (read_loop_set(*hierarchy, loops, nullptr, given, call)) return call.status();
+    State state;
+    if (!state.allocate(*hierarchy, given.level, call.memory)) return call.out_of_memory();
+    state.load(given.level, Triangulation::input);
+    initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
+    Symmetrised made;
+    if (make_symmetric(state, call, made)) return call.status();
+    Making making;
+    making.unit = given.unit;
+    return make_foliation(state, making, call, out) ? call.status() : entry.end();
+}
 
 hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, const hmf_solve_options* options,
                      const hmf_control* control, hmf_foliation** out, hmf_error* error) {
@@ -116,21 +151,16 @@ hmf_status hmf_solve(const hmf_hierarchy* hierarchy, const hmf_loop_set* loops, 
     if (solve.start && loops)
         return call.fail(HMF_ERROR_OPTIONS, HMF_ELEMENT_OPTION, 0,
                          "There are loops and a start. Give one of them, the other NULL.");
-    // The cascade starts on the coarsest level, to which loops and foliations of finer levels are restricted.
-    const size_t start = solve.method == HMF_METHOD_SINGLE_LEVEL ? 0 : hierarchy->level_count - 1;
-    State state;
     call.range(0, 0); // the levels share the whole range
     if (solve.start) {
+        State state;
         double unit = 1;
         if (load_start(*hierarchy, *solve.start, solve.stop(), state, unit, call)) return call.status();
-        return solve_from(state, start, nullptr, unit, solve, call, out);
+        return solve_from(state, first_level(*hierarchy, solve), nullptr, unit, solve, call, out);
     }
     WeightedLoops given;
-    if (read_loop_set(*hierarchy, loops, start, given, call)) return call.status();
-    if (!state.allocate(*hierarchy, std::min(solve.stop(), given.level), call.memory)) return call.out_of_memory();
-    state.load(given.level, Triangulation::input);
-    initial_foliation(state.foliation.mesh, given.loops, given.weights.data(), state.foliation.value);
-    return solve_from(state, start, &given, given.unit, solve, call, out);
+    if (read_loop_set(*hierarchy, loops, nullptr, given, call)) return call.status();
+    return solve_loops(*hierarchy, given, solve, call, out);
 }
 
 hmf_status hmf_relax(const hmf_foliation* foliation, const hmf_solve_options* options, const hmf_control* control,

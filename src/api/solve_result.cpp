@@ -1,6 +1,5 @@
 #include "solve_result.hpp"
 
-#include "../design/conformal_scale.hpp"
 #include "../solve/double_reflection.hpp"
 
 #include <algorithm>
@@ -125,12 +124,6 @@ hmf_status finish_solve(State& state, hmf_status status, const SolveOptions& opt
                          "%llu triangles of the result are not closed. Please report it.",
                          static_cast<unsigned long long>(count.broken_triangles));
     making.unit = std::ldexp(recorder.unit(), static_cast<int>(making.solved_bits));
-    if (watched && !call.tick(0, true)) return call.was_cancelled();
-    ConformalScale scale;
-    if (!scale.measure(state.foliation.mesh, state.hierarchy->levels[state.level].position, state.foliation.value,
-                       making.unit, call.memory, watched))
-        return call.stopped();
-    report.unevenness = scale.unevenness();
     report.poles = making.poles = count.poles;
     report.zeros = count.zeros;
     report.index_sum = count.index_sum;

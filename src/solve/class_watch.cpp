@@ -3,11 +3,25 @@
 
 namespace hmf {
 
+namespace {
+
+MeshListener carry(CurveWords& words) {
+    return {&words,
+            [](void* user, const Mesh& mesh, uint32_t edge, bool reversed) {
+                return static_cast<CurveWords*>(user)->flipped(mesh, edge, reversed);
+            },
+            [](void* user, const Mesh& mesh, const Collapse* collapses, size_t count, Call& call) {
+                return static_cast<CurveWords*>(user)->were_split(mesh, collapses, count, call);
+            }};
+}
+
+} // namespace
+
 hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* loops, const Array<int64_t>& weights,
                              Call& call) {
     const double begin = call.seconds();
     const Mesh& mesh = state.foliation.mesh;
-    state.words = nullptr;
+    state.listener = nullptr;
     started = false;
     zeros.known = false;
     zeros.vertices.start(call.memory);
@@ -25,10 +39,15 @@ hmf_status ClassWatch::start(State& state, double unit_of_values, const Loops* l
             reference.number_by_weight(weights);
         }
         started = weights.empty() || reference.agrees(weights);
-        if (started) state.words = &words;
+        if (started) listen(state);
     }
     seconds += call.seconds() - begin;
     return HMF_OK;
+}
+
+void ClassWatch::listen(State& state) {
+    listener_ = carry(words);
+    state.listener = &listener_;
 }
 
 hmf_status ClassWatch::look(State& state, double unit_of_values, Call& call) {
@@ -75,7 +94,7 @@ hmf_status solve_in_class(State& state, const SolveOptions& options, Call& call,
     recorder.set_unit(unit);
     state.largest_input_value = largest;
     state.statistics = statistics;
-    if (state.words && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
+    if (state.listener && !watch.words.start(f.mesh, state.hierarchy->levels[0].mesh.edge_count, call))
         return call.stopped();
     SolveOptions careful = options;
     careful.guarded = true;

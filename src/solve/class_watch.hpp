@@ -34,6 +34,11 @@ struct ClassWatch {
     // Of the state as it is.
     [[nodiscard]] hmf_status look(State& state, double unit_of_values, Call& call);
     bool holds() const { return result.state != ClassState::lost; }
+    // From here on the words go along with the mesh of the state.
+    void listen(State& state);
+
+private:
+    MeshListener listener_{};
 };
 
 // run_cascade, with the certificate and the guard.  HMF_LIMIT_CLASS: the result is

@@ -51,7 +51,7 @@ Done State::refine(Call& call) {
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->flips[i], true, statistics, bad_flip);
-        if (words && !words->flipped(foliation.mesh, hierarchy->flips[i], true)) return false;
+        if (listener && !listener->flipped(listener->user, foliation.mesh, hierarchy->flips[i], true)) return false;
     }
     const Mesh& split = level == 1 ? hierarchy->input : finer.mesh;
     share(split);
@@ -68,7 +68,8 @@ Done State::refine(Call& call) {
     };
     if (!undo_collapses(*hierarchy, finer, call, 0, true, undo)) return false;
     const size_t count = finer.collapse_end - finer.collapse_begin;
-    if (words && !words->were_split(foliation.mesh, log + finer.collapse_begin, count, call)) return false;
+    if (listener && !listener->were_split(listener->user, foliation.mesh, log + finer.collapse_begin, count, call))
+        return false;
     --level;
     triangulation = Triangulation::input;
     return true;
@@ -114,7 +115,8 @@ Done State::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy->intrinsic_flip_count; ++i) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;
         flip_foliation(foliation, hierarchy->intrinsic_flips[i], false, statistics);
-        if (words && !words->flipped(foliation.mesh, hierarchy->intrinsic_flips[i], false)) return false;
+        const uint32_t edge = hierarchy->intrinsic_flips[i];
+        if (listener && !listener->flipped(listener->user, foliation.mesh, edge, false)) return false;
     }
     triangulation = Triangulation::intrinsic;
     // The half-edges are equal, array by array: flips are exact reversals.
@@ -130,7 +132,7 @@ Done State::to_intrinsic(Call& call) {
 }
 
 Done State::to_input(Call& call) {
-    words = nullptr;
+    listener = nullptr;
     if (hierarchy->intrinsic_flip_count > 0 && !own(call)) return false;
     for (size_t i = hierarchy->intrinsic_flip_count; i-- > 0;) {
         if (i % 4096 == 0 && !call.tick(0, true)) return false;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "../foliation/restriction.hpp"
-#include "../homotopy/curve_words.hpp"
 #include "../hierarchy/hierarchy.hpp"
 #include "../mesh/mesh_copy.hpp"
 
@@ -11,6 +10,15 @@ namespace hmf {
 
 // Which triangulation of a level: level 0 has two.
 enum class Triangulation : uint8_t { input, intrinsic };
+
+// Told of the changes that State::refine and State::to_intrinsic make to the mesh, one call after each.
+struct MeshListener {
+    void* user;
+    // The edge was flipped, or a flip of it reversed.
+    Done (*flipped)(void* user, const Mesh& mesh, uint32_t edge, bool reversed);
+    // These collapses were undone, the last one first.
+    Done (*were_split)(void* user, const Mesh& mesh, const Collapse* collapses, size_t count, Call& call);
+};
 
 // Its half-edges are those of the hierarchy, which nobody may write, until a flip or a collapse is to come, and
 // again once a finer level or level 0 is reached, where it is solved: so no copy of them lies beside the solve.
@@ -25,7 +33,7 @@ struct State {
     Triangulation triangulation = Triangulation::intrinsic; // meaningful on level 0
     TransportStatistics statistics;
     BadFlip bad_flip = BadFlip::moved_first; // between levels
-    CurveWords* words = nullptr;             // go along to finer levels and to the intrinsic side, if there are any
+    const MeshListener* listener = nullptr;  // until to_input; NULL: none
     int64_t largest_input_value = 0;         // on the caller's edges, when they were left for the intrinsic ones
 
     // Room for every level down to `finest`.
@@ -44,7 +52,7 @@ struct State {
     Done go_to(size_t target, Call& call);
     // Between the two triangulations of level 0.
     Done to_intrinsic(Call& call);
-    Done to_input(Call& call); // words stay behind
+    Done to_input(Call& call); // without the listener
 
 private:
     void share(const Mesh& same);

@@ -193,8 +193,8 @@ private:
                               [this, kind](auto c, auto out, auto e) { return hmf_loops(h, 0, kind, c, out, e); });
         add<hmf_foliation>("hmf_initialize",
                            [this](auto c, auto out, auto e) { return hmf_initialize(h, &set, c, out, e); });
-        add<hmf_foliation>("hmf_initialize, own loops",
-                           [this](auto c, auto out, auto e) { return hmf_initialize(h, nullptr, c, out, e); });
+        add<hmf_foliation>("hmf_solve_cut_system",
+                           [this](auto c, auto out, auto e) { return hmf_solve_cut_system(h, nullptr, c, out, e); });
         add<hmf_foliation>("hmf_foliation_create", [this](auto c, auto out, auto e) {
             return hmf_foliation_create(h, 0, values.data(), values.size(), c, out, e);
         });

@@ -615,6 +615,7 @@ Solution solve(const Hierarchy& hierarchy, const Loops* loops, const hmf_solve_o
     hmf_loop_set set{};
     if (loops) set = loops->view();
     return solution_of([&](hmf_foliation** out, hmf_error* error) {
+        if (!loops && !options.start) return hmf_solve_cut_system(hierarchy.get(), &options, control, out, error);
         return hmf_solve(hierarchy.get(), loops ? &set : nullptr, &options, control, out, error);
     });
 }

@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
             return 1;
         const double built = processor_seconds();
         hmf_foliation* f = nullptr;
-        if (stop(hmf_solve(h, nullptr, nullptr, nullptr, &f, &error), error)) return 1;
+        if (stop(hmf_solve_cut_system(h, nullptr, nullptr, &f, &error), error)) return 1;
         const double solved = processor_seconds();
         value = hmf_foliation_values(f, nullptr)[0];
         hmf_foliation_destroy(f);

@@ -194,8 +194,8 @@ export class Hierarchy {
 
     initialize(loops, options) {
         return this.#foliation(optionsOf(options, 'options', ['progress']), (frame, address) => {
-            const set = writeLoops(frame, loops);
-            if (loops !== undefined) this.levelIndex(loops.level ?? 0, 'loops.level');
+            const set = writeLoops(frame, loops ?? {});
+            this.levelIndex(loops.level ?? 0, 'loops.level');
             return frame.make('hmf_initialize', address, set);
         });
     }
@@ -204,8 +204,11 @@ export class Hierarchy {
         const given = optionsOf(options, 'options', [...SOLVE_OPTIONS, 'loops', 'start']), { start } = given;
         const level = this.levelIndex(given.stopLevel ?? 0, 'stopLevel');
         if (start !== undefined && !(start instanceof Foliation)) throw new TypeError(`start is ${described(start)}; give a Foliation.`);
-        const solve = address => this.#foliation(given, (frame, hierarchy) =>
-            frame.make('hmf_solve', hierarchy, writeLoops(frame, given.loops), writeOptions(frame, given, { stop_level: level, start: address })));
+        const solve = address => this.#foliation(given, (frame, hierarchy) => {
+            const loops = writeLoops(frame, given.loops), settings = writeOptions(frame, given, { stop_level: level, start: address });
+            if (loops === 0 && address === 0) return frame.make('hmf_solve_cut_system', hierarchy, settings);
+            return frame.make('hmf_solve', hierarchy, loops, settings);
+        });
         if (start === undefined) return solve(0);
         // Not inside of perform: it may be of this hierarchy.  A callback must not dispose of it.
         if (start.hierarchy === this) return solve(start.perform({}, (_, address) => address));

@@ -179,7 +179,7 @@ export interface Hierarchy extends Disposable {
     /** Loops made by the library; default: a cut system on the coarsest level. */
     loops(options?: LoopsOptions): LoopSet;
     /** The closed initial foliation of loops on their level; default: of `loops()`. */
-    initialize(loops?: LoopSet, options?: ProgressOptions): Foliation;
+    initialize(loops: LoopSet, options?: ProgressOptions): Foliation;
     /** The harmonic foliation in the class of the loops.  Limits are no exceptions: see `report.status`. */
     solve(options?: SolveOptions): Foliation;
     /**
@@ -528,8 +528,6 @@ export interface Report {
     classRepeats: number;
     /** For the certificate, part of `solveSeconds`. */
     classSeconds: number;
-    /** Of the scale of the values, see `conformalScale`. */
-    unevenness: number;
     /** Finest first. */
     levels: LevelReport[];
     /** In order of time. */

@@ -89,7 +89,7 @@ def test_even_design(sphere: Mesh) -> None:
     design = foliations.even_design(*sphere)
     assert len(design.marked_vertices) >= 4 and design.unevenness > 0 and design.solves > 0
     even = foliations.solve(*sphere, loops="even")
-    assert even.report is not None and even.report.unevenness == even.unevenness
+    assert abs(even.unevenness - design.unevenness) < 0.25 * design.unevenness
     own = foliations.Hierarchy(*sphere, marked_vertices=design.marked_vertices).solve(design.loops)
     assert np.array_equal(own.values, even.values)
     assert even.conformal_scale().shape == (len(sphere[1]),)

@@ -288,7 +288,7 @@ class Hierarchy:
         LoopError
             A loop is not closed, simple and essential, or two of them cross or are freely homotopic.
         """
-        if loops is None and weights is not None:
+        if loops is None:
             loops = self.loops()
         given, alive = loop_structure(loops, weights)
         made = call(lib.hmf_initialize, self._pointer, given, progress=progress)
@@ -367,7 +367,10 @@ class Hierarchy:
         given, alive = loop_structure(loops, weights)
         start = None if initial is None else initial._pointer
         settings = solve_options(options, start=start)
-        outcome = run(lib.hmf_solve, self._pointer, given, settings, progress=progress, accept=STOPPED)
+        if given is None and start is None:
+            outcome = run(lib.hmf_solve_cut_system, self._pointer, settings, progress=progress, accept=STOPPED)
+        else:
+            outcome = run(lib.hmf_solve, self._pointer, given, settings, progress=progress, accept=STOPPED)
         del alive
         return solved(self, outcome)
 

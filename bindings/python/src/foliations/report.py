@@ -59,7 +59,6 @@ class Report:
     class_state: ClassState
     class_repeats: int  #: levels that were solved once more, as the first result had left the class
     class_seconds: float  #: for the certificate, part of solve_seconds
-    unevenness: float  #: of the scale of the values, see Foliation.conformal_scale
 
     def __str__(self) -> str:
         """Several lines: what was reached, at what cost, and on which level."""

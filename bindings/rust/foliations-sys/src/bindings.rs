@@ -385,7 +385,6 @@ pub struct hmf_report {
     pub class_state: i32,
     pub class_repeats: u32,
     pub class_seconds: f64,
-    pub unevenness: f64,
 }
 impl Default for hmf_report {
     fn default() -> Self {
@@ -761,6 +760,13 @@ extern "C" {
     pub fn hmf_solve(
         hierarchy: *const hmf_hierarchy,
         loops: *const hmf_loop_set,
+        options: *const hmf_solve_options,
+        control: *const hmf_control,
+        out: *mut *mut hmf_foliation,
+        error: *mut hmf_error,
+    ) -> hmf_status;
+    pub fn hmf_solve_cut_system(
+        hierarchy: *const hmf_hierarchy,
         options: *const hmf_solve_options,
         control: *const hmf_control,
         out: *mut *mut hmf_foliation,

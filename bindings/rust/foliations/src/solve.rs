@@ -156,7 +156,13 @@ impl<'a> Solver<'a> {
         let hierarchy = self.hierarchy.as_ptr();
         let made = Closure::watch(&mut self.progress, || {
             // SAFETY: the handles are valid, and `self` borrows loops and start.
-            attempt(|out, control, error| unsafe { sys::hmf_solve(hierarchy, set, &options, control, out, error) })
+            attempt(|out, control, error| unsafe {
+                if set.is_null() && options.start.is_null() {
+                    sys::hmf_solve_cut_system(hierarchy, &options, control, out, error)
+                } else {
+                    sys::hmf_solve(hierarchy, set, &options, control, out, error)
+                }
+            })
         });
         self.solution(made)
     }
@@ -261,8 +267,6 @@ record! {
         class_repeats: u32,
         /// Time for the certificate of the class, part of `solve_seconds`.
         class_seconds: f64,
-        /// How uneven the scale of the values is, see [`Foliation::conformal_scale`].
-        unevenness: f64,
     }
 }
 
