@@ -47,21 +47,6 @@ hmf_status hmf_level_edge_vertices(const hmf_hierarchy* hierarchy, size_t level,
     return HMF_OK;
 }
 
-} // extern "C"
-
-namespace {
-
-// Half-edge of side 0 of each face of a level above 0: the lowest.
-template <class Visit>
-void for_each_face(const Mesh& mesh, Visit visit) {
-    for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h)
-        if (h < mesh.next[h] && h < mesh.prev(h)) visit(mesh.face[h], h);
-}
-
-} // namespace
-
-extern "C" {
-
 hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level, uint32_t* triangle_edges,
                                     size_t capacity, hmf_error* error) {
     Entry entry(hierarchy, nullptr, error);
@@ -76,10 +61,11 @@ hmf_status hmf_level_triangle_edges(const hmf_hierarchy* hierarchy, size_t level
                     size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
         return HMF_OK;
     }
-    for_each_face(mesh, [&](uint32_t face, uint32_t h) {
-        triangle_edges[size_t{3} * face] = edge_of(h);
-        triangle_edges[size_t{3} * face + 1] = edge_of(mesh.next[h]);
-        triangle_edges[size_t{3} * face + 2] = edge_of(mesh.prev(h));
+    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t a, uint32_t b, uint32_t c) {
+        uint32_t* const edges = triangle_edges + size_t{3} * mesh.face[a];
+        edges[0] = edge_of(a);
+        edges[1] = edge_of(b);
+        edges[2] = edge_of(c);
     });
     return HMF_OK;
 }
@@ -98,10 +84,11 @@ hmf_status hmf_level_triangle_vertices(const hmf_hierarchy* hierarchy, size_t le
                     size_t{3} * hierarchy->surface_triangles * sizeof(uint32_t));
         return HMF_OK;
     }
-    for_each_face(mesh, [&](uint32_t face, uint32_t h) {
-        triangle_vertices[size_t{3} * face] = mesh.origin[h];
-        triangle_vertices[size_t{3} * face + 1] = mesh.origin[mesh.next[h]];
-        triangle_vertices[size_t{3} * face + 2] = mesh.origin[mesh.prev(h)];
+    for_each_face(mesh, 0, 2 * mesh.edge_count, [&](uint32_t a, uint32_t b, uint32_t c) {
+        uint32_t* const vertices = triangle_vertices + size_t{3} * mesh.face[a];
+        vertices[0] = mesh.origin[a];
+        vertices[1] = mesh.origin[b];
+        vertices[2] = mesh.origin[c];
     });
     return HMF_OK;
 }

@@ -4,14 +4,14 @@ namespace hmf {
 
 namespace {
 
-struct Header {
+struct BlockHeader {
     hmf_allocate_fn allocate; // both NULL: the default
     hmf_release_fn release;
     void* user;
     size_t bytes; // of the whole block
 };
 
-constexpr size_t aligned(size_t bytes) { return (bytes + 15) / 16 * 16; }
+constexpr size_t block_bytes(size_t bytes) { return (bytes + 15) / 16 * 16; }
 
 } // namespace
 
@@ -22,33 +22,33 @@ void ResultBlock::add(ptrdiff_t field, size_t count, size_t size, const void* so
 }
 
 void* ResultBlock::make_bytes(const void* structure, size_t size, const hmf_hierarchy& h, Call& call) {
-    size_t bytes = aligned(sizeof(Header)) + aligned(size);
-    for (int i = 0; i < part_count_; ++i) bytes += aligned(parts_[i].bytes);
+    size_t bytes = block_bytes(sizeof(BlockHeader)) + block_bytes(size);
+    for (int i = 0; i < part_count_; ++i) bytes += block_bytes(parts_[i].bytes);
     // Nothing is given after a failed allocation, whoever has seen it.
     void* block = call.memory.failure() ? nullptr : call.memory.take(too_large_ ? SIZE_MAX : bytes);
     if (!block) {
         call.out_of_memory();
         return nullptr;
     }
-    const Header header{h.allocate, h.release, h.allocator_user, bytes};
+    const BlockHeader header{h.allocate, h.release, h.allocator_user, bytes};
     std::memcpy(block, &header, sizeof header);
-    char* const made = static_cast<char*>(block) + aligned(sizeof(Header));
+    char* const made = static_cast<char*>(block) + block_bytes(sizeof(BlockHeader));
     std::memcpy(made, structure, size);
-    char* at = made + aligned(size);
+    char* at = made + block_bytes(size);
     for (int i = 0; i < part_count_; ++i) {
         const Part& part = parts_[i];
         if (part.source) call.parallel.copy(at, static_cast<const char*>(part.source), part.bytes);
         void* const pointer = at;
         std::memcpy(made + part.field, &pointer, sizeof pointer);
-        at += aligned(part.bytes);
+        at += block_bytes(part.bytes);
     }
     return made;
 }
 
 void free_block(const void* structure) {
     if (!structure) return;
-    char* const block = const_cast<char*>(static_cast<const char*>(structure)) - aligned(sizeof(Header));
-    Header header;
+    char* const block = const_cast<char*>(static_cast<const char*>(structure)) - block_bytes(sizeof(BlockHeader));
+    BlockHeader header;
     std::memcpy(&header, block, sizeof header);
     Memory memory(header.allocate, header.release, header.user, 0, header.bytes);
     memory.give(block, header.bytes);

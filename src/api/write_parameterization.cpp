@@ -16,7 +16,7 @@ namespace hmf {
 namespace {
 
 // The caller's order is none in memory.
-constexpr uint32_t ahead = 8;
+constexpr uint32_t CORNERS_AHEAD = 8;
 
 // Of the caller's triangles: edges of a later one, half-edges of a sooner one.
 HMF_INLINE void prefetch_sides(const hmf_hierarchy& h, size_t later, size_t sooner) {
@@ -34,7 +34,7 @@ Done CallerTriangles::build(const hmf_hierarchy& h, size_t level, Call& call) {
     if (level == 0)
         return call.pass(mesh.face_count, 0, [&](size_t begin, size_t end) {
             for (size_t t = begin; t < end; ++t) {
-                if (end - t > 2 * ahead) prefetch_sides(h, t + 2 * ahead, t + ahead);
+                if (end - t > 2 * CORNERS_AHEAD) prefetch_sides(h, t + 2 * CORNERS_AHEAD, t + CORNERS_AHEAD);
                 const uint32_t side = internal_side(h, t);
                 of_face[mesh.face[side]] = {side, static_cast<uint32_t>(t)};
             }
@@ -125,7 +125,7 @@ public:
         const Sums sums = call_.parallel.sum_blocks<Sums>(mesh_.face_count, [&](size_t begin, size_t end) {
             Sums part;
             for (size_t f = begin; f < end; ++f) {
-                if (end - f > ahead) prefetch_triangle(triangles_.of_face[f + ahead]);
+                if (end - f > CORNERS_AHEAD) prefetch_triangle(triangles_.of_face[f + CORNERS_AHEAD]);
                 const CallerTriangles::Of of = triangles_.of_face[f];
                 if (of.triangle >= shown_) {
                     quantiles.set(f, 1, 0);
@@ -164,8 +164,8 @@ public:
         const SeamSum sum = parallel.sum_blocks<SeamSum>(mesh_.edge_count, [&](size_t begin, size_t end) {
             SeamSum part;
             for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e) {
-                if (end - e > ahead) {
-                    const uint32_t there = mesh_.next[2 * (e + ahead) + 1];
+                if (end - e > CORNERS_AHEAD) {
+                    const uint32_t there = mesh_.next[2 * (e + CORNERS_AHEAD) + 1];
                     prefetch(&layout.at[there]);
                 }
                 // The same either way: nothing.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint64_t THOROUGH = 40000000, FINISHING = 60000000; // steps of packing, in wide columns, then narrow ones
 constexpr double COARSE_COLUMN = GRID / 128, COLUMN = GRID / 320;
-constexpr int ROUNDS = 20; // of finding the margin in units
+constexpr int MARGIN_ROUNDS = 20; // of finding the margin in units
 constexpr double LARGEST_MARGIN = 64 * GRID;
 
 // Charts on the grid into the square.
@@ -93,7 +93,7 @@ private:
         margin = pieces_.margin * GRID * 1.12;
         for (const Box& b : box_) widest_ = std::max(widest_, std::max(b.u1 - b.u0, b.v1 - b.v0));
         for (int round = 0;; ++round) {
-            if (round == ROUNDS || margin > LARGEST_MARGIN)
+            if (round == MARGIN_ROUNDS || margin > LARGEST_MARGIN)
                 return call_.fail(HMF_ERROR_UNSUPPORTED, HMF_ELEMENT_NONE, 0,
                                   "The margin is too large for %u charts. Choose a smaller one.",
                                   static_cast<unsigned>(grid_.chart_count));

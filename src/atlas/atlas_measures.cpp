@@ -8,7 +8,7 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t STRIDE = 65536; // elements between two reports
+constexpr uint32_t MEASURES_STRIDE = 65536; // elements between two reports
 
 double edge_length(const Mesh& mesh, const double* position, uint32_t edge) {
     const double* const p = position + size_t{3} * mesh.origin[2 * edge];
@@ -24,7 +24,7 @@ hmf_status measure_atlas(const Atlas& atlas, const Mesh& mesh, const double* pos
                          AtlasMeasures& out, Call& call) {
     double area = 0, sum = 0, squares = 0;
     for (size_t t = 0; t < sides.size(); ++t) {
-        if (t % STRIDE == 0 && !call.tick(0.98)) return call.was_cancelled();
+        if (t % MEASURES_STRIDE == 0 && !call.tick(0.98)) return call.was_cancelled();
         double u[3], v[3];
         const double* p[3];
         uint32_t h = sides[t];
@@ -44,7 +44,7 @@ hmf_status measure_atlas(const Atlas& atlas, const Mesh& mesh, const double* pos
     const double variance = area > 0 ? squares / area - (sum / area) * (sum / area) : 0;
     out.unevenness = variance > 0 ? std::sqrt(variance) : 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0.99)) return call.was_cancelled();
+        if (e % MEASURES_STRIDE == 0 && !call.tick(0.99)) return call.was_cancelled();
         if (atlas.chart[mesh.face[2 * e]] == NONE || atlas.chart[mesh.face[2 * e + 1]] == NONE
             || atlas.is_joined(mesh, e))
             continue;

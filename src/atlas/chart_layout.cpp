@@ -12,7 +12,7 @@ namespace {
 constexpr int64_t SPECK = 256;        // grid units: triangles below a millionth of the square are not looked at
 constexpr int PASSES = 3;             // over triangles that may go over to a neighbour
 constexpr uint32_t MOST_TRIED = 200;  // of those that overlap, in each pass
-constexpr int ROUNDS = 8;             // of islands that move; in the last one all become charts
+constexpr int LAYOUT_ROUNDS = 8;      // of islands that move; in the last one all become charts
 constexpr uint32_t LARGE_ISLAND = 24; // triangles, or 1/200 of all
 
 } // namespace
@@ -182,10 +182,10 @@ Done ChartLayout::gather() {
     const uint32_t n = pieces_.mesh.face_count;
     Array<uint32_t> way;
     if (!island_.allocate(call_.memory, n) || !size_.allocate(call_.memory, n)) return false;
-    for (int round = 0; round < ROUNDS; ++round) {
+    for (int round = 0; round < LAYOUT_ROUNDS; ++round) {
         if (!call_.tick(0.89)) return false;
         const uint32_t large = std::max(LARGE_ISLAND, n / 200);
-        if (!find_islands() || !found_charts(round + 1 == ROUNDS ? 0 : large)) return false;
+        if (!find_islands() || !found_charts(round + 1 == LAYOUT_ROUNDS ? 0 : large)) return false;
         bool any = false;
         for (uint32_t t = 0; t < n && !any; ++t) any = grid_.chart[t] != NONE && !stays(t);
         if (!any) break;

@@ -10,24 +10,24 @@ namespace hmf {
 
 namespace {
 
-struct Corners {
+struct GridCorners {
     int64_t x[3], y[3];
     int64_t low(bool vertical) const { return vertical ? std::min({y[0], y[1], y[2]}) : std::min({x[0], x[1], x[2]}); }
     int64_t high(bool vertical) const { return vertical ? std::max({y[0], y[1], y[2]}) : std::max({x[0], x[1], x[2]}); }
 };
 
-Corners corners_of(const Mesh& mesh, const GridLayout& layout, uint32_t h) {
+GridCorners corners_of(const Mesh& mesh, const GridLayout& layout, uint32_t h) {
     const uint32_t n = mesh.next[h], p = mesh.next[n];
     return {{layout.x[h], layout.x[n], layout.x[p]}, {layout.y[h], layout.y[n], layout.y[p]}};
 }
 
-int64_t turn(const Corners& a, int i, int64_t x, int64_t y) {
+int64_t turn(const GridCorners& a, int i, int64_t x, int64_t y) {
     const int j = (i + 1) % 3;
     return (a.x[j] - a.x[i]) * (y - a.y[i]) - (a.y[j] - a.y[i]) * (x - a.x[i]);
 }
 
 // All of b right of a side of a, or on it.
-bool is_apart(const Corners& a, const Corners& b) {
+bool is_apart(const GridCorners& a, const GridCorners& b) {
     for (int i = 0; i < 3; ++i) {
         bool apart = true;
         for (int k = 0; k < 3 && apart; ++k) apart = turn(a, i, b.x[k], b.y[k]) <= 0;
@@ -48,7 +48,7 @@ public:
         if (n < 2) return true;
         int64_t low[2], high[2];
         for (uint32_t i = 0; i < n; ++i) {
-            const Corners c = at(faces[i]);
+            const GridCorners c = at(faces[i]);
             for (int a = 0; a < 2; ++a) {
                 low[a] = i ? std::min(low[a], c.low(a)) : c.low(a);
                 high[a] = i ? std::max(high[a], c.high(a)) : c.high(a);
@@ -67,11 +67,11 @@ public:
     }
 
 private:
-    Corners at(uint32_t face) const { return corners_of(mesh_, layout_, side_[face]); }
+    GridCorners at(uint32_t face) const { return corners_of(mesh_, layout_, side_[face]); }
     struct Range {
         uint64_t from[2], to[2];
     };
-    Range cells_of(const Corners& c) const {
+    Range cells_of(const GridCorners& c) const {
         Range r;
         for (int a = 0; a < 2; ++a) {
             r.from[a] = static_cast<uint64_t>((c.low(a) - low_[a]) / cell_);
@@ -111,10 +111,10 @@ private:
         uint64_t steps = 0;
         for (size_t k = 0; k + 1 < begin_.size(); ++k)
             for (uint64_t i = begin_[k]; i < begin_[k + 1]; ++i) {
-                const Corners a = at(content_[static_cast<size_t>(i)]);
+                const GridCorners a = at(content_[static_cast<size_t>(i)]);
                 for (uint64_t j = i + 1; j < begin_[k + 1]; ++j) {
                     if (++steps % 65536 == 0 && !call_.tick(0.89)) return false;
-                    const Corners b = at(content_[static_cast<size_t>(j)]);
+                    const GridCorners b = at(content_[static_cast<size_t>(j)]);
                     // Only in the cell with the lower left corner of what both boxes share.
                     const int64_t x = std::max(a.low(false), b.low(false)), y = std::max(a.low(true), b.low(true));
                     if (static_cast<uint64_t>((y - low_[1]) / cell_) * cells_[0]
@@ -143,7 +143,7 @@ private:
 } // namespace
 
 int64_t grid_area(const Mesh& mesh, const GridLayout& layout, uint32_t h) {
-    const Corners c = corners_of(mesh, layout, h);
+    const GridCorners c = corners_of(mesh, layout, h);
     return turn(c, 0, c.x[2], c.y[2]);
 }
 
@@ -199,7 +199,7 @@ Done find_overlaps(const Mesh& mesh, const Array<uint32_t>& side, const GridLayo
         return false;
     const auto is_seen = [&](uint32_t t) {
         if (layout.chart[t] == NONE) return false;
-        const Corners c = corners_of(mesh, layout, side[t]);
+        const GridCorners c = corners_of(mesh, layout, side[t]);
         return std::max(c.high(false) - c.low(false), c.high(true) - c.low(true)) >= speck
             && turn(c, 0, c.x[2], c.y[2]) != 0;
     };
@@ -248,12 +248,12 @@ bool go_over(const Mesh& mesh, const Array<uint32_t>& side, const Array<uint8_t>
         const double px = std::floor(along * cx - left * cy + 0.5), py = std::floor(along * cy + left * cx + 0.5);
         constexpr double limit = 1 << 30;
         if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
-        const Corners there{{x0, layout.x[g], x0 + static_cast<int64_t>(px)},
-                            {y0, layout.y[g], y0 + static_cast<int64_t>(py)}};
+        const GridCorners there{{x0, layout.x[g], x0 + static_cast<int64_t>(px)},
+                                {y0, layout.y[g], y0 + static_cast<int64_t>(py)}};
         bool free = turn(there, 0, there.x[2], there.y[2]) > 0;
         for (uint32_t t = 0; t < mesh.face_count && free; ++t) {
             if (t == face || bad[t] || layout.chart[t] != layout.chart[beyond]) continue;
-            const Corners c = corners_of(mesh, layout, side[t]);
+            const GridCorners c = corners_of(mesh, layout, side[t]);
             free = turn(c, 0, c.x[2], c.y[2]) <= 0 || is_apart(there, c) || is_apart(c, there);
         }
         if (!free) continue;

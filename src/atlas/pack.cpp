@@ -11,8 +11,8 @@ namespace {
 constexpr uint32_t ROUND = 300;                   // packings after which higher ones are accepted again
 constexpr uint32_t TRIES = 200, TRIES_EACH = 700; // of an atlas, and for each chart
 constexpr uint32_t none = 0xffffffffu;
-constexpr uint8_t ANY = 4;        // quarter turns: those with which a shape lies lowest
-constexpr uint64_t STRIDE = 4096; // steps between two reports
+constexpr uint8_t ANY = 4;             // quarter turns: those with which a shape lies lowest
+constexpr uint64_t PACK_STRIDE = 4096; // steps between two reports
 } // namespace
 
 void Packer::start(Memory& memory, double column, double margin) {
@@ -185,7 +185,7 @@ double Packer::let_down(const Arrangement& state, uint32_t width, double most, P
             double limit = (best_x == none ? best_top : best_top - 1) - side.height, y = 0;
             uint32_t hint = 0;
             for (uint32_t x = 0; x + side.columns <= width && limit >= 0; ++x) {
-                if (steps_ - reported_ >= STRIDE) {
+                if (steps_ - reported_ >= PACK_STRIDE) {
                     reported_ = steps_;
                     if (!call.tick(0.9)) return HUGE_VAL;
                 }

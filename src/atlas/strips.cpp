@@ -16,7 +16,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t STRIDE = 65536;
+constexpr uint32_t STRIPS_STRIDE = 65536;
 
 class RollOut {
 public:
@@ -135,7 +135,7 @@ private:
             s = static_cast<int8_t>(s * flat_.bundle.turn[edge_of(to)]);
         }
         for (uint32_t i = 0; i < reached_; ++i) {
-            if (i % STRIDE == 0 && !call_.tick(0.85)) return false;
+            if (i % STRIPS_STRIDE == 0 && !call_.tick(0.85)) return false;
             uint32_t h = queue_[i];
             for (uint32_t side = 0; side < 3; ++side, h = mesh_.next[h]) {
                 if (is_cone_[mesh_.origin[h]] && cone_[mesh_.origin[h]] != 1 && !zeros_.push(h)) return false;
@@ -263,7 +263,7 @@ private:
         for (uint32_t h = 0; h < 2 * mesh_.edge_count; ++h)
             if (out_.piece[mesh_.face[h]] != NONE) add_beyond(h, size);
         for (uint32_t i = 0; i < size; ++i) {
-            if (i % STRIDE == 0 && !call_.tick(0.86)) return false;
+            if (i % STRIPS_STRIDE == 0 && !call_.tick(0.86)) return false;
             uint32_t h = queue_[i];
             for (uint32_t side = 0; side < 3; ++side, h = mesh_.next[h]) add_beyond(h, size);
         }

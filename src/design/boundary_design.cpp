@@ -8,8 +8,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t VERTICES = 250; // of the coarsest level
-constexpr double GAIN = 0.9;       // poles at limbs have to make the unevenness so much smaller
+constexpr uint64_t BOUNDARY_VERTICES = 250; // of the coarsest level
+constexpr double POLES_GAIN = 0.9;          // poles at limbs have to make the unevenness so much smaller
 
 // Loops that the library makes, and as loops of the double.
 struct SurfaceClass {
@@ -50,7 +50,7 @@ Done keep_loops(const FoundLoops& found, const Array<double>& weights, Memory& m
 hmf_status design_with(const hmf_hierarchy& like, const MeshArrays& mesh, const BuildOptions& build, uint64_t solves,
                        Call& call, EvenDesign& out, FoundLoops& loops, bool& bare) {
     BuildOptions options;
-    options.coarsest = VERTICES;
+    options.coarsest = BOUNDARY_VERTICES;
     options.mollify = build.mollify;
     options.position_stride = build.position_stride;
     options.marked_vertices = out.marks.data();
@@ -97,7 +97,7 @@ public:
             return call_.memory.failure() ? call_.out_of_memory() : HMF_OK;
         }
         out.solves += with.solves;
-        if (bare_with || !(bare || with.unevenness < GAIN * out.unevenness)) return HMF_OK;
+        if (bare_with || !(bare || with.unevenness < POLES_GAIN * out.unevenness)) return HMF_OK;
         with.solves = out.solves;
         with.unevenness_before = out.unevenness_before;
         out = static_cast<EvenDesign&&>(with);

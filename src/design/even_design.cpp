@@ -17,7 +17,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t VERTICES = 1000;                      // of the coarse level
+constexpr uint64_t DESIGN_VERTICES = 1000;               // of the coarse level
 constexpr double TOO_UNEVEN = 0.45;                      // a finer level is tried as well,
 constexpr double FEWEST_SOLVES = 10;                     // where the budget has as many of its loops
 constexpr double LEAST_WORK = 120, EDGES_PER_WORK = 400; // EvenSearch::work; some 10 solves of level 0
@@ -171,7 +171,7 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
                        EvenDesign& out) {
     BuildOptions coarse;
     coarse.collapse = HMF_COLLAPSE_ENDPOINT;
-    coarse.coarsest = VERTICES;
+    coarse.coarsest = DESIGN_VERTICES;
     coarse.mollify = build.mollify;
     coarse.sphere_allowed = true;
     coarse.marked_vertices = build.marked_vertices;
@@ -186,7 +186,7 @@ hmf_status even_design(hmf_hierarchy& h, const double* positions, size_t vertex_
     double affordable = 0;
     if (design_on_level(h, level, options, 0.15, 0.5, call, affordable, out)) return call.status();
     if (out.unevenness > TOO_UNEVEN && affordable >= FEWEST_SOLVES && level > 0
-        && h.levels[level - 1].mesh.vertex_count < 4 * VERTICES
+        && h.levels[level - 1].mesh.vertex_count < 4 * DESIGN_VERTICES
         && design_on_level(h, --level, options, 0.5, 0.9, call, affordable, out))
         return call.status();
     call.range(0.9, 1);

@@ -24,14 +24,14 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t ROUNDS = 3;      // of Gauss-Newton for a choice
-constexpr double PERSISTENCE = 0.3; // least, of a tip
+constexpr uint32_t SEARCH_ROUNDS = 3;      // of Gauss-Newton for a choice
+constexpr double SEARCH_PERSISTENCE = 0.3; // least, of a tip
 // Where the scale is less even than that in the end, all is done again from the start with up to as much work and
 // shallower tips: which is better depends on the shape.  Unevenness 0.28: areas differ by about 7 (95 % / 5 %).
 constexpr double STILL_UNEVEN = 0.28, SHALLOW = 0.2, MOST_AGAIN = 150;
 constexpr double DEPTH = 0.2;     // least, below the mean
 constexpr double TWO_POLES = 2.0; // depth from which on two poles are tried first
-constexpr size_t MOST_TIPS = 24;
+constexpr size_t SEARCH_MOST_TIPS = 24;
 constexpr double PRICE = 0.012;      // of a pole, in unevenness
 constexpr double LONGEST_STEP = 1.2; // of the logarithm of a weight
 constexpr double DAMPING = 1e-3;
@@ -255,18 +255,18 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
     if (!distances_.start()) return call_.out_of_memory();
     EvenChoice plain;
     if (first_choice(given, tips, &ends, plain) || measure_before(plain) || first_choice(given, tips, nullptr, best)
-        || evaluate(best, ROUNDS))
+        || evaluate(best, SEARCH_ROUNDS))
         return call_.status();
     if (!tips.empty()) {
         EvenChoice other;
-        if (first_choice(given, tips, &ends, other) || evaluate(other, ROUNDS)) return call_.status();
+        if (first_choice(given, tips, &ends, other) || evaluate(other, SEARCH_ROUNDS)) return call_.status();
         if (gain(best, other) > 0) best = static_cast<EvenChoice&&>(other);
     }
-    if (poles && improve(PERSISTENCE, best)) return call_.status();
+    if (poles && improve(SEARCH_PERSISTENCE, best)) return call_.status();
     if (poles && may_repeat && best.unevenness > STILL_UNEVEN && best.unevenness < HUGE_VAL) {
         EvenChoice other;
         budget = work + std::min(budget, MOST_AGAIN);
-        if (first_choice(given, tips, nullptr, other) || evaluate(other, ROUNDS) || improve(SHALLOW, other))
+        if (first_choice(given, tips, nullptr, other) || evaluate(other, SEARCH_ROUNDS) || improve(SHALLOW, other))
             return call_.status();
         if (gain(best, other) > 0) best = static_cast<EvenChoice&&>(other);
     }
@@ -275,7 +275,7 @@ hmf_status EvenSearch::run(const Array<uint32_t>& given, const Array<uint32_t>& 
         if (plain.unevenness < best.unevenness) best = static_cast<EvenChoice&&>(plain);
         EvenChoice other;
         other.kind = HMF_LOOPS_CUT;
-        if (first_choice(given, tips, &ends, other) || evaluate(other, ROUNDS)) return call_.status();
+        if (first_choice(given, tips, &ends, other) || evaluate(other, SEARCH_ROUNDS)) return call_.status();
         if (gain(best, other) > 0) best = static_cast<EvenChoice&&>(other);
     }
     return HMF_OK;
@@ -297,14 +297,14 @@ hmf_status EvenSearch::improve(double persistence, EvenChoice& best) {
     for (int pass = 0; pass < 3 && best.unevenness < HUGE_VAL && work < budget; ++pass) {
         Array<Tip> found;
         if (!find_tips(best, persistence, found)) return call_.out_of_memory();
-        const size_t room = MOST_TIPS - std::min(MOST_TIPS, best.tips.size());
+        const size_t room = SEARCH_MOST_TIPS - std::min(SEARCH_MOST_TIPS, best.tips.size());
         if (found.size() < 1 || room < 1) break;
         bool better = false;
         for (size_t count = std::min(found.size(), room); count > 0 && !better && work < budget; count /= 2) {
             EvenChoice next;
             if (!copy(best, next) || !add_tips(found, count, room, next) || !list_marks(next))
                 return call_.out_of_memory();
-            if (evaluate(next, ROUNDS)) return call_.status();
+            if (evaluate(next, SEARCH_ROUNDS)) return call_.status();
             better = gain(best, next) > 0;
             if (better) best = static_cast<EvenChoice&&>(next);
         }
@@ -327,7 +327,7 @@ hmf_status EvenSearch::improve(double persistence, EvenChoice& best) {
                 if (count == 2 && next.tips[i].ends[0] == NONE) continue;
                 if (!list_marks(next)) return call_.out_of_memory();
                 if (like_.genus == 0 && next.marks.size() < 4) continue;
-                if (evaluate(next, ROUNDS, best.unevenness)) return call_.status();
+                if (evaluate(next, SEARCH_ROUNDS, best.unevenness)) return call_.status();
                 if (gain(best, next) <= 0) continue;
                 best = static_cast<EvenChoice&&>(next);
                 changed = true;

@@ -17,11 +17,11 @@ namespace hmf {
 
 namespace {
 
-constexpr int64_t LABELS = 16384, LARGEST = int64_t{1} << 40;
+constexpr int64_t WEIGHT_LABELS = 16384, WEIGHT_LARGEST = int64_t{1} << 40;
 constexpr double LARGEST_RATIO = 1024;
-constexpr uint32_t VERTICES = 4000; // of the double, on the level of the search
-constexpr uint64_t ROUNDS = 24;
-constexpr double TOLERANCE = 1e-4, FINE_TOLERANCE = 1e-8;
+constexpr uint32_t WEIGHT_VERTICES = 4000; // of the double, on the level of the search
+constexpr uint64_t WEIGHT_ROUNDS = 24;
+constexpr double WEIGHT_TOLERANCE = 1e-4, FINE_TOLERANCE = 1e-8;
 
 // exp(x) for small x, the same bits everywhere.
 double growth(double x) {
@@ -34,8 +34,8 @@ double growth(double x) {
 
 hmf_status WeightSearch::start() {
     level_ = h_.level_count - 1;
-    while (level_ > 0 && h_.levels[level_ - 1].mesh.vertex_count <= VERTICES) --level_;
-    tolerance_ = TOLERANCE;
+    while (level_ > 0 && h_.levels[level_ - 1].mesh.vertex_count <= WEIGHT_VERTICES) --level_;
+    tolerance_ = WEIGHT_TOLERANCE;
     return state_.allocate(h_, 0, call_.memory) ? HMF_OK : call_.out_of_memory();
 }
 
@@ -57,7 +57,7 @@ hmf_status WeightSearch::find_if_bare(const LoopsOfDouble& loops, const Array<do
     tolerance_ = FINE_TOLERANCE;
     if (measure(loops, weights, unevenness) || (unevenness < HUGE_VAL && find_bare_parts(bare))) return call_.status();
     level_ = level;
-    tolerance_ = TOLERANCE;
+    tolerance_ = WEIGHT_TOLERANCE;
     return HMF_OK;
 }
 
@@ -69,8 +69,10 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
     for (const double w : weights) largest = std::max(largest, w);
     for (size_t k = 0; k < n; ++k) {
         const double w = weights[loops.of[k]];
-        const int64_t x = static_cast<int64_t>(w / largest * static_cast<double>(LARGEST));
-        integers_[k] = w > 0 ? (x / LABELS * LABELS + 2 * static_cast<int64_t>(loops.of[k]) + 1) * loops.factor[k] : 0;
+        const int64_t x = static_cast<int64_t>(w / largest * static_cast<double>(WEIGHT_LARGEST));
+        integers_[k] =
+            w > 0 ? (x / WEIGHT_LABELS * WEIGHT_LABELS + 2 * static_cast<int64_t>(loops.of[k]) + 1) * loops.factor[k]
+                  : 0;
     }
     ++solves;
     const double part = static_cast<double>(solves) / (static_cast<double>(solves) + 20);
@@ -93,7 +95,7 @@ hmf_status WeightSearch::measure(const LoopsOfDouble& loops, const Array<double>
     if (level_ == 0 && !state_.to_input(inner)) return failed();
     unit_ = recorder.unit();
     if (!scale_.measure(state_.foliation.mesh, h_.levels[level_].position, state_.foliation.value,
-                        unit_ * largest / static_cast<double>(LARGEST), call_.memory))
+                        unit_ * largest / static_cast<double>(WEIGHT_LARGEST), call_.memory))
         return call_.out_of_memory();
     unevenness = scale_.unevenness();
     return HMF_OK;
@@ -147,7 +149,7 @@ hmf_status WeightSearch::find_means(const LoopsOfDouble& loops, bool& known) {
         const double whole = 2 * static_cast<double>(state_.foliation.value[e]);
         cylinders.visit_parts(mesh, state_.foliation.value, e, [&](uint32_t c, int64_t first, int64_t last) {
             const int64_t height = static_cast<int64_t>(static_cast<double>(cylinders.list[c].height) * unit_);
-            const int64_t low = height % LABELS;
+            const int64_t low = height % WEIGHT_LABELS;
             const size_t loop = static_cast<size_t>(low % 2 == 1 ? low / 2 : low / 4);
             if (loop >= loops.count || !(whole > 0)) return;
             const double share = static_cast<double>(last - first) / whole;
@@ -168,7 +170,7 @@ hmf_status WeightSearch::run(const LoopsOfDouble& loops, uint64_t limit, Array<d
         || !trial.allocate_filled(call_.memory, loops.count, 1.0))
         return call_.out_of_memory();
     unevenness = HUGE_VAL;
-    const uint64_t rounds = limit > 0 && limit < ROUNDS ? limit : ROUNDS;
+    const uint64_t rounds = limit > 0 && limit < WEIGHT_ROUNDS ? limit : WEIGHT_ROUNDS;
     for (uint64_t k = 0; k < rounds && step > 0.1; ++k) {
         double now = HUGE_VAL;
         if (measure(loops, trial, now)) return call_.status();

@@ -5,7 +5,7 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t STRIDE = 131072; // elements between two reports
+constexpr uint32_t NUMBERS_STRIDE = 131072; // elements between two reports
 } // namespace
 
 uint32_t internal_side(const hmf_hierarchy& h, size_t triangle) {
@@ -56,11 +56,11 @@ hmf_status caller_triangles(const hmf_hierarchy& h, const Array<uint32_t>& half_
         return call.out_of_memory();
     for (const uint32_t x : half_edges) wanted[edge_of(x)] = 1;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (e % NUMBERS_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         by_caller[e] = wanted[h.edge_internal[e]];
     }
     for (uint32_t t = 0; t < mesh.face_count; ++t) {
-        if (t % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (t % NUMBERS_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         const uint32_t* const edges = h.triangle_edges + size_t{3} * t;
         if (by_caller[edges[0]] | by_caller[edges[1]] | by_caller[edges[2]]) of_face[internal_face(h, t)] = t;
     }

@@ -15,7 +15,7 @@ namespace hmf {
 namespace {
 
 // Rounding must not make an edge turn for ever between two equal states.
-constexpr double TOLERANCE = -1e-9;
+constexpr double DELAUNAY_TOLERANCE = -1e-9;
 // Of an edge that is not on the stack of those to be looked at.
 constexpr uint32_t NOT_WANTED = NONE - 1, WANTED = NONE - 2;
 
@@ -53,7 +53,7 @@ bool is_wanted(const WorkMesh& work, uint32_t edge) {
     const double *i = work.at(mesh.origin[h]), *j = work.at(mesh.origin[t]);
     const double *k = work.at(mesh.origin[mesh.prev(h)]), *l = work.at(mesh.origin[mesh.prev(t)]);
     if (!obtuse(k, i, j) && !obtuse(l, i, j)) return false; // most edges
-    return cotangent(k, i, j) + cotangent(l, j, i) < TOLERANCE;
+    return cotangent(k, i, j) + cotangent(l, j, i) < DELAUNAY_TOLERANCE;
 }
 
 // An edge whose flip is wanted.

@@ -96,7 +96,7 @@ struct Measures {
     double middle[3] = {0, 0, 0}; // of the vertices of the boundary
 };
 
-double distance(const double* a, const double* b) {
+double point_distance(const double* a, const double* b) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
     return std::sqrt(sum);
@@ -112,12 +112,12 @@ Measures measure_disk(const hmf_hierarchy& h, const Array<uint32_t>& boundary) {
     for (size_t k = 0; k < n; ++k) {
         const double* const here = place_of(h, boundary[k]);
         for (int c = 0; c < 3; ++c) m.middle[c] += here[c] / static_cast<double>(n);
-        m.length += distance(here, place_of(h, boundary[(k + 1) % n]));
+        m.length += point_distance(here, place_of(h, boundary[(k + 1) % n]));
     }
     for (size_t t = 0; t < h.surface_triangles; ++t) {
         const double* x[3];
         for (size_t s = 0; s < 3; ++s) x[s] = place_of(h, h.triangle_vertices[3 * t + s]);
-        const double a = distance(x[0], x[1]), b = distance(x[1], x[2]), c = distance(x[2], x[0]);
+        const double a = point_distance(x[0], x[1]), b = point_distance(x[1], x[2]), c = point_distance(x[2], x[0]);
         const double square = (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
         m.area += square > 0 ? 0.25 * std::sqrt(square) : 0;
     }
@@ -132,10 +132,10 @@ Done divide_boundary(const hmf_hierarchy& h, const Array<uint32_t>& boundary, co
     const auto at = [&](size_t k) { return place_of(h, boundary[k % n]); };
     size_t first = 0;
     for (size_t k = 1; k < n; ++k)
-        if (distance(at(k), disk.middle) > distance(at(first), disk.middle)) first = k;
+        if (point_distance(at(k), disk.middle) > point_distance(at(first), disk.middle)) first = k;
     Array<double> along; // from the first vertex
     if (!along.allocate_filled(memory, n, 0.0) || !marks.push(boundary[first])) return false;
-    for (size_t k = 1; k < n; ++k) along[k] = along[k - 1] + distance(at(first + k - 1), at(first + k));
+    for (size_t k = 1; k < n; ++k) along[k] = along[k - 1] + point_distance(at(first + k - 1), at(first + k));
     size_t from = 1; // behind the one before
     for (size_t m = 1; m < 4; ++m) {
         const auto off = [&](size_t k) { return std::fabs(along[k] / disk.length - 0.25 * static_cast<double>(m)); };

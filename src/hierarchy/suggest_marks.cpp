@@ -27,13 +27,13 @@ namespace hmf {
 
 namespace {
 
-constexpr uint64_t VERTICES = 4000;  // of the level that is looked at
-constexpr uint32_t BASES = 32;       // points that distances are taken to
-constexpr double PERSISTENCE = 0.08; // least, in mean distances
-constexpr size_t MOST_TIPS = 12;     // those of largest persistence
+constexpr uint64_t MARKS_VERTICES = 4000; // of the level that is looked at
+constexpr uint32_t BASES = 32;            // points that distances are taken to
+constexpr double PERSISTENCE = 0.08;      // least, in mean distances
+constexpr size_t MOST_TIPS = 12;          // those of largest persistence
 constexpr EdgeDistances::DiskLimit DISK{10, 4e-3, 1.2};
 
-struct Tip {
+struct MarkTip {
     uint32_t vertex;
     double persistence;
 };
@@ -48,7 +48,7 @@ public:
     Done find(const Takes& takes, const TakesEnd& takes_end, size_t least, Array<uint32_t>& marks) {
         marks.start(memory_);
         if (!find_limbs()) return false;
-        for (const Tip& tip : tips_) {
+        for (const MarkTip& tip : tips_) {
             const size_t before = marks.size();
             if (!takes(tip.vertex)) continue;
             if (!add_pair(tip.vertex, marks)) return false;
@@ -70,7 +70,7 @@ public:
         return measure_heights() && find_tips() && add_far_tip();
     }
 
-    const Array<Tip>& tips() const { return tips_; }
+    const Array<MarkTip>& tips() const { return tips_; }
 
     // The ends of a diameter of the disk round the tip, where there is one.
     Done add_pair(uint32_t tip, Array<uint32_t>& marks) {
@@ -130,7 +130,7 @@ private:
             }
         }
         if (!tips_.push({falling[0], HUGE_VAL})) return false;
-        heap_sort(tips_.data(), tips_.size(), [](const Tip& a, const Tip& b) {
+        heap_sort(tips_.data(), tips_.size(), [](const MarkTip& a, const MarkTip& b) {
             return a.persistence != b.persistence ? a.persistence > b.persistence : a.vertex < b.vertex;
         });
         while (tips_.size() > most_) tips_.pop();
@@ -161,7 +161,7 @@ private:
     EdgeDistances distances_;
     Array<double> nearest_, height_; // per vertex
     Array<uint8_t> used_;
-    Array<Tip> tips_;
+    Array<MarkTip> tips_;
     double least_ = 0;
     const size_t most_;
 };
@@ -175,7 +175,7 @@ Done limb_tips(const Mesh& mesh, const double* position, Call& call, Array<uint3
     ends.start(call.memory);
     marks.start(call.memory);
     if (!suggestion.find_limbs()) return false;
-    for (const Tip& tip : suggestion.tips()) {
+    for (const MarkTip& tip : suggestion.tips()) {
         const size_t n = marks.size();
         if (!suggestion.add_pair(tip.vertex, marks) || !tips.push(tip.vertex)) return false;
         const bool found = marks.size() == n + 2;
@@ -192,7 +192,7 @@ hmf_status build_coarse(hmf_hierarchy& h, const double* positions, size_t vertex
     BuildOptions coarse;
     coarse.collapse = HMF_COLLAPSE_ENDPOINT;
     coarse.ratio = 0.25;
-    coarse.coarsest = VERTICES;
+    coarse.coarsest = MARKS_VERTICES;
     coarse.mollify = options.mollify;
     coarse.sphere_allowed = true;
     return build_hierarchy(h, positions, vertex_count, stride, triangles, triangle_count, coarse, call);

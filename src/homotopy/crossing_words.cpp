@@ -8,7 +8,7 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIDE = 65536, TICKS = 4096; // edges, and splits, between two reports
+constexpr size_t CROSSINGS_STRIDE = 65536, CROSSING_SPLITS_STRIDE = 4096; // edges, and splits, between two reports
 
 // Letters are even, their inverses one more.
 Done append_letter(uint32_t letter, Walk& word) {
@@ -85,7 +85,7 @@ Done CrossingWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) 
         if (!same && !gaps.add(gap)) return false;
     }
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (e % CROSSINGS_STRIDE == 0 && !call.tick(0, true)) return false;
         if (kind[e] != EdgeKind::in_tree || gaps.of[2 * e] == gaps.of[2 * e + 1]) continue;
         if (!gaps.between(gaps.of[2 * e], gaps.of[2 * e + 1], scratch_) || !words_.set(2 * e, scratch_)) return false;
     }
@@ -140,7 +140,7 @@ Done CrossingWords::were_split(const Mesh& mesh, const Collapse* collapses, size
             if (v >= old) visit(branches[v - old], v);
     };
     for (size_t i = 0; i < count; ++i) {
-        if (i % TICKS == 0 && !call.tick(0, true)) return false;
+        if (i % CROSSING_SPLITS_STRIDE == 0 && !call.tick(0, true)) return false;
         for (const uint32_t h : {collapses[i].h, collapses[i].jk, collapses[i].lj}) words_.clear(edge_of(h));
         const uint32_t e = edge_of(collapses[i].h);
         ends(e, [&](Branches& b, uint32_t) {
@@ -152,7 +152,7 @@ Done CrossingWords::were_split(const Mesh& mesh, const Collapse* collapses, size
     for (uint32_t v = old; v < mesh.vertex_count; ++v)
         if (branches[v - old].count == 1) leaves[end++] = v;
     for (; begin < end; ++begin) {
-        if (begin % TICKS == 0 && !call.tick(0, true)) return false;
+        if (begin % CROSSING_SPLITS_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t v = leaves[begin], e = branches[v - old].sum;
         if (!close_round(mesh, mesh.origin[2 * e] == v ? 2 * e : 2 * e + 1)) return false;
         ends(e, [&](Branches& b, uint32_t w) {

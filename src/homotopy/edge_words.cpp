@@ -7,7 +7,7 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIDE = 65536, TICKS = 4096; // edges, and splits, between two reports
+constexpr size_t EDGES_STRIDE = 65536, EDGE_SPLITS_STRIDE = 4096; // edges, and splits, between two reports
 
 } // namespace
 
@@ -39,7 +39,7 @@ Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) {
     for (uint32_t& side : twin_side) side = corner[twin(side)];
     if (!quads_.start(twin_side, memory)) return false;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (e % EDGES_STRIDE == 0 && !call.tick(0, true)) return false;
         if (kind[e] == EdgeKind::in_tree) continue;
         const uint32_t from = corner[2 * e] % n;
         const uint32_t to = kind[e] == EdgeKind::side ? (corner[2 * e] + 1) % n : corner[2 * e + 1] % n;
@@ -52,7 +52,7 @@ Done EdgeWords::start(const Mesh& mesh, uint32_t edge_capacity, Call& call) {
 
 Done EdgeWords::were_split(const Collapse* collapses, size_t count, Call& call) {
     for (size_t i = count; i-- > 0;) {
-        if (i % TICKS == 0 && !call.tick(0, true)) return false;
+        if (i % EDGE_SPLITS_STRIDE == 0 && !call.tick(0, true)) return false;
         const Collapse& c = collapses[i];
         walks_.clear(edge_of(c.h));
         walks_.copy(c.ki, twin(c.jk));

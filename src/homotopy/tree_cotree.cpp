@@ -7,7 +7,7 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIDE = 65536; // vertices or triangles between two reports
+constexpr size_t TREE_STRIDE = 65536; // vertices or triangles between two reports
 
 } // namespace
 
@@ -23,7 +23,7 @@ Done find_trees(const Mesh& mesh, Array<EdgeKind>& kind, Call& call) {
     seen[0] = 1;
     queue.add(0);
     for (size_t i = 0; i < queue.size(); ++i) {
-        if (i % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (i % TREE_STRIDE == 0 && !call.tick(0, true)) return false;
         for (const uint32_t h : mesh.around(queue[i])) {
             const uint32_t v = mesh.target(h);
             if (!seen[v]) {
@@ -38,7 +38,7 @@ Done find_trees(const Mesh& mesh, Array<EdgeKind>& kind, Call& call) {
     seen[mesh.face[0]] = 1;
     queue.add(0); // a half-edge of each triangle
     for (size_t i = 0; i < queue.size(); ++i) {
-        if (i % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (i % TREE_STRIDE == 0 && !call.tick(0, true)) return false;
         uint32_t h = queue[i];
         for (uint32_t side = 0; side < 3; ++side, h = mesh.next[h]) {
             if (kind[edge_of(h)] != EdgeKind::side || seen[mesh.face[twin(h)]]) continue;

@@ -4,7 +4,7 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIDE = 4096; // flips or splits between two reports
+constexpr size_t CLASSES_STRIDE = 4096; // flips or splits between two reports
 
 } // namespace
 
@@ -26,7 +26,7 @@ hmf_status CurveClasses::start(const hmf_hierarchy& hierarchy, size_t level, siz
 hmf_status CurveClasses::refine(Call& call) {
     const Level& finer = hierarchy_->levels[--level_];
     for (size_t i = finer.flip_end; i-- > finer.flip_begin;) {
-        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (i % CLASSES_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         unflip(mesh_, hierarchy_->flips[i]);
         if (!words_.flipped(mesh_, hierarchy_->flips[i], true)) return call.out_of_memory();
     }
@@ -39,7 +39,7 @@ hmf_status CurveClasses::refine(Call& call) {
 
 hmf_status CurveClasses::to_intrinsic(Call& call) {
     for (size_t i = 0; i < hierarchy_->intrinsic_flip_count; ++i) {
-        if (i % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (i % CLASSES_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         flip(mesh_, hierarchy_->intrinsic_flips[i]);
         if (!words_.flipped(mesh_, hierarchy_->intrinsic_flips[i], false)) return call.out_of_memory();
     }

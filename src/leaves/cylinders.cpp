@@ -10,7 +10,7 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t STRIDE = 65536; // elements between two reports
+constexpr uint32_t CYLINDERS_STRIDE = 65536; // elements between two reports
 } // namespace
 
 hmf_status Cylinders::build(Foliation& f, const uint32_t* vertex_order, const uint32_t* face_order, Call& call) {
@@ -159,7 +159,7 @@ Done Cylinders::find_vertices(const Foliation& f, Call& call) {
     queue.start(memory);
     if (!of_vertex_.allocate_filled(memory, mesh.vertex_count, NONE) || !queue.reserve(mesh.vertex_count)) return false;
     for (uint32_t h = 0; h < 2 * mesh.edge_count; ++h) {
-        if (h % STRIDE == 0 && !call.tick(0)) return false;
+        if (h % CYLINDERS_STRIDE == 0 && !call.tick(0)) return false;
         LeafMark first;
         const uint32_t v = mesh.origin[h];
         if (of_vertex_[v] != NONE || f.at(h) == 0 || !graph.mark_ahead(f, h, 0, first) || first.forward) continue;
@@ -167,7 +167,7 @@ Done Cylinders::find_vertices(const Foliation& f, Call& call) {
         queue.add(v);
     }
     for (size_t at = 0; at < queue.size(); ++at) {
-        if (at % STRIDE == 0 && !call.tick(0)) return false;
+        if (at % CYLINDERS_STRIDE == 0 && !call.tick(0)) return false;
         const uint32_t v = queue[at];
         for (const uint32_t h : mesh.around(v)) {
             const uint32_t w = mesh.target(h);
@@ -208,7 +208,7 @@ hmf_status cylinder_areas(const Foliation& f, const Cylinders& cylinders, const 
                           Call& call) {
     for (size_t c = 0; c < cylinders.list.size(); ++c) area[c] = 0;
     for (uint32_t e = 0; e < f.mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
+        if (e % CYLINDERS_STRIDE == 0 && !call.tick(0)) return call.was_cancelled();
         const double pull = weight[e] * static_cast<double>(f.value[e]);
         cylinders.visit_parts(f.mesh, f.value, e, [&](uint32_t c, int64_t from, int64_t to) {
             area[c] += pull * static_cast<double>(to - from) / 2;

@@ -8,9 +8,9 @@ namespace hmf {
 
 namespace {
 
-class Finder {
+class FrontPartsFinder {
 public:
-    Finder(Foliation& f, const Reflection& mirror, Cylinders& cylinders, FrontParts& out, Call& call) :
+    FrontPartsFinder(Foliation& f, const Reflection& mirror, Cylinders& cylinders, FrontParts& out, Call& call) :
         f_(f), mirror_(mirror), cylinders_(cylinders), graph_(cylinders.graph), out_(out), call_(call) {}
 
     hmf_status run() {
@@ -156,7 +156,7 @@ private:
 } // namespace
 
 hmf_status FrontParts::build(Foliation& f, const Reflection& mirror, Cylinders& cylinders, Call& call) {
-    return Finder(f, mirror, cylinders, *this, call).run();
+    return FrontPartsFinder(f, mirror, cylinders, *this, call).run();
 }
 
 } // namespace hmf

@@ -8,7 +8,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t STRIDE = 4096;               // steps between two reports
+constexpr uint32_t MIRROR_STRIDE = 4096;        // steps between two reports
 constexpr uint64_t WORK = 8, MOST_WORK = 65536; // half-edges that may be looked at: for each edge, and as many more
 
 class Symmetry {
@@ -95,7 +95,7 @@ private:
                 if (!is_boundary(v)) continue;
                 // From the first vertex of those at one point.
                 while (exact && f_.at(behind_[v]) > 0 && turns_back(v)) {
-                    if (++steps % STRIDE == 0 && !call_.tick(0, true)) return call_.was_cancelled();
+                    if (++steps % MIRROR_STRIDE == 0 && !call_.tick(0, true)) return call_.was_cancelled();
                     if (!move_towards(behind_[v], exact)) return call_.out_of_memory();
                     moved = true;
                     if (++moves > most) exact = false;

@@ -10,11 +10,11 @@ namespace hmf {
 
 namespace {
 
-double magnitude(double x) { return x < 0 ? -x : x; }
+double absolute_value(double x) { return x < 0 ? -x : x; }
 
 // Change of a function with flat triangles between two points of a triangle:
 // on h at fraction s, and on the half-edge `next` by which a leaf leaves it at
-// fraction t.  form: magnitude of its changes along the edges.
+// fraction t.  form: absolute_value of its changes along the edges.
 double change(const Mesh& mesh, const int64_t* form, uint32_t h, double s, uint32_t next, double t) {
     const uint32_t k = twin(h);
     const bool left = next == mesh.prev(k);
@@ -25,7 +25,7 @@ double change(const Mesh& mesh, const int64_t* form, uint32_t h, double s, uint3
     }
     const int64_t a = form[edge_of(h)], b = form[edge_of(next)];
     const double x = s * static_cast<double>(a), y = t * static_cast<double>(b);
-    return form[opposite] == a + b ? x + y : magnitude(x - y);
+    return form[opposite] == a + b ? x + y : absolute_value(x - y);
 }
 
 double fraction(const Foliation& g, const Crossing& c) {
@@ -178,7 +178,7 @@ double growth_to(const Foliation& g, const int64_t* du, uint32_t side, const dou
     const uint32_t from = start.half_edge == side ? 0u : start.half_edge == g.mesh.next[side] ? 1u : 2u;
     there = (1 - f) * u[from] + f * u[(from + 1) % 3];
     for (int i = 0; i < 3; ++i) here += w[i] * u[i];
-    return magnitude(there - here);
+    return absolute_value(there - here);
 }
 
 } // namespace

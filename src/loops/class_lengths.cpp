@@ -17,7 +17,7 @@ constexpr double SAME = 1e-4;                                           // short
 // Relative errors of lengths, by stage; and that of a loop of n crossings, which may be a
 // circle with n / 2 corners and then is too short, as DOUBT_ROUND / n^2.
 constexpr double DOUBT[3] = {0.05, 0.005, 0}, DOUBT_ROUND = 24;
-constexpr size_t ROUNDS = 100;
+constexpr size_t LENGTH_ROUNDS = 100;
 constexpr double OTHER = 0.01;                    // relative: another strip, or another length where it was found
 constexpr double BESIDE = 0.05;                   // so much shorter may be another curve of a class
 constexpr double TILT[3] = {0.005, 0.003, 0.002}; // growth of the metric from end to end, per axis
@@ -92,7 +92,8 @@ Done ClassLengths::pull(ClosedGeodesic& geodesic, const Mesh& mesh, const double
     loop_.clear();
     for (size_t i = 0; i < n; ++i)
         if (!loop_.push(crossings[i])) return false;
-    if (!(widely ? geodesic.straighten_widely(loop_, ROUNDS, c.length) : geodesic.straighten(loop_, ROUNDS, c.length)))
+    if (!(widely ? geodesic.straighten_widely(loop_, LENGTH_ROUNDS, c.length)
+                 : geodesic.straighten(loop_, LENGTH_ROUNDS, c.length)))
         return false;
     // Mean place of the curve.
     const Array<double>& shares = geodesic.shares();

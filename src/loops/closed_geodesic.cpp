@@ -10,7 +10,7 @@ namespace {
 
 // A detour that gains less is none.
 constexpr double STRAIGHT = 1e-9;
-constexpr double LITTLE = 1e-7;              // relative, what is not worth another round
+constexpr double GEODESIC_LITTLE = 1e-7;     // relative, what is not worth another round
 constexpr double LITTLE_HELD = 1e-3;         // likewise while a point is held
 constexpr double BENT = 0.005;               // relative, longer by more there: it does not get shorter than another
 constexpr size_t MIDWAY = 2, MOST_ASIDE = 8; // strips that it is pushed aside
@@ -391,7 +391,7 @@ Done ClosedGeodesic::straighten(Array<uint32_t>& loop, size_t rounds, double& le
         const Point from = middle(0), to = middle(3 * n);
         if (!pull(from, 0, to, 3 * n)) return false;
         const double now = pulled_length(from, to);
-        if (now > before * (1 - LITTLE)) break;
+        if (now > before * (1 - GEODESIC_LITTLE)) break;
         before = now;
         bool changed = false, taken = false;
         if (!go_round(loop.data(), n, n, from, to, changed)) return false;
@@ -456,7 +456,7 @@ Done ClosedGeodesic::straighten_widely(Array<uint32_t>& loop, size_t rounds, dou
                 if (k != MIDWAY && k != MOST_ASIDE) continue;
                 double found = 0;
                 if (!copy(tried_, pushed_) || !straighten(tried_, rounds, found, length)) return false;
-                if (!(found < length * (1 - LITTLE))) continue;
+                if (!(found < length * (1 - GEODESIC_LITTLE))) continue;
                 shorter = found < length * (1 - MOVED);
                 length = found;
                 if (!copy(best_, tried_) || !copy(best_share_, share_)) return false;

@@ -3,7 +3,7 @@
 
 namespace hmf {
 
-constexpr uint32_t STRIDE = 1u << 16; // edges and faces between two reports
+constexpr uint32_t CUT_STRIDE = 1u << 16; // edges and faces between two reports
 
 Done CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_links, Call& call) {
     Memory& memory = call.memory;
@@ -21,7 +21,7 @@ Done CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
     link.release();
     if (with_links && !link.allocate_filled(memory, 3 * size_t{region_count}, NONE)) return false;
     for (uint32_t f = 0; f < mesh.face_count; ++f) {
-        if (f % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (f % CUT_STRIDE == 0 && !call.tick(0, true)) return false;
         cut_face(mesh, curves, f, side[f]);
     }
     return true;
@@ -31,7 +31,7 @@ Done CutSurface::build(const Mesh& mesh, const Multicurve& curves, bool with_lin
 Done CutSurface::cut_edges(const Mesh& mesh, const Multicurve& curves, Call& call) {
     uint32_t s = 0;
     for (uint32_t e = 0; e < mesh.edge_count; ++e) {
-        if (e % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (e % CUT_STRIDE == 0 && !call.tick(0, true)) return false;
         segment_first[e] = s;
         const uint32_t n = curves.count[e];
         for (uint32_t q = 0; q <= n; ++q, ++s) {

@@ -38,7 +38,7 @@ constexpr double SLACK = LoopSearch::SLACK;
 constexpr double ROOTS = 1.15; // no search where loops are known to be longer than the best one by this factor
 // Of many handles some are so narrow that strips round them are half as long again as they should be, or one twice as
 // long.  That one comes last, and its search reaches further, and leaves out less.
-constexpr uint32_t MANY_HANDLES = 10;
+constexpr uint32_t MANY_CUT_HANDLES = 10;
 constexpr double MANY_ROOTS = 1.5, FAR = 2.6, FAR_ROOTS = 2;
 constexpr double APART = 0.15;         // nor so close to another search, in lengths of the best one
 constexpr uint32_t MOST_OF_BATCH = 64; // a bit for each; else half of the loops that are left
@@ -135,7 +135,7 @@ private:
         if (!curves_.trace(mesh_, memory_) || !cut_.build(mesh_, curves_, true, call_)
             || !signatures_.build(cut_, call_) || !prepare())
             return call_.stopped();
-        has_many_ = genus >= MANY_HANDLES && !condition_;
+        has_many_ = genus >= MANY_CUT_HANDLES && !condition_;
         is_far_ = k + 1 == genus && has_many_;
         const hmf_status status = find_loop(budget * (0.3 + 0.7 * static_cast<double>(k + 1) / genus));
         if (status) return status;

@@ -26,14 +26,14 @@ namespace hmf {
 
 namespace {
 
-constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.2; // see cut_system.cpp
-constexpr double FURTHER = 1.8;     // than the least estimate: see pants_decomposition.cpp
-constexpr size_t MOST_FIRST = 5;    // of two curves, the first one
-constexpr size_t MOST_OPTIONS = 24; // of a search
-constexpr double MARGIN = 0.05;     // relative, by which two curves may be longer where they are found
-constexpr double GAIN = 1e-6;       // relative, of a move
-constexpr double LITTLE = 1e-3;     // relative, of another strip in the class
-constexpr size_t MOST_TOGETHER = 8; // curves that are pulled at once
+constexpr double MOVE_SLACK = LoopSearch::SLACK, MOVE_ROOTS = 1.15, MOVE_APART = 0.2; // see cut_system.cpp
+constexpr double MOVE_FURTHER = 1.8; // than the least estimate: see pants_decomposition.cpp
+constexpr size_t MOST_FIRST = 5;     // of two curves, the first one
+constexpr size_t MOST_OPTIONS = 24;  // of a search
+constexpr double MARGIN = 0.05;      // relative, by which two curves may be longer where they are found
+constexpr double MOVE_GAIN = 1e-6;   // relative, of a move
+constexpr double MOVE_LITTLE = 1e-3; // relative, of another strip in the class
+constexpr size_t MOST_TOGETHER = 8;  // curves that are pulled at once
 constexpr int MOST_PASSES = 64, MOST_MEASURES = 4;
 
 class ElementaryMoves {
@@ -146,7 +146,7 @@ private:
         const size_t begin = options_.size();
         if (!joins_.find(component, join_, memory_)) return false;
         for (size_t i = 0; i < join_.size() && options_.size() < begin + MOST_OPTIONS; ++i) {
-            if (join_[i].length > FURTHER * join_[0].length) break;
+            if (join_[i].length > MOVE_FURTHER * join_[0].length) break;
             const size_t first = strips_.size();
             if (!joins_.walk(join_[i], strips_, memory_)) return false;
             if (strips_.size() == first) continue;
@@ -168,17 +168,17 @@ private:
         for (uint32_t s = 0; s < cut.segment_count; ++s) {
             if (!signatures_.of[s]) continue;
             const uint32_t r = cut.region[2 * size_t{s}];
-            if (r == done || search.bound(r) >= std::max(ROOTS * best, wanted)
-                || search.nearest_root(r) < APART * std::max(best, wanted))
+            if (r == done || search.bound(r) >= std::max(MOVE_ROOTS * best, wanted)
+                || search.nearest_root(r) < MOVE_APART * std::max(best, wanted))
                 continue;
             done = r;
-            if (!search.search(r, std::max(SLACK * best, wanted), wanted)) return false;
+            if (!search.search(r, std::max(MOVE_SLACK * best, wanted), wanted)) return false;
             for (size_t i = 0; i < search.count(); ++i) {
                 if (!search.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut.segment_edge[link >> 1]];
                 best = std::min(best, total);
-                if (!(total < std::max(SLACK * best, wanted))) continue;
+                if (!(total < std::max(MOVE_SLACK * best, wanted))) continue;
                 const size_t first = links_.size();
                 for (const uint32_t link : cycle_)
                     if (!links_.push(link)) return false;
@@ -190,7 +190,7 @@ private:
         });
         const size_t begin = options_.size();
         for (const Cycle& c : found_) {
-            if (cycles.size() == MOST_OPTIONS || c.length > std::max(SLACK * best, wanted)) break;
+            if (cycles.size() == MOST_OPTIONS || c.length > std::max(MOVE_SLACK * best, wanted)) break;
             const Strip strip = {strips_.size(), c.size};
             for (size_t k = c.first; k < c.first + c.size; ++k)
                 if (!strips_.push(cut.half_edge(links_[k]))) return false;
@@ -211,7 +211,7 @@ private:
             || (!has_handle(whole_.surface) && !find_joins(whole_)))
             return false;
         own_[k] = {0, 0};
-        double best = strip_length(k) * (1 - LITTLE);
+        double best = strip_length(k) * (1 - MOVE_LITTLE);
         ids_.start(memory_);
         if (!ids_.push(id_[k])) return false;
         for (const Option& o : options_) {
@@ -310,7 +310,7 @@ private:
                 sum += length(m.curve[i]);
                 for (size_t left = 0; left < 2; ++left) free &= !taken[components_.pants(m.curve[i], left)];
             }
-            if (!(m.gain > GAIN * sum)) continue;
+            if (!(m.gain > MOVE_GAIN * sum)) continue;
             if (free && !make(m, done)) return false;
             moved |= done;
             for (uint32_t i = 0; i < m.count; ++i) {
@@ -368,7 +368,8 @@ private:
         for (uint32_t k = 0; k < loops_.count(); ++k) {
             if (!call_.tick(0, true)) return false;
             bool done = false;
-            if (strip_length(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k])) < strip_length(k) * (1 - LITTLE)
+            if (strip_length(lengths_.pulled(id_[k]), lengths_.pulled_size(id_[k]))
+                    < strip_length(k) * (1 - MOVE_LITTLE)
                 && !pull_with_others(k, done))
                 return false;
             const uint32_t* const strip = own_strips_.data() + own_[k].first;

@@ -30,7 +30,7 @@ namespace hmf {
 namespace {
 
 constexpr int POSITION_BITS = 32, EDGE_BITS = 12, VIEW_BITS = 12, VIEWS = 12;
-constexpr size_t STRIDE = 64; // segments between two reports
+constexpr size_t LINKING_STRIDE = 64; // segments between two reports
 
 // Sum of products of integers, in two's complement.
 class Wide {
@@ -38,9 +38,9 @@ public:
     void add_product(int64_t a, int64_t b, int64_t c, bool negative) {
         negative ^= (a < 0) ^ (b < 0) ^ (c < 0);
         uint64_t low, high, p[3];
-        multiply(magnitude(a), magnitude(b), p[0], low);
-        multiply(low, magnitude(c), p[1], high);
-        multiply(p[0], magnitude(c), p[0], low);
+        multiply(absolute(a), absolute(b), p[0], low);
+        multiply(low, absolute(c), p[1], high);
+        multiply(p[0], absolute(c), p[0], low);
         p[1] += low;
         p[2] = high + (p[1] < low);
         uint64_t carry = negative;
@@ -57,7 +57,7 @@ public:
     }
 
 private:
-    static uint64_t magnitude(int64_t x) {
+    static uint64_t absolute(int64_t x) {
         return x < 0 ? uint64_t{0} - static_cast<uint64_t>(x) : static_cast<uint64_t>(x);
     }
     static void multiply(uint64_t a, uint64_t b, uint64_t& low, uint64_t& high) {
@@ -69,18 +69,18 @@ private:
     uint64_t word_[4] = {0, 0, 0, 0};
 };
 
-struct Point {
+struct LinkingPoint {
     int64_t x, y, z;
 }; // z towards the eye
 
-Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double magnitude(double x) { return x < 0 ? -x : x; }
+LinkingPoint operator-(const LinkingPoint& a, const LinkingPoint& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+double absolute(double x) { return x < 0 ? -x : x; }
 
 // Sign of the plane determinant of u and v.
-int turn(const Point& u, const Point& v) {
+int turn(const LinkingPoint& u, const LinkingPoint& v) {
     const double p = static_cast<double>(u.x) * static_cast<double>(v.y),
                  q = static_cast<double>(u.y) * static_cast<double>(v.x);
-    const double d = p - q, bound = 0x1p-50 * (magnitude(p) + magnitude(q));
+    const double d = p - q, bound = 0x1p-50 * (absolute(p) + absolute(q));
     if (d > bound) return 1;
     if (d < -bound) return -1;
     Wide wide;
@@ -90,7 +90,7 @@ int turn(const Point& u, const Point& v) {
 }
 
 // Sign of det(u, v, w).
-int volume(const Point& u, const Point& v, const Point& w) {
+int volume(const LinkingPoint& u, const LinkingPoint& v, const LinkingPoint& w) {
     const double term[6] = {static_cast<double>(u.x) * static_cast<double>(v.y) * static_cast<double>(w.z),
                             static_cast<double>(u.y) * static_cast<double>(v.z) * static_cast<double>(w.x),
                             static_cast<double>(u.z) * static_cast<double>(v.x) * static_cast<double>(w.y),
@@ -99,7 +99,7 @@ int volume(const Point& u, const Point& v, const Point& w) {
                             static_cast<double>(u.z) * static_cast<double>(v.y) * static_cast<double>(w.x)};
     const double d = (term[0] + term[1] + term[2]) - (term[3] + term[4] + term[5]);
     double bound = 0;
-    for (const double t : term) bound += magnitude(t);
+    for (const double t : term) bound += absolute(t);
     bound *= 0x1p-49;
     if (d > bound) return 1;
     if (d < -bound) return -1;
@@ -114,7 +114,7 @@ int volume(const Point& u, const Point& v, const Point& w) {
 }
 
 struct Segment {
-    Point from, to;
+    LinkingPoint from, to;
     uint32_t loop, face;
     int64_t low, high; // range of x
 };
@@ -196,7 +196,7 @@ private:
     }
 
     // Where crossing j of a set (from the origin of half-edge 2e) lies on its edge.
-    bool point(uint32_t e, int s, uint32_t j, bool parallel, Point& out) const {
+    bool point(uint32_t e, int s, uint32_t j, bool parallel, LinkingPoint& out) const {
         const uint32_t n = set_[0].curves.count[e], m = set_[1].curves.count[e];
         const uint64_t places = 2 * (uint64_t{n} + m) + 1;
         if (places >= uint64_t{1} << EDGE_BITS) return false;
@@ -224,7 +224,7 @@ private:
             const uint64_t first = curves.components.offsets[k], end = curves.components.offsets[k + 1];
             uint32_t h = curves.components.crossings[first], p = curves.begin[k] - curves.first[edge_of(h)];
             if (h & 1u) p = curves.count[edge_of(h)] - 1 - p;
-            const auto here = [&](Point& at) {
+            const auto here = [&](LinkingPoint& at) {
                 return point(edge_of(h), s, h & 1u ? curves.count[edge_of(h)] - 1 - p : p, parallel, at);
             };
             Segment segment{};
@@ -254,9 +254,9 @@ private:
     // Is the face seen from the side of its normal?  0: from its edge.
     int facing(uint32_t face) {
         const uint32_t h = side_[face];
-        Point corner[3];
+        LinkingPoint corner[3];
         uint32_t k = h;
-        for (Point& c : corner) {
+        for (LinkingPoint& c : corner) {
             const int64_t* const p = rounded_.data() + 3 * size_t{mesh_.origin[k]};
             c = {p[0] * (int64_t{1} << VIEW_BITS) - view_[0] * p[2], p[1] * (int64_t{1} << VIEW_BITS) - view_[1] * p[2],
                  p[2]};
@@ -282,7 +282,7 @@ private:
         for (const Segment& b : t) widest = std::max(widest, b.high - b.low);
         size_t begin = 0;
         for (size_t k = 0; k < s.size(); ++k) {
-            if (k % STRIDE == 0 && !call_.tick(0, true)) return false;
+            if (k % LINKING_STRIDE == 0 && !call_.tick(0, true)) return false;
             const Segment& a = s[k];
             while (begin < t.size() && t[begin].low < a.low - widest) ++begin;
             for (size_t i = begin; i < t.size() && t[i].low <= a.high; ++i) {
@@ -291,7 +291,7 @@ private:
                 if (std::max(b.from.y, b.to.y) < std::min(a.from.y, a.to.y)
                     || std::max(a.from.y, a.to.y) < std::min(b.from.y, b.to.y))
                     continue;
-                const Point u = a.to - a.from, v = b.to - b.from;
+                const LinkingPoint u = a.to - a.from, v = b.to - b.from;
                 const int o1 = turn(u, b.from - a.from), o2 = turn(u, b.to - a.from);
                 if (o1 * o2 > 0) continue;
                 const int o3 = turn(v, a.from - b.from), o4 = turn(v, a.to - b.from);

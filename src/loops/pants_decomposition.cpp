@@ -49,15 +49,15 @@ namespace hmf {
 
 namespace {
 
-constexpr double FURTHER = 2.5; // than the least estimate: true lengths may be in another order
-constexpr double SLACK = LoopSearch::SLACK, ROOTS = 1.15, APART = 0.1; // see cut_system.cpp
+constexpr double PANTS_FURTHER = 2.5; // than the least estimate: true lengths may be in another order
+constexpr double PANTS_SLACK = LoopSearch::SLACK, PANTS_ROOTS = 1.15, PANTS_APART = 0.1; // see cut_system.cpp
 // On a sphere a class has many closed geodesics, some of which hang on marked vertices: more searches.
 constexpr double ROOTS_OF_SPHERE = 1.4, APART_ON_SPHERE = 0.05;
 constexpr size_t MOST_PAIRED_MARKS = 64; // with more there are no cycles for loops round pairs of them
-constexpr size_t MOST_CANDIDATES = 64;
-constexpr size_t MOST_WITH_NECKS = 16; // genus
-constexpr uint64_t MOST_STEPS = 100;   // as in cut_system.cpp
-constexpr int MOST_ROUNDS = 8;         // of measuring and choosing again
+constexpr size_t PANTS_MOST_CANDIDATES = 64;
+constexpr size_t MOST_WITH_NECKS = 16;     // genus
+constexpr uint64_t PANTS_MOST_STEPS = 100; // as in cut_system.cpp
+constexpr int PANTS_MOST_ROUNDS = 8;       // of measuring and choosing again
 
 class Pants {
 public:
@@ -91,7 +91,7 @@ public:
         const double budget = 5e6 + 12.0 * mesh_.face_count;
         const bool moves = !marks_only_ && lengths_.care() == LoopCare::shortest;
         uint64_t steps = 0;
-        for (int round = 0; round < MOST_ROUNDS; ++round) {
+        for (int round = 0; round < PANTS_MOST_ROUNDS; ++round) {
             for (; loops_.count() < wanted; ++steps) {
                 if (!call_.tick(static_cast<double>(loops_.count()) / static_cast<double>(wanted), true))
                     return call_.was_cancelled();
@@ -108,12 +108,12 @@ public:
             }
             bool changed = false;
             if (!lengths_.measure(changed)) return call_.stopped();
-            if (!changed || round + 1 == MOST_ROUNDS) break; // the last round keeps what it has
+            if (!changed || round + 1 == PANTS_MOST_ROUNDS) break; // the last round keeps what it has
             for (size_t k = 0; k < choice_.size(); ++k) {
                 Choice& choice = choice_[k];
                 const size_t taken = lengths_.shortest(&ids_[choice.first], choice.end - choice.first);
                 if (taken == choice.taken) continue;
-                if (steps + choice_.size() - k > MOST_STEPS + choice_.size() + choice_.size() / 2) break;
+                if (steps + choice_.size() - k > PANTS_MOST_STEPS + choice_.size() + choice_.size() / 2) break;
                 choice.taken = taken;
                 while (choice_.size() > k + 1) choice_.pop();
                 while (ids_.size() > choice_.back().end) {
@@ -260,7 +260,7 @@ private:
         while (!heap_.empty()) {
             const NearestFirst::Entry top = heap_.pop();
             if (top.distance > distance_[top.item]) continue;
-            if (2 * (least + top.distance) > FURTHER * best) break;
+            if (2 * (least + top.distance) > PANTS_FURTHER * best) break;
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut_.link[3 * size_t{top.item} + i];
                 if (link == NONE) break;
@@ -357,7 +357,7 @@ private:
         search_.raise_bounds(face_bound_);
         if (marks_only_ && !find_mark_words()) return false;
         const bool sphere = lengths_.is_sphere();
-        const double roots = sphere ? ROOTS_OF_SPHERE : ROOTS, apart = sphere ? APART_ON_SPHERE : APART;
+        const double roots = sphere ? ROOTS_OF_SPHERE : PANTS_ROOTS, apart = sphere ? APART_ON_SPHERE : PANTS_APART;
         double best = HUGE_VAL;
         if (!shortest_strip(best)) return false;
         uint32_t done = NONE;
@@ -369,14 +369,14 @@ private:
                 continue;
             if (static_cast<double>(search_.work()) >= allowed_) break;
             done = r;
-            if (!search_.search(r, SLACK * best)) return false;
+            if (!search_.search(r, PANTS_SLACK * best)) return false;
             for (size_t i = 0; i < search_.count(); ++i) {
                 if (marks_only_ && !is_round_pair(search_.signature(i))) continue;
                 if (!search_.strip(i, cycle_)) return false;
                 double total = 0;
                 for (const uint32_t link : cycle_) total += length_[cut_.segment_edge[link >> 1]];
                 best = std::min(best, total);
-                if (!(total < SLACK * best)) continue;
+                if (!(total < PANTS_SLACK * best)) continue;
                 const size_t begin = strips_.size();
                 for (const uint32_t link : cycle_)
                     if (!strips_.push(cut_.half_edge(link))) return false;
@@ -410,7 +410,8 @@ private:
     // Of the candidates.  Round marked vertices a strip is longer than the estimate.
     Done shortest_strip(double& shortest) {
         const size_t begin = strips_.size();
-        for (size_t i = 0; i < candidates_.size() && i < MOST_CANDIDATES && candidates_[i].length < shortest; ++i) {
+        for (size_t i = 0; i < candidates_.size() && i < PANTS_MOST_CANDIDATES && candidates_[i].length < shortest;
+             ++i) {
             if (!join(candidates_[i])) return false;
             if (strips_.size() == begin) continue;
             double length = 0;
@@ -455,12 +456,12 @@ private:
         const size_t first = ids_.size();
         bool added = false;
         if (lengths_.care() == LoopCare::shortest && !find_cycles()) return false;
-        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + MOST_CANDIDATES; ++i) {
-            if (cycles_[i].length > SLACK * cycles_[0].length) break;
+        for (size_t i = 0; i < cycles_.size() && ids_.size() < first + PANTS_MOST_CANDIDATES; ++i) {
+            if (cycles_[i].length > PANTS_SLACK * cycles_[0].length) break;
             if (!offer(first, {cycles_[i].first, cycles_[i].size}, added)) return false;
         }
-        for (size_t i = 0; i < candidates_.size() && i < MOST_CANDIDATES; ++i) {
-            if (candidates_[i].length > FURTHER * candidates_[0].length) break;
+        for (size_t i = 0; i < candidates_.size() && i < PANTS_MOST_CANDIDATES; ++i) {
+            if (candidates_[i].length > PANTS_FURTHER * candidates_[0].length) break;
             if (lengths_.care() == LoopCare::quick && ids_.size() > first) break;
             const size_t begin = strips_.size();
             if (!join(candidates_[i])) return false;

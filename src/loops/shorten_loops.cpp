@@ -10,11 +10,11 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIP = 10;    // triangles across the strip
-constexpr size_t MORE = 512;    // of a short loop, but not more than its share of the mesh
-constexpr int ROUNDS = 6;       // strips for one loop
-constexpr double GAIN = 1e-9;   // relative, what counts as shorter
-constexpr double LITTLE = 2e-3; // relative, what is not worth another strip
+constexpr size_t STRIP = 10;            // triangles across the strip
+constexpr size_t MORE = 512;            // of a short loop, but not more than its share of the mesh
+constexpr int SHORTEN_ROUNDS = 6;       // strips for one loop
+constexpr double SHORTEN_GAIN = 1e-9;   // relative, what counts as shorter
+constexpr double SHORTEN_LITTLE = 2e-3; // relative, what is not worth another strip
 
 class Shortener {
 public:
@@ -33,7 +33,7 @@ public:
             return call_.fail(HMF_ERROR_INTERNAL, HMF_ELEMENT_LOOP, 0,
                               "Carried loops are not disjoint. Please report this.");
         for (size_t c = first; c < n; ++c)
-            for (int round = 0; round < ROUNDS; ++round) {
+            for (int round = 0; round < SHORTEN_ROUNDS; ++round) {
                 if (!call_.tick(0, true)) return call_.was_cancelled();
                 bool again = false;
                 const hmf_status status = shorten(c, again);
@@ -82,14 +82,14 @@ private:
         if (!find_places(c)) return call_.out_of_memory();
         for (uint64_t i = first; i < end; ++i) --curves_.count[edge_of(loops_.crossings[i])];
         const double before = length(loops_.crossings.data() + first, n);
-        const Done searched =
-            annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + more_), before * (1 - GAIN), found_);
+        const Done searched = annulus_.shortest(curves_.count, places_, width_ * (STRIP * n + more_),
+                                                before * (1 - SHORTEN_GAIN), found_);
         for (uint64_t i = first; i < end; ++i) ++curves_.count[edge_of(loops_.crossings[i])];
         if (!searched) return call_.stopped();
         size_t from = 0, to = 0;
         remove_backtracking(found_, from, to);
         const double after = length(found_.data() + from, to - from);
-        if (from == to || !(after < before * (1 - GAIN))) return HMF_OK;
+        if (from == to || !(after < before * (1 - SHORTEN_GAIN))) return HMF_OK;
         // The new loop in place of the old one, if the loops stay simple and disjoint.
         Loops changed;
         if (!changed.start(call_.memory)) return call_.out_of_memory();
@@ -100,7 +100,7 @@ private:
         if (!disjoint(mesh_, changed, 0, changed.count(), curves_, &loop_of_, call_.memory, sound))
             return call_.out_of_memory();
         if (sound) {
-            again = after < before * (1 - LITTLE);
+            again = after < before * (1 - SHORTEN_LITTLE);
             loops_.swap(changed);
         } else if (!disjoint(mesh_, loops_, 0, loops_.count(), curves_, &loop_of_, call_.memory, sound)) {
             return call_.out_of_memory();

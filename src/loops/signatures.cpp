@@ -10,7 +10,7 @@ namespace hmf {
 
 namespace {
 
-constexpr size_t STRIDE = 65536; // regions and segments between two reports
+constexpr size_t SIGNATURE_STRIDE = 65536; // regions and segments between two reports
 
 // The tree of the points, while words are given to the segments that are in none of both trees.
 struct PointTree {
@@ -31,7 +31,7 @@ Done search_regions(const CutSurface& cut, Signatures& found, Array<uint32_t>& q
         found.rank[root] = static_cast<uint32_t>(end);
         queue[end++] = root;
         while (begin < end) {
-            if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
+            if (begin % SIGNATURE_STRIDE == 0 && !call.tick(0, true)) return false;
             const uint32_t r = queue[begin++];
             for (uint32_t i = 0; i < 3; ++i) {
                 const uint32_t link = cut.link[3 * size_t{r} + i];
@@ -56,7 +56,7 @@ Done span_points(const CutSurface& cut, const Array<uint8_t>& in_tree, PointTree
     for (uint32_t p = 0; p < cut.point_count; ++p) parent[p] = p;
     uint64_t seed = 0;
     for (uint32_t s = 0; s < cut.segment_count; ++s) {
-        if (s % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (s % SIGNATURE_STRIDE == 0 && !call.tick(0, true)) return false;
         if (in_tree[s]) continue;
         const uint32_t p = tree.point(cut.point[2 * size_t{s}]), q = tree.point(cut.point[2 * size_t{s} + 1]);
         if (unite(parent.data(), p, q)) {
@@ -79,7 +79,7 @@ Done sum_behind(const CutSurface& cut, PointTree& tree, Array<uint32_t>& queue, 
     for (uint32_t p = 0; p < cut.point_count; ++p)
         if (tree.degree[p] == 1) queue[end++] = p;
     while (begin < end) {
-        if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (begin % SIGNATURE_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t p = queue[begin++];
         if (tree.degree[p] != 1) continue;
         const uint32_t s = tree.last[p];
@@ -158,7 +158,7 @@ Done Signatures::build_holes(const CutSurface& cut, const Array<uint32_t>& hole,
         queue[end++] = root;
         tree[root] = root; // no segment; never read
         while (begin < end) {
-            if (begin % STRIDE == 0 && !call.tick(0, true)) return false;
+            if (begin % SIGNATURE_STRIDE == 0 && !call.tick(0, true)) return false;
             const uint32_t p = queue[begin++];
             for (uint32_t i = first[p]; i < first[p + 1]; ++i) {
                 const uint32_t q = cut.point[at[i] ^ 1u];

@@ -23,9 +23,9 @@ namespace hmf {
 
 namespace {
 
-class Finder {
+class SurfaceLoopsFinder {
 public:
-    Finder(const hmf_hierarchy& h, Call& call) : h_(h), mesh_(h.input), call_(call) {}
+    SurfaceLoopsFinder(const hmf_hierarchy& h, Call& call) : h_(h), mesh_(h.input), call_(call) {}
 
     hmf_status run(int32_t kind, FoundLoops& out);
 
@@ -58,7 +58,7 @@ uint32_t next_in(const Array<uint32_t>& first, uint32_t curve, uint32_t side) {
     return side + 1 < first[curve + 1] ? side + 1 : first[curve];
 }
 
-Done Finder::find_boundaries() {
+Done SurfaceLoopsFinder::find_boundaries() {
     Array<uint32_t> face;
     Array<uint8_t> seen;
     if (caller_faces(h_, face, call_) || inverse_numbers(face.data(), face.size(), triangle_, call_)) return false;
@@ -83,14 +83,14 @@ Done Finder::find_boundaries() {
     return first_side_.push(static_cast<uint32_t>(side_.size()));
 }
 
-Done Finder::push(uint32_t triangle) {
+Done SurfaceLoopsFinder::push(uint32_t triangle) {
     if (!loop_.empty() && loop_.back() == triangle) return true;
     return loop_.push(triangle);
 }
 
 // The triangles round the vertex between two sides, from one side to the other;
 // backward: from the next side to this one.
-Done Finder::walk(uint32_t side, bool forward) {
+Done SurfaceLoopsFinder::walk(uint32_t side, bool forward) {
     const uint32_t h = side_[side], end = side_[next_in(first_side_, curve_[side], side)];
     if (forward) {
         for (uint32_t g = mesh_.next[h];; g = mesh_.next[twin(g)]) {
@@ -104,7 +104,7 @@ Done Finder::walk(uint32_t side, bool forward) {
     }
 }
 
-Done Finder::finish(bool is_arc, bool is_round) {
+Done SurfaceLoopsFinder::finish(bool is_arc, bool is_round) {
     size_t begin = 0, end = loop_.size();
     while (!is_arc && end - begin > 1 && loop_[begin] == loop_[end - 1]) --end;
     for (size_t i = begin; i < end; ++i)
@@ -114,7 +114,7 @@ Done Finder::finish(bool is_arc, bool is_round) {
 }
 
 // A loop of the capped surface; triangle m + q is the cap beyond side q.
-Done Finder::add_capped(const uint32_t* triangles, size_t n) {
+Done SurfaceLoopsFinder::add_capped(const uint32_t* triangles, size_t n) {
     const uint32_t m = h_.surface_triangles;
     size_t start = 0;
     while (start + 1 < n && triangles[start] >= m) ++start;
@@ -133,7 +133,7 @@ Done Finder::add_capped(const uint32_t* triangles, size_t n) {
     return finish(false);
 }
 
-hmf_status Finder::add_closed(int32_t kind) {
+hmf_status SurfaceLoopsFinder::add_closed(int32_t kind) {
     const uint32_t n = h_.surface_vertices, m = h_.surface_triangles, boundaries = h_.boundary_count;
     Array<double> position;
     Array<uint32_t> triangles, marked;
@@ -184,20 +184,20 @@ hmf_status Finder::add_closed(int32_t kind) {
     return HMF_OK;
 }
 
-Done Finder::add_round(uint32_t boundary, bool is_round) {
+Done SurfaceLoopsFinder::add_round(uint32_t boundary, bool is_round) {
     for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
         if (!walk(q, true)) return false;
     return finish(false, is_round);
 }
 
-bool Finder::has_marks(uint32_t boundary) const {
+bool SurfaceLoopsFinder::has_marks(uint32_t boundary) const {
     for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
         if (mesh_.is_marked(mesh_.origin[side_[q]])) return true;
     return false;
 }
 
 // 0, 1 or 2: which side of its triangle a side of the boundary is.
-uint8_t Finder::number_in_triangle(uint32_t side) const {
+uint8_t SurfaceLoopsFinder::number_in_triangle(uint32_t side) const {
     uint32_t h = internal_side(h_, triangle_[mesh_.face[side_[side]]]);
     uint8_t s = 0;
     for (; h != side_[side]; h = mesh_.next[h]) ++s;
@@ -206,7 +206,7 @@ uint8_t Finder::number_in_triangle(uint32_t side) const {
 
 // Round the marked vertices first .. last of the boundary; marks: the sides that
 // begin at them.  From the first side of one stretch to the first one of another.
-hmf_status Finder::add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last) {
+hmf_status SurfaceLoopsFinder::add_arc(uint32_t boundary, const Array<uint32_t>& marks, size_t first, size_t last) {
     const uint32_t from = marks[(first + marks.size() - 1) % marks.size()], to = marks[last];
     uint32_t q = from;
     do {
@@ -218,7 +218,7 @@ hmf_status Finder::add_arc(uint32_t boundary, const Array<uint32_t>& marks, size
     return HMF_OK;
 }
 
-hmf_status Finder::add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside) {
+hmf_status SurfaceLoopsFinder::add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside) {
     Array<uint32_t> marks;
     marks.start(call_.memory);
     for (uint32_t q = first_side_[boundary]; q < first_side_[boundary + 1]; ++q)
@@ -237,7 +237,7 @@ hmf_status Finder::add_arcs(uint32_t boundary, int32_t kind, size_t marks_inside
     return HMF_OK;
 }
 
-hmf_status Finder::run(int32_t kind, FoundLoops& out) {
+hmf_status SurfaceLoopsFinder::run(int32_t kind, FoundLoops& out) {
     out_ = &out;
     out.offsets.start(call_.memory);
     out.triangles.start(call_.memory);
@@ -275,7 +275,7 @@ hmf_status Finder::run(int32_t kind, FoundLoops& out) {
 } // namespace
 
 hmf_status surface_loops(const hmf_hierarchy& hierarchy, int32_t kind, Call& call, FoundLoops& out) {
-    Finder finder(hierarchy, call);
+    SurfaceLoopsFinder finder(hierarchy, call);
     return finder.run(kind, out);
 }
 

@@ -23,13 +23,6 @@ void replace(Mesh& mesh, uint32_t old, uint32_t by) {
     mesh.face[by] = mesh.face[old];
 }
 
-void set_triangle(Mesh& mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t face) {
-    mesh.next[a] = b;
-    mesh.next[b] = c;
-    mesh.next[c] = a;
-    mesh.face[a] = mesh.face[b] = mesh.face[c] = face;
-}
-
 } // namespace
 
 bool can_collapse(const Mesh& mesh, uint32_t h, uint8_t* marks) {
@@ -71,8 +64,8 @@ void split(Mesh& mesh, const Collapse& c) {
     for (uint32_t g = mesh.next[c.ki]; g != c.il; g = mesh.rotate_cw(g)) mesh.origin[g] = j;
     replace(mesh, c.il, twin(c.lj));
     replace(mesh, c.ki, twin(c.jk));
-    set_triangle(mesh, c.h, c.jk, c.ki, c.face_left);
-    set_triangle(mesh, twin(c.h), c.il, c.lj, c.face_right);
+    mesh.set_triangle(c.h, c.jk, c.ki, c.face_left);
+    mesh.set_triangle(twin(c.h), c.il, c.lj, c.face_right);
     mesh.origin[c.h] = i;
     mesh.origin[twin(c.h)] = mesh.origin[c.jk] = mesh.origin[twin(c.lj)] = j;
     mesh.origin[twin(c.jk)] = k;

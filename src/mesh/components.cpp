@@ -12,7 +12,7 @@ namespace {
 constexpr size_t TICK = 1u << 16;
 
 // Triangles and their sides, as 3 * triangle + side.
-struct Corners {
+struct ComponentCorners {
     const uint32_t* vertex;
     size_t count;
     uint32_t from(size_t side) const { return vertex[side]; }
@@ -21,7 +21,7 @@ struct Corners {
     uint32_t high(size_t side) const { return std::max(from(side), to(side)); }
 };
 
-hmf_status join_corners(const Corners& corners, size_t vertex_count, Call& call, uint32_t* part) {
+hmf_status join_corners(const ComponentCorners& corners, size_t vertex_count, Call& call, uint32_t* part) {
     for (uint32_t v = 0; v < vertex_count; ++v) part[v] = v;
     for (size_t c = 0; c < corners.count; c += 3) {
         if (c % (3 * TICK) == 0 && !call.tick(0.1 * static_cast<double>(c) / static_cast<double>(corners.count)))
@@ -40,7 +40,8 @@ hmf_status join_corners(const Corners& corners, size_t vertex_count, Call& call,
 
 // is_first: of each side, whether its edge appears there first.  Sides are looked at by their lower vertex, each list
 // in their order.
-hmf_status find_first_sides(const Corners& corners, size_t vertex_count, Call& call, Array<uint8_t>& is_first) {
+hmf_status find_first_sides(const ComponentCorners& corners, size_t vertex_count, Call& call,
+                            Array<uint8_t>& is_first) {
     Array<uint32_t> end, bucket, seen; // seen: the lower vertex that a higher one was met with last
     if (!is_first.allocate_filled(call.memory, corners.count, uint8_t{0})
         || !end.allocate_filled(call.memory, vertex_count + 1, 0u) || !bucket.allocate(call.memory, corners.count)
@@ -81,7 +82,7 @@ Done divide(const Array<uint32_t>& component, Array<hmf_component>& list, uint64
 
 hmf_status find_components(const uint32_t* triangles, size_t triangle_count, size_t vertex_count, Call& call,
                            Components& out) {
-    const Corners corners = {triangles, 3 * triangle_count};
+    const ComponentCorners corners = {triangles, 3 * triangle_count};
     Array<uint32_t> part, edge_component, edge_number;
     Array<uint8_t> is_first;
     if (!part.allocate(call.memory, vertex_count)

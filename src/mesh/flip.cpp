@@ -19,10 +19,6 @@ void set_sides(uint32_t* next, uint32_t a, uint32_t b, uint32_t c) {
     next[b] = c;
     next[c] = a;
 }
-void set_triangle(Mesh& mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t face) {
-    set_sides(mesh.next, a, b, c);
-    mesh.face[a] = mesh.face[b] = mesh.face[c] = face;
-}
 
 } // namespace
 
@@ -35,8 +31,8 @@ void flip(Mesh& mesh, uint32_t edge) {
     mesh.out[mesh.origin[t]] = jk;
     mesh.origin[h] = mesh.origin[lj];
     mesh.origin[t] = mesh.origin[ki];
-    set_triangle(mesh, h, ki, il, left);
-    set_triangle(mesh, t, lj, jk, right);
+    mesh.set_triangle(h, ki, il, left);
+    mesh.set_triangle(t, lj, jk, right);
 }
 
 void unflip(Mesh& mesh, uint32_t edge) {
@@ -48,8 +44,8 @@ void unflip(Mesh& mesh, uint32_t edge) {
     mesh.out[mesh.origin[t]] = ki;
     mesh.origin[h] = mesh.origin[il];
     mesh.origin[t] = mesh.origin[jk];
-    set_triangle(mesh, h, jk, ki, left);
-    set_triangle(mesh, t, il, lj, right);
+    mesh.set_triangle(h, jk, ki, left);
+    mesh.set_triangle(t, il, lj, right);
 }
 
 void unflip_sides(uint32_t* next, uint32_t edge) {

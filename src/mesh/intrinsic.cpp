@@ -28,10 +28,10 @@ namespace hmf {
 
 namespace {
 
-constexpr double TOLERANCE = -1e-9; // of the sum of two cotangents
-constexpr double FAILURE = -1e-7;   // of the weight
-constexpr double GAIN = 1 - 1e-13;  // of the sum of six cotangents, for one flip
-constexpr double THIN = 1e3;        // sum of cotangents
+constexpr double INTRINSIC_TOLERANCE = -1e-9; // of the sum of two cotangents
+constexpr double FAILURE = -1e-7;             // of the weight
+constexpr double FLIP_GAIN = 1 - 1e-13;       // of the sum of six cotangents, for one flip
+constexpr double THIN = 1e3;                  // sum of cotangents
 constexpr uint32_t NOT_WAITING = NONE - 1, NEEDED = NONE - 2;
 
 // b^2 + c^2 - a^2 without the cancellation of needles.  Branch-free, by a
@@ -89,7 +89,7 @@ double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge) {
 bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
 
 bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) {
-    return sum[edge] < TOLERANCE && !one_triangle(mesh, edge);
+    return sum[edge] < INTRINSIC_TOLERANCE && !one_triangle(mesh, edge);
 }
 
 // The other diagonal and the areas at i and j; false if it would be no gain.
@@ -105,7 +105,7 @@ bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
     if (!(kl > 0 && area_i > 0 && area_j > 0)) return false;
     const double ij = q.ij * q.ij, jk = q.jk * q.jk, ki = q.ki * q.ki, il = q.il * q.il, lj = q.lj * q.lj;
     return (kl * kl + ki + il) / area_i + (kl * kl + lj + jk) / area_j
-         < GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
+         < FLIP_GAIN * ((ij + jk + ki) / q.area_k + (ij + il + lj) / q.area_l);
 }
 
 // Products of the sides at i, and at j, give the angles there: with ij along the x-axis, dots are ij times the feet
@@ -119,7 +119,7 @@ bool other_diagonal(const FineQuad& q, TwoDoubles& kl, TwoDoubles& area_i, TwoDo
     if (!(kl.high > 0 && area_i.high > 0 && area_j.high > 0)) return false;
     const TwoDoubles after = (kl + q.ki + q.il) / area_i + (kl + q.lj + q.jk) / area_j,
                      before = (q.ij + q.jk + q.ki) / q.area_k + (q.ij + q.il + q.lj) / q.area_l;
-    return after.value() < GAIN * before.value();
+    return after.value() < FLIP_GAIN * before.value();
 }
 
 bool flip_thin(Mesh& mesh, Metric& metric, uint32_t edge) {

@@ -71,6 +71,13 @@ struct Mesh {
     bool is_marked(uint32_t v) const { return v < marked_count; }
 
     uint32_t prev(uint32_t h) const { return next[next[h]]; }
+    // The half-edges a, b, c become the sides of a face, in this order.
+    void set_triangle(uint32_t a, uint32_t b, uint32_t c, uint32_t f) {
+        next[a] = b;
+        next[b] = c;
+        next[c] = a;
+        face[a] = face[b] = face[c] = f;
+    }
     uint32_t target(uint32_t h) const { return origin[twin(h)]; }
     // The next half-edge out of origin(h), counter-clockwise and clockwise.
     uint32_t rotate_ccw(uint32_t h) const { return twin(prev(h)); }

@@ -34,9 +34,9 @@ struct Piece {
 };
 
 // The surface cut along the edges from a vertex to itself.
-class Pieces {
+class MonogonPieces {
 public:
-    explicit Pieces(const Mesh& mesh) : mesh_(mesh) {}
+    explicit MonogonPieces(const Mesh& mesh) : mesh_(mesh) {}
 
     Done cut(Memory& memory) {
         if (!parent_.allocate(memory, mesh_.face_count)
@@ -108,7 +108,7 @@ Done Monogons::find(const Mesh& mesh, Memory& memory) {
     bool any = false;
     for (uint32_t e = 0; e < mesh.edge_count && !any; ++e) any = joins_itself(mesh, e);
     if (!any) return true;
-    Pieces pieces(mesh);
+    MonogonPieces pieces(mesh);
     edges.start(memory);
     if (!edge.allocate_filled(memory, mesh.edge_count, 0) || !vertex.allocate_filled(memory, mesh.vertex_count, INSIDE)
         || !pieces.cut(memory))

@@ -27,10 +27,10 @@ double largest(const double* u) {
 
 // Cotangents of the angles at i, j and k, bounded; one root and one division
 // serve all three.  Zeros for a triangle without area.
-struct Corners {
+struct CornerCotangents {
     double cot_i = 0, cot_j = 0, cot_k = 0;
 
-    Corners(const double* i, const double* j, const double* k) {
+    CornerCotangents(const double* i, const double* j, const double* k) {
         double u[3], v[3], w[3];
         for (int c = 0; c < 3; ++c) {
             u[c] = j[c] - i[c];
@@ -77,8 +77,8 @@ hmf_status cotangent_sums(const Mesh& mesh, const double* position, double* sum,
     EdgeSums sums(sum);
     if (!sums.allocate(mesh, call.memory)) return call.out_of_memory();
     const auto visit = [&](uint32_t ij, uint32_t jk, uint32_t ki) {
-        const Corners corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
-                              position + size_t{3} * mesh.origin[ki]);
+        const CornerCotangents corners(position + size_t{3} * mesh.origin[ij], position + size_t{3} * mesh.origin[jk],
+                                       position + size_t{3} * mesh.origin[ki]);
         sums.set(ij, corners.cot_k);
         sums.set(jk, corners.cot_i);
         sums.set(ki, corners.cot_j);

@@ -21,7 +21,7 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t STRIDE = 65536; // vertices between two reports
+constexpr uint32_t CONJUGATE_STRIDE = 65536; // vertices between two reports
 
 class Fluxes {
 public:
@@ -62,7 +62,7 @@ public:
         }
         const uint32_t roots = size;
         for (uint32_t i = 0; i < size; ++i) {
-            if (i % STRIDE == 0 && !call.tick(0)) return false;
+            if (i % CONJUGATE_STRIDE == 0 && !call.tick(0)) return false;
             if (size - i > 3 * Stars::ahead) {
                 prefetch(&charts_.stars.offset[order_[i + 3 * Stars::ahead]]);
                 prefetch(charts_.stars.of(order_[i + 2 * Stars::ahead]).begin());
@@ -88,7 +88,7 @@ public:
             }))
             return false;
         for (uint32_t i = size; i-- > roots;) {
-            if (i % STRIDE == 0 && !call.tick(0)) return false;
+            if (i % CONJUGATE_STRIDE == 0 && !call.tick(0)) return false;
             if (i >= roots + 2 * Stars::ahead) {
                 prefetch(&parent_[order_[i - 2 * Stars::ahead]]);
                 const uint32_t soon = order_[i - Stars::ahead], h = parent_[soon];

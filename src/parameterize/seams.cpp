@@ -27,8 +27,8 @@ namespace hmf {
 
 namespace {
 
-constexpr uint32_t ahead = 8;      // what is met in no order is asked for ahead
-constexpr uint32_t STRIDE = 16384; // steps between two calls of the progress function
+constexpr uint32_t SEAMS_AHEAD = 8;      // what is met in no order is asked for ahead
+constexpr uint32_t SEAMS_STRIDE = 16384; // steps between two calls of the progress function
 
 // Dijkstra from all cones at once; parent[v]: half-edge out of v to its parent.
 class Forest {
@@ -57,7 +57,7 @@ public:
         }
         uint32_t steps = 0;
         while (!heap_.empty()) {
-            if (++steps % STRIDE == 0 && !call.tick(0)) return false;
+            if (++steps % SEAMS_STRIDE == 0 && !call.tick(0)) return false;
             const NearestFirstRounded::Entry entry = heap_.pop_entry();
             if (!heap_.empty())
                 for (const uint32_t h : stars.of(heap_.top())) {
@@ -112,7 +112,7 @@ public:
             // Along a chain: the faces behind the branches of it come later.
             uint32_t h = start;
             for (uint32_t face = mesh_.face[h]; free_sides_[face] == 1; face = mesh_.face[h]) {
-                if (hanging.size() % STRIDE == 0 && !call_.tick(0)) return false;
+                if (hanging.size() % SEAMS_STRIDE == 0 && !call_.tick(0)) return false;
                 h = free_side(h);
                 role_[edge_of(h)] = HANGING;
                 hanging.add(h);
@@ -145,7 +145,7 @@ public:
         if (!call_.tick(0)) return false;
         uint32_t steps = 0;
         for (const uint32_t e : edges.item) {
-            if (++steps % STRIDE == 0 && !call_.tick(0)) return false;
+            if (++steps % SEAMS_STRIDE == 0 && !call_.tick(0)) return false;
             if (unite(component.data(), mesh_.face[2 * e], mesh_.face[2 * e + 1])) role_[e] = TRUNK;
         }
         return true;
@@ -267,7 +267,7 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
     lay(seams.root);
     if (!trunk.push(seams.root)) return false;
     for (size_t i = 0; i < trunk.size(); ++i) {
-        if (i % STRIDE == 0 && !call.tick(0)) return false;
+        if (i % SEAMS_STRIDE == 0 && !call.tick(0)) return false;
         uint32_t h = trunk[i];
         for (uint32_t turn = 0; turn < 3; ++turn, h = mesh.next[h]) {
             const uint32_t t = twin(h);
@@ -277,10 +277,10 @@ Done Layout::build(const Mesh& mesh, const SignBundle& bundle, const TwistedForm
         }
     }
     for (size_t i = seams.hanging.size(); i-- > 0;) {
-        if (i % STRIDE == 0 && !call.tick(0)) return false;
-        if (i >= 2 * ahead) {
-            prefetch(&mesh.next[seams.hanging[i - 2 * ahead]]);
-            const uint32_t h = seams.hanging[i - ahead], n = mesh.next[h];
+        if (i % SEAMS_STRIDE == 0 && !call.tick(0)) return false;
+        if (i >= 2 * SEAMS_AHEAD) {
+            prefetch(&mesh.next[seams.hanging[i - 2 * SEAMS_AHEAD]]);
+            const uint32_t h = seams.hanging[i - SEAMS_AHEAD], n = mesh.next[h];
             prefetch(&mesh.face[h]);
             prefetch(&mesh.next[n]);
             for (const uint32_t t : {h, n}) {

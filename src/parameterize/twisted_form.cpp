@@ -55,7 +55,7 @@ Done VertexCharts::build(const Mesh& mesh, const SignBundle& bundle, Call& call)
 
 namespace {
 
-constexpr uint32_t STRIDE = 131072;                   // elements between two reports
+constexpr uint32_t TWISTED_STRIDE = 131072;           // elements between two reports
 constexpr uint32_t unseen = NONE, without = NONE - 1; // clusters: not yet; no zero edge
 
 class FormOfFoliation {
@@ -315,7 +315,7 @@ private:
         };
         if (!call_.pass(mesh_.vertex_count, 0, look)) return false;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-            if (v % STRIDE == 0 && !call_.tick(0)) return false;
+            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
             if (seen_[v] != unseen) continue;
             const int64_t index = explore_cluster(f_, v).index();
             for (const uint32_t u : f_.members) {
@@ -347,7 +347,7 @@ private:
         for (const uint32_t h : without_corner_) odd_[mesh_.target(h)] ^= 1; // until its zero is dragged away
         constexpr uint32_t done = NONE - 2;
         for (uint32_t v = 0; v < mesh_.vertex_count; ++v) {
-            if (v % STRIDE == 0 && !call_.tick(0)) return false;
+            if (v % TWISTED_STRIDE == 0 && !call_.tick(0)) return false;
             if (seen_[v] == without || seen_[v] == done) continue;
             // Breadth first from v; its own parity follows from the others.
             queue_.clear();

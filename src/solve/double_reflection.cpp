@@ -5,7 +5,7 @@
 namespace hmf {
 
 namespace {
-constexpr uint32_t STRIDE = 131072; // triangles between two reports
+constexpr uint32_t REFLECTION_STRIDE = 131072; // triangles between two reports
 } // namespace
 
 //        c0                 c0'        Side s of a triangle in front is side 2 - s of the
@@ -24,7 +24,7 @@ hmf_status read_reflection(const hmf_hierarchy& h, Reflection& reflection, Call&
         return mesh.origin[side] == h.vertex_internal[vertex] ? side : twin(side);
     };
     for (size_t t = 0; t < m; ++t) {
-        if (t % STRIDE == 0 && !call.tick(0, true)) return call.was_cancelled();
+        if (t % REFLECTION_STRIDE == 0 && !call.tick(0, true)) return call.was_cancelled();
         for (size_t s = 0; s < 3; ++s) {
             const uint32_t corner = h.triangle_vertices[3 * t + s];
             const uint32_t a = from(3 * t + s, corner), b = from(3 * (m + t) + 2 - s, h.mirror.vertex[corner]);

@@ -10,10 +10,10 @@ namespace hmf {
 namespace {
 
 // Entries of a coarse row for which there is room at first; meshes have 10 to 18 on average.
-constexpr size_t expected_entries = 24;
-constexpr uint32_t rows_of_block = 512; // a row takes 1 to 2 microseconds
-// The rows of A are met in no order: their memory is asked for ahead.
-constexpr uint32_t ahead = 16;
+constexpr size_t product_expected_entries = 24;
+constexpr uint32_t product_rows_of_block = 512; // a row takes 1 to 2 microseconds
+// The rows of A are met in no order: their memory is asked for product_rows_ahead.
+constexpr uint32_t product_rows_ahead = 16;
 
 uint32_t longest(const uint32_t* offset, size_t n) {
     uint32_t most = 0;
@@ -46,9 +46,9 @@ struct Product {
         const uint32_t total = static_cast<uint32_t>(columns.row.size());
         RowSum<double> fine = s.fine.begin(s.fine_index.data(), s.fine_value.data());
         for (uint32_t t = columns.start[c], end = columns.start[c + size_t{1}]; t < end; ++t) {
-            if (total - t > 2 * ahead) prefetch(&matrix.offset[row[t + 2 * ahead]]);
-            if (total - t > ahead) {
-                const uint32_t soon = row[t + ahead], at = matrix.offset[soon];
+            if (total - t > 2 * product_rows_ahead) prefetch(&matrix.offset[row[t + 2 * product_rows_ahead]]);
+            if (total - t > product_rows_ahead) {
+                const uint32_t soon = row[t + product_rows_ahead], at = matrix.offset[soon];
                 prefetch(&matrix.diagonal[soon]);
                 prefetch(&matrix.column[at]);
                 prefetch(&matrix.entry[at]);
@@ -110,9 +110,9 @@ Done galerkin(const SignedMatrix& matrix, const Prolongation& columns, const Spa
     if (!coarse.diagonal.allocate_filled(memory, count, 0)) return false;
     const Product product{matrix, columns, rows};
     BlockRows<double> out;
-    return out.write(count, rows_of_block, expected_entries, memory, call, [&](uint32_t b, uint32_t slot) {
-        return product.write(out, b, coarse.diagonal, scratch[slot]);
-    }) && out.join(coarse.rows, true, memory);
+    return out.write(count, product_rows_of_block, product_expected_entries, memory, call,
+                     [&](uint32_t b, uint32_t slot) { return product.write(out, b, coarse.diagonal, scratch[slot]); })
+        && out.join(coarse.rows, true, memory);
 }
 
 } // namespace hmf

@@ -318,6 +318,8 @@ double next_direction(const SignedMatrix& a, const float* z, double beta, double
     });
 }
 
+} // namespace
+
 // Does an error that falls as in the last iterations reach its goal within the limit?
 class Pace {
 public:
@@ -343,8 +345,6 @@ private:
     double last_[span] = {};
     uint32_t known_ = 0, left_;
 };
-
-} // namespace
 
 // A solve on its way.
 struct SignedMultigrid::Search {

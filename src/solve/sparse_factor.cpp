@@ -8,9 +8,9 @@ namespace hmf {
 namespace {
 
 constexpr uint32_t NOWHERE = UINT32_MAX;
-constexpr uint32_t SMALL = 24;        // unknowns that are numbered as they come
-constexpr double LEAST_PIVOT = 1e-15; // of the diagonal; less is a kernel, rounding, or a row left out
-constexpr uint32_t STRIDE = 4096;     // rows between two reports
+constexpr uint32_t SMALL = 24;           // unknowns that are numbered as they come
+constexpr double LEAST_PIVOT = 1e-15;    // of the diagonal; less is a kernel, rounding, or a row left out
+constexpr uint32_t FACTOR_STRIDE = 4096; // rows between two reports
 
 // Nested dissection.
 class Dissection {
@@ -112,7 +112,7 @@ Done SparseFactor::find_tree(const SignedMatrix& matrix, Call& call, uint64_t& e
         || !count.allocate_filled(call.memory, n, 0u) || !first_.allocate(call.memory, size_t{n} + 1))
         return false;
     for (uint32_t k = 0; k < n; ++k) {
-        if (k % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (k % FACTOR_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
         seen[k] = k;
         for (uint32_t t = matrix.offset[i]; t < matrix.offset[i + 1]; ++t) {
@@ -143,7 +143,7 @@ Done SparseFactor::eliminate(const SignedMatrix& matrix, Call& call) {
         return false;
     for (uint32_t k = 0; k < n; ++k) end[k] = first_[k];
     for (uint32_t k = 0; k < n; ++k) {
-        if (k % STRIDE == 0 && !call.tick(0, true)) return false;
+        if (k % FACTOR_STRIDE == 0 && !call.tick(0, true)) return false;
         const uint32_t i = unknown_[k];
         double pivot = matrix.diagonal[i];
         // Its columns, each before those above it in the tree: way[top], ..

@@ -11,8 +11,8 @@ namespace {
 
 // Rows with more entries are on the border: otherwise all of their neighbours would be.
 constexpr uint32_t widest_inner_row = 48;
-// The rows of the matrix are met in no order: their memory is asked for ahead.
-constexpr uint32_t ahead = 8;
+// The rows of the matrix are met in no order: their memory is asked for sweep_ahead.
+constexpr uint32_t sweep_ahead = 8;
 
 void prefetch_row(const SignedMatrix& matrix, uint32_t i) {
     prefetch(&matrix.column[matrix.offset[i]]);
@@ -277,7 +277,7 @@ void SweepMatrix::write_rows(const SignedMatrix& matrix, const float* scale, con
     const uint32_t* const code = order.code.data();
     const uint32_t last_row = at.row + at.rows;
     for (uint32_t k = at.row; k < last_row; ++k) {
-        if (last_row - k > ahead) prefetch_row(matrix, order.row_of(k + ahead));
+        if (last_row - k > sweep_ahead) prefetch_row(matrix, order.row_of(k + sweep_ahead));
         if ((k - at.row) % rows_of_mark == 0)
             mark_[at.mark + (k - at.row) / rows_of_mark] = {static_cast<uint32_t>(lower.at - lower_begin),
                                                             static_cast<uint32_t>(upper.at - upper_begin)};
