@@ -306,7 +306,10 @@ def build(out: Path) -> None:
         python_page(pages)
         gallery_pages(pages)
         generated_pages(pages, Path(folder))
-        (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n")
+        (pages / "wide.css").write_text(".wy-nav-content { max-width: 1200px; }\n.rst-content table.docutils td, .wy-table-responsive table td, table code { font-size: 12px; padding: 4px 8px; }\n"
+                                        # Pictures side by side have the same width.
+                                        ".rst-content table:has(img) { table-layout: fixed; width: 100%; display: table !important; }\n"
+                                        ".rst-content table:has(img) td { white-space: normal !important; }\n")
         navigation = "\n".join(
             (f'  - "{section}":\n' if section else "") + "\n".join(f'{"      " if section else "  "}- "{title}": {page}' for title, page, _ in entries)
             for section, entries in SITE.items())
