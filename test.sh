@@ -47,7 +47,7 @@ coverage      lines of the core that tests and fuzz corpora reach: at least 97.5
 reproducible  two builds in different folders give the same bytes (not in the default run)
 fuzzing       each fuzz target with libFuzzer and sanitizers, half an hour each (long; HMF_FUZZ_SECONDS)
 mutations     defects that a test must notice: a table of them, and those derived from the sources that
-              tests/drawn_mutations.txt lists (long; more or others: HMF_MUTATIONS, HMF_MUTATION_SEED)
+              tests/mutation/drawn_mutations.txt lists (long; more or others: HMF_MUTATIONS, HMF_MUTATION_SEED)
 END
 }
 
@@ -179,28 +179,28 @@ run_ctest() { # preset, options of ctest ...
 }
 
 variant_format() {
-    run_check format tests/check_format.sh
-    run_check map tests/check_map.py
+    run_check format tests/checks/check_format.sh
+    run_check map tests/checks/check_map.py
 }
-variant_header() { run_check header tests/check_header.sh; }
+variant_header() { run_check header tests/checks/check_header.sh; }
 variant_abi() {
     install_if_possible abigail-tools
-    run_check abi tests/check_abi.sh build/abi
+    run_check abi tests/checks/check_abi.sh build/abi
 }
-variant_plain() { run_check plain tests/check_plain.sh build/plain; }
-variant_install() { run_check install tests/check_install.sh build/install build/release build/library-ON; }
-variant_packages() { run_check packages tests/check_packages.sh build/packages; }
-variant_bindings() { run_check bindings tests/check_bindings.sh build/bindings; }
+variant_plain() { run_check plain tests/checks/check_plain.sh build/plain; }
+variant_install() { run_check install tests/checks/check_install.sh build/install build/release build/library-ON; }
+variant_packages() { run_check packages tests/checks/check_packages.sh build/packages; }
+variant_bindings() { run_check bindings tests/checks/check_bindings.sh build/bindings; }
 variant_release() { run_ctest release; }
 # UniqueLong takes a minute in the release build, several without optimisation.
-variant_debug() { run_ctest debug -E '^UniqueLong'; }
+variant_debug() { GTEST_FILTER='-UniqueLong*' run_ctest debug; }
 variant_asan-ubsan() {
     choose_sanitizing_compiler
     # The large meshes of these reach what the small ones do, of the same tests or of others of the loops; those of the second
     # list compare numbers of solves and loops like the ones of other tests.
-    run_ctest asan-ubsan -E '^UniqueLong|_3[0-9]k|ZerosDeepInLimbs|RealMeshesSettle|OrderDoesNotMatter|BelongToTheSurface'\
-'|^Unique[.](Across|Interpolated|Genus(2F|9|10)|LoopsOfAny|NewtonAgrees)|^Scaling[.]|PillowIsSolvedExactly|TheMapIsAsLarge'\
-'|AreSolved/sf129110|Units[.]ChangeNoBit'
+    GTEST_FILTER='-UniqueLong*:*_3?k*:*ZerosDeepInLimbs*:*RealMeshesSettle*:*OrderDoesNotMatter*:*BelongToTheSurface*:'\
+'Unique.Across*:Unique.Interpolated*:Unique.Genus2F*:Unique.Genus9*:Unique.Genus10*:Unique.LoopsOfAny*:Unique.NewtonAgrees*:'\
+'Scaling.*:*PillowIsSolvedExactly*:*TheMapIsAsLarge*:*AreSolved/sf129110*:Units.ChangeNoBit*' run_ctest asan-ubsan
 }
 
 # clang builds with sanitizers in half the time of gcc, and sees numbers that do not fit into an integer as well.
@@ -231,7 +231,7 @@ variant_symbols() {
         add 0 1 0
         return
     fi
-    run_check symbols tests/check_symbols.sh build/library-ON/libhmf.so build/release/libhmf.a
+    run_check symbols tests/checks/check_symbols.sh build/library-ON/libhmf.so build/release/libhmf.a
 }
 
 variant_fuzz() {
@@ -267,9 +267,9 @@ variant_fuzz() {
 
 # Many threads on one hierarchy and one foliation, and tasks that run at once.
 variant_tsan() {
-    build tsan test_parallel test_resources || return
-    run_gtest tsan-parallel 900 build/tsan/tests/test_parallel '--gtest_filter=-*SameBitsOfEveryFunction*'
-    run_gtest tsan-resources 900 build/tsan/tests/test_resources '--gtest_filter=*Thread*'
+    build tsan test_solve || return
+    run_gtest tsan-parallel 900 build/tsan/tests/test_solve '--gtest_filter=Parallel.*:Pool.*-*SameBitsOfEveryFunction*'
+    run_gtest tsan-resources 900 build/tsan/tests/test_solve '--gtest_filter=*Thread*'
 }
 # Valgrind is some thirty times slower: only the cases that are quick without it.  The tests are those of the release build;
 # the preset valgrind has numbers of lines, to find out more.
@@ -338,7 +338,7 @@ run_corpus() { # name, largest mesh in vertices, seconds
     fi
     build release || return
     if [ ! -x build/release/tests/test_corpus ]; then
-        echo "skip $1 (skipped: there is no tests/test_corpus.cpp)"
+        echo "skip $1 (skipped: there is no tests/core/corpus/test_corpus.cpp)"
         add 0 0 1
         return
     fi
@@ -354,12 +354,12 @@ run_corpus() { # name, largest mesh in vertices, seconds
 # HMF_CAMPAIGN_SEED: of the first problem; HMF_CAMPAIGN_PROBLEMS: how many.  The table is in results/campaign.log.
 variant_campaign() {
     build release || return
-    HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_campaign
+    HMF_CAMPAIGN_PROBLEMS=${HMF_CAMPAIGN_PROBLEMS:-2000} run_gtest campaign 14400 build/release/tests/test_solve '--gtest_filter=Campaign.*'
     grep -A14 ' problems, seeds ' "$results/campaign.log"
-    HMF_MARKED_CASES=${HMF_MARKED_CASES:-500} run_gtest campaign-marks 7200 build/release/tests/test_marked \
+    HMF_MARKED_CASES=${HMF_MARKED_CASES:-500} run_gtest campaign-marks 7200 build/release/tests/test_solve \
         --gtest_filter=Marked.RandomMarks
     HMF_HOLES=${HMF_HOLES:-500} HMF_HOLES_MAX_VERTICES=${HMF_HOLES_MAX_VERTICES:-300000} \
-        run_gtest campaign-holes 14400 build/release/tests/test_boundary_campaign
+        run_gtest campaign-holes 14400 build/release/tests/test_applications '--gtest_filter=BoundaryCampaign.*'
     grep -A3 ' cases, ' "$results/campaign-holes.log"
 }
 # What cannot be installed is skipped there.
@@ -374,19 +374,19 @@ install_if_possible() { # package ...
 }
 variant_static() {
     install_if_possible clang-tidy cppcheck
-    run_check static tests/check_static.sh build/static
+    run_check static tests/checks/check_static.sh build/static
 }
 variant_machines() {
     install_if_possible qemu-user g++-aarch64-linux-gnu g++-s390x-linux-gnu g++-riscv64-linux-gnu g++-i686-linux-gnu \
         g++-mingw-w64-x86-64-posix wine wine64
-    run_check machines tests/check_machines.sh build/machines
-    HMF_PLAIN_ALL=1 run_check plain-all tests/check_plain.sh build/plain
+    run_check machines tests/checks/check_machines.sh build/machines
+    HMF_PLAIN_ALL=1 run_check plain-all tests/checks/check_plain.sh build/plain
 }
 variant_coverage() {
     install_if_possible clang llvm
-    run_check coverage python3 tests/coverage.py build/coverage
+    run_check coverage python3 tests/mutation/coverage.py build/coverage
 }
-variant_reproducible() { run_check reproducible tests/check_reproducible.sh build/reproducible; }
+variant_reproducible() { run_check reproducible tests/checks/check_reproducible.sh build/reproducible; }
 # HMF_FUZZ_SECONDS: for each target; HMF_FUZZ_TARGETS: which, in this order.  Findings and the grown corpora stay in build/fuzzing.
 # libFuzzer measures a timeout on the clock: packing of charts, 13 s with sanitizers, is no finding on a busy machine.
 variant_fuzzing() {
@@ -417,8 +417,8 @@ $(grep -o 'cov: [0-9]*' "$results/fuzzing-$name.log" | tail -1 | cut -c 6-) edge
 }
 variant_mutations() {
     install_if_possible clang llvm # where a recorded case does not notice its defect any more: which cases reach it
-    run_check mutations python3 tests/table_mutations.py build/derived
-    run_check derived-mutations python3 tests/derived_mutations.py build/derived --as-built \
+    run_check mutations python3 tests/mutation/table_mutations.py build/derived
+    run_check derived-mutations python3 tests/mutation/derived_mutations.py build/derived --as-built \
         --count "${HMF_MUTATIONS:-0}" --seed "${HMF_MUTATION_SEED:-1}"
 }
 variant_corpus() { run_corpus corpus 250000 900; }

@@ -3,7 +3,7 @@
 #
 #     bench/instructions.sh [COMMIT]      default: HEAD if there are changes that are not committed, else HEAD^
 #
-# Counts by callgrind (valgrind) on the surfaces of tests/consumers/hashes.c: inclusive instructions of each public
+# Counts by callgrind (valgrind) on the surfaces of tests/checks/consumers/hashes.c: inclusive instructions of each public
 # function over all of them.  They say nothing of caches and threads; bench_pipeline and calls_against.sh measure time.
 # Fails if a call that takes more than 1 % of all has lost more than LOSS per cent (default 2).
 # Environment: LOSS, FLAGS (default "-O3 -DNDEBUG"), JOBS
@@ -21,7 +21,7 @@ count() { # folder with src and include, name
     # shellcheck disable=SC2086
     (cd "$objects" && printf '%s\n' "$1"/src/*/*.cpp | xargs -P "${JOBS:-$(nproc)}" -n 1 \
         $ccache c++ -std=c++17 $flags -fno-exceptions -fno-rtti -ffp-contract=off -I"$1/include" -c &&
-        cc -O1 -I"$1/include" -c "$OLDPWD/tests/consumers/hashes.c" -o program.o && c++ ./*.o -o program)
+        cc -O1 -I"$1/include" -c "$OLDPWD/tests/checks/consumers/hashes.c" -o program.o && c++ ./*.o -o program)
     valgrind -q --tool=callgrind --callgrind-out-file="$objects/profile" "$objects/program" > "$objects/hashes"
     # "1,234 (5.6%)  file:function [program]"; the public functions are those of the headers.
     callgrind_annotate --inclusive=yes --threshold=100 "$objects/profile" |

@@ -6,7 +6,7 @@
  *
  * where hash is FNV-1a (64 bits) of the values as little-endian doubles.
  * The packages of the other languages make the same meshes themselves and
- * must print the same lines; tests/check_bindings.sh compares them.
+ * must print the same lines; tests/checks/check_bindings.sh compares them.
  *
  *     cc -Iinclude bindings/same_bits/same_bits.c libhmf.a -lstdc++ -lm
  */

@@ -85,7 +85,7 @@ public:
         pick_near_zeros(far ? steering::far_rings : steering::near_rings);
         const size_t n = f_.mesh.vertex_count, most = size_t{steering::moves_per_vertex} * n / (picked_.size() + 1);
         const size_t wanted = far ? steering::far_passes : steering::near_passes;
-        // Not on a double, where what fades along a strip is found by these moves (tests/test_weight_search.cpp).
+        // Not on a double, where what fades along a strip is found by these moves (test_weight_search.cpp).
         zeros_everywhere_ = !w_.state.hierarchy->is_double()
                          && static_cast<double>(picked_.size()) > steering::everywhere * static_cast<double>(n);
         const size_t passes = zeros_everywhere_ ? steering::least_passes

@@ -13,7 +13,7 @@ namespace test {
 // Side 2e of a triangle runs along edge e, 2e + 1 against it.
 constexpr uint32_t with(uint32_t e) { return 2 * e; }
 constexpr uint32_t against(uint32_t e) { return 2 * e + 1; }
-using Triangles = std::vector<std::array<uint32_t, 3>>;
+using TriangleSides = std::vector<std::array<uint32_t, 3>>;
 
 // All values are 0 and all weights 1 at first.
 struct SmallSurface {
@@ -26,7 +26,7 @@ struct SmallSurface {
     hmf::Star star;
 
     // start: the vertex where each half-edge starts.
-    SmallSurface(const Triangles& triangles, std::vector<uint32_t> start, uint32_t vertices, uint32_t marked = 0) :
+    SmallSurface(const TriangleSides& triangles, std::vector<uint32_t> start, uint32_t vertices, uint32_t marked = 0) :
         origin(std::move(start)), next(origin.size()), face(origin.size()), out(vertices), value(origin.size() / 2, 0),
         weight(value.size(), 1) {
         for (uint32_t t = 0; t < triangles.size(); ++t)
@@ -79,7 +79,7 @@ struct SmallSurface {
 };
 
 // Appends a handle with one edge f at its boundary: edges a, a + 1, a + 2, a + 3 from that vertex to itself.
-inline void add_handle(Triangles& triangles, uint32_t f, uint32_t a) {
+inline void add_handle(TriangleSides& triangles, uint32_t f, uint32_t a) {
     triangles.push_back({f, with(a), against(a + 2)});
     triangles.push_back({with(a + 2), with(a + 1), against(a + 3)});
     triangles.push_back({with(a + 3), against(a), against(a + 1)});
@@ -93,14 +93,14 @@ struct Polygon : SmallSurface {
     static constexpr uint32_t others(uint32_t corners) { return corners + 6; } // those of the sides from here on
 
     // corners: the vertices there.
-    Polygon(const std::vector<uint32_t>& sides, const std::vector<uint32_t>& corners, Triangles more,
+    Polygon(const std::vector<uint32_t>& sides, const std::vector<uint32_t>& corners, TriangleSides more,
             const std::vector<uint32_t>& starts, uint32_t vertices, uint32_t marked = 0) :
         SmallSurface(triangles(sides, std::move(more)), start(corners, starts), vertices, marked) {
         for (uint32_t k = 0; k <= corners.size(); ++k) value[k] = 30;
     }
 
 private:
-    static Triangles triangles(const std::vector<uint32_t>& sides, Triangles all) {
+    static TriangleSides triangles(const std::vector<uint32_t>& sides, TriangleSides all) {
         const uint32_t n = static_cast<uint32_t>(sides.size()), f = handle(n);
         for (uint32_t k = 0; k < n; ++k) all.push_back({sides[k], with(k + 1), against(k)});
         all.push_back({with(0), with(f), against(n)});

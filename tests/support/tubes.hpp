@@ -20,8 +20,8 @@ TriMesh closed_tube(const TubeOptions& options); // a torus; vertex i * corners 
 TriMesh open_tube(const TubeOptions& options);   // an annulus
 TriMesh capped_tube(const TubeOptions& options); // a sphere
 
-// Joins two random triangles by a tube of three sides, which adds a handle: rings >= 1 sections, narrower in the middle by
-// a factor of `waist`.  False, and an unchanged mesh, if no two triangles without a common vertex were found.
+// Joins two random triangles by a tube of three sides, which adds a handle: rings >= 1 sections, narrower in the middle
+// by a factor of `waist`.  False, and an unchanged mesh, if no two triangles without a common vertex were found.
 bool add_handle(TriMesh& mesh, size_t rings, double waist, Random& random);
 
 } // namespace test

@@ -1,0 +1,93 @@
+#!/bin/sh
+# hmf.h and uses.h compile alone and included twice, in every C standard and in
+# C++, and hmf.hpp and uses.hpp in C++17 and C++20, without a warning, with each
+# compiler that is installed.
+# Prints a line "ok", "not ok" or "skip" for each check, as all check_*.sh do.
+set -u
+root=$(cd "$(dirname "$0")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+cat > "$work/hmf.c" <<'END'
+#include <hmf/hmf.h>
+#include <hmf/hmf.h>
+hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error);
+hmf_status use(const hmf_hierarchy *h, hmf_level_info *info, hmf_error *error)
+{
+    return hmf_level_counts(h, 0, info, error);
+}
+END
+cat > "$work/uses.c" <<'END'
+#include <hmf/uses.h>
+#include <hmf/uses.h>
+hmf_status use(const hmf_foliation *f, hmf_quad_mesh **out, hmf_error *error);
+hmf_status use(const hmf_foliation *f, hmf_quad_mesh **out, hmf_error *error)
+{
+    return hmf_quads(f, NULL, NULL, out, error);
+}
+END
+cat > "$work/hmf.hpp.cpp" <<'END'
+#include <hmf/hmf.hpp>
+#include <hmf/hmf.hpp>
+hmf::Solution use(const std::vector<double>& positions, const std::vector<uint32_t>& triangles);
+hmf::Solution use(const std::vector<double>& positions, const std::vector<uint32_t>& triangles)
+{
+    const hmf::Hierarchy hierarchy(positions, triangles);
+    hmf::Solution solution = hierarchy.solve(hierarchy.loops(0));
+    return solution.foliation.singularities()->count == 0 ? solution.foliation.relax() : std::move(solution);
+}
+END
+cat > "$work/uses.hpp.cpp" <<'END'
+#include <hmf/uses.hpp>
+#include <hmf/uses.hpp>
+double use(const hmf::Foliation& foliation, const hmf::Loops& loops);
+double use(const hmf::Foliation& foliation, const hmf::Loops& loops)
+{
+    const hmf::Parameterization map = hmf::parameterize(foliation);
+    return map.corner_uv()[0] + hmf::trace(foliation).points()[0] + hmf::quads(foliation).positions()[0]
+           + hmf::cylinders(foliation, loops).list()[0].height + hmf::cylinders(foliation).leaves().weights[0];
+}
+END
+
+check() { # name, then the command
+    name=$1
+    shift
+    if "$@" > "$work/log" 2>&1; then
+        echo "ok header $name"
+    else
+        echo "not ok header $name"
+        head -15 "$work/log"
+        failed=1
+    fi
+}
+
+warnings="-Wall -Wextra -Wconversion -Wpedantic -Wshadow -Werror -fsyntax-only -I$root/include"
+for cc in gcc clang; do
+    if ! command -v $cc > /dev/null; then
+        echo "skip header $cc (skipped: not installed)"
+        continue
+    fi
+    for header in hmf uses; do
+        for std in c89 c99 c11 c17; do
+            check "$cc-$header-$std" $cc -std=$std $warnings -Wstrict-prototypes -Wc++-compat "$work/$header.c"
+        done
+        check "$cc-$header-c++17" $cc -x c++ -std=c++17 $warnings -Wold-style-cast "$work/$header.c"
+        for std in c++17 c++20; do
+            check "$cc-$header-hpp-$std" $cc -x c++ -std=$std $warnings -Wold-style-cast "$work/$header.hpp.cpp"
+        done
+    done
+done
+
+# hmf.hpp and uses.hpp leave out no function of hmf.h and uses.h, and name every choice.
+complete() { # hmf or uses
+    missing=0
+    sed 's|/\*.*\*/||' "$root/include/hmf/$1.hpp" > "$work/code.hpp" # without comments
+    for symbol in $(sed -n 's/^HMF_API .*[ *]\(hmf_[a-z_]*\)(.*/\1/p' "$root/include/hmf/$1.h" | grep -v -e '^hmf_version$' -e '^hmf_status_string$') \
+        $(sed -n 's/^#define \(HMF_\(COLLAPSE\|METHOD\|LEAVES\|LOOP\|LOOPS\|PROGRESS\)_[A-Z_]*\).*/\1/p' "$root/include/hmf/$1.h"); do
+        grep -qw "$symbol" "$work/code.hpp" || { echo "$1.hpp lacks $symbol"; missing=1; }
+    done
+    return $missing
+}
+for header in hmf uses; do check "$header-hpp-complete" complete $header; done
+exit $failed

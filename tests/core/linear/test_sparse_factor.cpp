@@ -1,0 +1,149 @@
+// The direct solvers: where the multigrid fails, and at its coarsest level.
+#include <gtest/gtest.h>
+
+#include <Eigen/Sparse>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "src/solve/dense_factor.hpp"
+#include "src/solve/sparse_factor.hpp"
+#include "support/signed_system.hpp"
+
+namespace test_sparse_factor {
+
+using namespace linear;
+
+namespace {
+
+std::vector<double> solve_directly(const System& s, const std::vector<double>& b, size_t most_bytes) {
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    std::vector<double> x(s.n(), 1e300);
+    {
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::SparseFactor factor;
+        EXPECT_TRUE(factor.build(s.matrix(), call));
+        EXPECT_FALSE(factor.empty());
+        EXPECT_LE(memory.used(), most_bytes);
+        EXPECT_TRUE(factor.solve(b.data(), x.data(), memory));
+    }
+    EXPECT_EQ(memory.used(), 0u);
+    return x;
+}
+
+} // namespace
+
+TEST(SparseFactor, TwistedTorusAsEigen) {
+    Random random(3);
+    for (const uint32_t w : {5u, 18u, 40u, 100u}) {
+        const System s(w * w, twisted_torus(w, w, 6, random));
+        const std::vector<double> b = noise(s.n(), random);
+        // 40 entries a row.
+        const std::vector<double> x = solve_directly(s, b, s.n() * 600);
+        EXPECT_LE(s.residual(x, b), 1e-14) << w;
+        expect_near(x, s.eigen(b), 1e-10);
+    }
+}
+
+// Where single precision cannot tell the matrix from a singular one.
+TEST(SparseFactor, RingsOfHeavyEdges) {
+    Random random(5);
+    for (const double heavy : {1e3, 1e6, 1e10}) {
+        const System s = held_rings(40, 30, heavy, 1, random);
+        // A right side of which the solution is known, and about 1.
+        const std::vector<double> known = noise(s.n(), random);
+        std::vector<double> y = known;
+        y[0] = 0;
+        const std::vector<double> b = s.times(y);
+        // b is known to 1e-16 of the heavy edges, and the light ones hold what is not.
+        expect_near(solve_directly(s, b, s.n() * 600), y, 2e-14 * heavy + 1e-11);
+    }
+}
+
+TEST(SparseFactor, ComponentsAndRowsLeftOut) {
+    Random random(7);
+    std::vector<Edge> edges = twisted_torus(20, 20, 4, random);
+    for (const Edge& e : torus(12, 15, random, true, 400)) edges.push_back(e);
+    std::vector<bool> fixed(600, false);
+    for (uint32_t k = 0; k < 30; ++k) fixed[random.below(580)] = true;
+    fixed[450] = true;
+    const System s(600, edges, fixed); // 580 to 599 have no edge
+    std::vector<double> b = noise(s.n(), random);
+    for (uint32_t i = 0; i < s.n(); ++i)
+        if (s.diagonal[i] == 0) b[i] = 0;
+    const std::vector<double> x = solve_directly(s, b, s.n() * 600);
+    EXPECT_LE(s.residual(x, b), 1e-14);
+    for (uint32_t i = 0; i < s.n(); ++i)
+        if (s.diagonal[i] == 0) EXPECT_EQ(x[i], 0) << i;
+}
+
+// All are neighbours: as many entries as n^2 / 2.
+TEST(SparseFactor, TooManyEntries) {
+    std::vector<Edge> edges;
+    for (uint32_t i = 0; i < 500; ++i)
+        for (uint32_t j = 0; j < i; ++j) edges.push_back({j, i, 1, -1});
+    const System s(500, edges);
+    hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+    hmf::Call call(memory, nullptr, nullptr, nullptr);
+    hmf::SparseFactor factor;
+    ASSERT_TRUE(factor.build(s.matrix(), call));
+    EXPECT_TRUE(factor.empty());
+}
+
+TEST(SparseFactor, OneFailedAllocationIsAFailure) {
+    Random random(23);
+    const System s(400, twisted_torus(20, 20, 2, random));
+    const std::vector<double> b = noise(s.n(), random);
+    std::vector<double> x(s.n());
+    size_t failed = 0;
+    for (bool done = false; !done; ++failed) {
+        ASSERT_LT(failed, 50u);
+        size_t left = failed;
+        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
+        hmf::Call call(memory, nullptr, nullptr, nullptr);
+        hmf::SparseFactor factor;
+        done = factor.build(s.matrix(), call) && factor.solve(b.data(), x.data(), memory);
+        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
+    }
+    EXPECT_GT(failed, 15u);
+    EXPECT_LE(s.residual(x, b), 1e-14);
+}
+
+// A long way between two reports would be one without an answer to a cancellation.
+TEST(SparseFactor, StopsWhenTold) {
+    Random random(31);
+    const System s(90000, twisted_torus(300, 300, 5, random));
+    uint32_t stopped = 0;
+    for (int n = 0; n < 60; n += 3) {
+        Stop when{n, HMF_PROGRESS_CANCEL};
+        hmf::Memory memory(nullptr, nullptr, nullptr, 0);
+        hmf::Call call(memory, nullptr, stop, &when);
+        hmf::SparseFactor factor;
+        stopped += !factor.build(s.matrix(), call);
+        EXPECT_EQ(call.cancelled(), factor.empty());
+    }
+    EXPECT_GT(stopped, 10u);
+}
+
+// Also where it is made in both precisions.
+TEST(DenseFactor, OneFailedAllocationIsAFailure) {
+    Random random(29);
+    const System s = held_rings(10, 12, 1e5, 1, random);
+    hmf::Memory whole(nullptr, nullptr, nullptr, 0);
+    hmf::Array<float> scale;
+    ASSERT_TRUE(scale.allocate(whole, s.n()));
+    for (uint32_t i = 0; i < s.n(); ++i)
+        scale[i] = s.diagonal[i] > 0 ? static_cast<float>(1 / std::sqrt(s.diagonal[i])) : 0;
+    size_t failed = 0;
+    for (bool done = false; !done; ++failed) {
+        ASSERT_LT(failed, 50u);
+        size_t left = failed;
+        hmf::Memory memory(allocate_but_one, release_any, &left, 0);
+        hmf::DenseFactor factor;
+        done = static_cast<bool>(factor.build(s.matrix(), scale, memory));
+        EXPECT_EQ(done, memory.failure() == HMF_OK) << failed;
+    }
+    EXPECT_GT(failed, 6u);
+}
+
+} // namespace test_sparse_factor
