@@ -51,9 +51,10 @@ def blocks(page: Path) -> list:
 def make_meshes(folder: Path, hmf: str) -> None:
     """What the pages call mesh.obj, animal.obj and so on."""
     subprocess.run([hmf, "demo", "demo"], cwd=folder, check=True, capture_output=True)
+    (folder / "hmf-demo").mkdir()
+    shutil.copy(folder / "demo/sample.obj", folder / "hmf-demo")
     (folder / "demo/sample.obj").rename(folder / "mesh.obj")
     shutil.rmtree(folder / "demo")
-    shutil.copy(folder / "mesh.obj", folder / "sample.obj")
     moved = [f"v {float(x):.9g} {float(y):.9g} {1.1 * float(z):.9g}"
              for x, y, z in re.findall(r"^v (\S+) (\S+) (\S+)", (folder / "mesh.obj").read_text(), re.M)]
     faces = re.findall(r"^f .*", (folder / "mesh.obj").read_text(), re.M)

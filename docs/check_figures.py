@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Figures that appear on two pages agree, and short pages stay short.
+
+- The performance table of README.md has the medians of bench/README.md.
+- The summary in docs/quads.md has the medians and sums of bench/quads.md.
+- README.md has at most 1000 words, docs/reliability.md 1500; a version in CHANGELOG.md at most 20 lines.
+
+Prints "ok" or "not ok" for each.
+"""
+
+import re
+import statistics
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAMS = ("hmf", "QuadriFlow", "Instant Meshes")
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text()
+
+
+def tables(name: str) -> list:
+    """The tables of a page, each a list of rows of cells, the head first."""
+    found = re.findall(r"(?:^\|.*\n)+", text(name), re.M)
+    return [[[cell.strip() for cell in row.strip("|").split("|")] for row in table.splitlines()] for table in found]
+
+
+def table_with(name: str, *titles: str) -> list:
+    return next(table for table in tables(name) if set(titles) <= set(table[0]))
+
+
+def performance() -> list:
+    """What README.md says otherwise than bench/README.md."""
+    measured = table_with("bench/README.md", "mesh", "edges", "job s", "Cholesky s")
+    column = {title: i for i, title in enumerate(measured[0])}
+    wrong = []
+    shown = table_with("README.md", "mesh", "edges", "CHOLMOD")
+    for mesh, edges, _, job, cholesky, ratio in shown[2:]:
+        row = next((row for row in measured if row[0].startswith(mesh + "_")), None)
+        cells = row and [row[column[title]].split(" [")[0] for title in ("edges", "job s", "Cholesky s", "job / Cholesky")]
+        if cells != [edges, job.removesuffix(" s"), cholesky.removesuffix(" s"), ratio]:
+            wrong.append(f"{mesh}: {cells} was measured")
+    return wrong + ([] if len(shown) > 3 else ["no rows"])
+
+
+def quads() -> list:
+    """What docs/quads.md says otherwise than bench/quads.md."""
+    measured = table_with("bench/quads.md", "mesh", "program", "irregular")
+    column = {title: i for i, title in enumerate(measured[0])}
+    rows = {program: [row for row in measured[2:] if row[1] == program] for program in PROGRAMS}
+
+    def numbers(program: str, title: str) -> list:
+        return [float(row[column[title]]) for row in rows[program]]
+    wrong = []
+    shown = table_with("docs/quads.md", *PROGRAMS)
+    for title, how in (("irregular", statistics.median), ("inverted", sum), ("sound", None), ("angle", statistics.median),
+                       ("aspect", statistics.median), ("spread", statistics.median), ("distance", statistics.median),
+                       ("seconds", statistics.median)):
+        row = shown[2 + ["irregular", "inverted", "sound", "angle", "aspect", "spread", "distance", "seconds"].index(title)]
+        for program, cell in zip(PROGRAMS, row[1:]):
+            value = how(numbers(program, title)) if how else sum(r[column[title]] != "yes" for r in rows[program])
+            digits = len(cell.partition(".")[2])
+            if abs(value - float(cell)) > 0.5001 * 10**-digits:
+                wrong.append(f"{row[0]}, {program}: {cell}, the table has {value:.4g}")
+    if f"Medians over {len(rows['hmf'])} meshes" not in text("docs/quads.md"):
+        wrong.append(f"the table has {len(rows['hmf'])} meshes")
+    return wrong
+
+
+def lengths() -> list:
+    wrong = [f"{name} has {len(text(name).split())} words, more than {most}"
+             for name, most in (("README.md", 1000), ("docs/reliability.md", 1500)) if len(text(name).split()) > most]
+    for version in re.split(r"^## ", text("CHANGELOG.md"), flags=re.M)[1:]:
+        if len([line for line in version.splitlines()[1:] if line.strip()]) > 20:
+            wrong.append(f"CHANGELOG.md has more than 20 lines for {version.splitlines()[0]}")
+    return wrong
+
+
+failed = 0
+for check in (performance, quads, lengths):
+    told = check()
+    failed |= bool(told)
+    print(f"{'not ok' if told else 'ok'} {check.__name__}", *told, sep="\n    ")
+sys.exit(failed)
