@@ -84,7 +84,8 @@ def run(command: list, folder: Path, environment: dict) -> str:
 
 def run_shell(text: str, folder: Path, environment: dict) -> str:
     failed = run(["bash", "-eu", "-c", text], folder, environment)
-    missing = [name for name in OUTPUT.findall(text) if not (folder / name).is_file() or not (folder / name).stat().st_size]
+    named = [folder / name for name in OUTPUT.findall(text)]
+    missing = [path.name for path in named if not path.is_file() or not path.stat().st_size]
     return failed or (f"no {', '.join(missing)}" if missing else "")
 
 
@@ -100,7 +101,8 @@ def compile_and_run(language: str, text: str, folder: Path, libraries: Path, env
     if "int main(" not in text:
         return run([*command, "-fsyntax-only", source.name], folder, environment)
     pool, hmf = libraries / "libhmf_pool.a", libraries / "libhmf.a"
-    failed = run([*command, source.name, pool, hmf, "-lstdc++", "-lm", "-pthread", "-o", "example"], folder, environment)
+    command += [source.name, pool, hmf, "-lstdc++", "-lm", "-pthread", "-o", "example"]
+    failed = run(command, folder, environment)
     return failed or run(["./example"], folder, environment)
 
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Figures that appear on two pages agree, and short pages stay short.
+"""Figures that appear on two pages agree, short pages stay short, and the spelling is American.
 
 - The performance table of README.md has the medians of bench/README.md.
 - The summary in docs/quads.md has the medians and sums of bench/quads.md.
 - README.md has at most 1000 words, docs/reliability.md 1500; a version in CHANGELOG.md at most 20 lines.
+- No page has a British spelling outside of code.
 
 Prints "ok" or "not ok" for each.
 """
@@ -14,6 +15,12 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = ("*.md", ".github/**/*.md", "docs/*.md", "bench/*.md", "src/*.md", "bindings/**/*.md")
+PAGES = [page for pattern in FOLDERS for page in sorted(ROOT.glob(pattern)) if "node_modules" not in page.parts]
+BRITISH = re.compile(
+    r"\b(?:(?:optim|parameter|initial|discret|normal|symmetr|factor|general|minim|maxim|recogn|summar|organ|visual)is"
+    r"(?:e|es|ed|ing|ation|ations)|neighbour\w*|colour\w*|behaviour\w*|favour\w*|cent(?:re|res|red)|"
+    r"(?:cancel|label|model|travel)l(?:ed|ing)|licences?|artefacts?|round (?:the|it|them|a|an)|any more)\b", re.I)
 PROGRAMS = ("hmf", "QuadriFlow", "Instant Meshes")
 
 
@@ -39,7 +46,8 @@ def performance() -> list:
     shown = table_with("README.md", "mesh", "edges", "CHOLMOD")
     for mesh, edges, _, job, cholesky, ratio in shown[2:]:
         row = next((row for row in measured if row[0].startswith(mesh + "_")), None)
-        cells = row and [row[column[title]].split(" [")[0] for title in ("edges", "job s", "Cholesky s", "job / Cholesky")]
+        titles = ("edges", "job s", "Cholesky s", "job / Cholesky")
+        cells = row and [row[column[title]].split(" [")[0] for title in titles]
         if cells != [edges, job.removesuffix(" s"), cholesky.removesuffix(" s"), ratio]:
             wrong.append(f"{mesh}: {cells} was measured")
     return wrong + ([] if len(shown) > 3 else ["no rows"])
@@ -55,10 +63,10 @@ def quads() -> list:
         return [float(row[column[title]]) for row in rows[program]]
     wrong = []
     shown = table_with("docs/quads.md", *PROGRAMS)
-    for title, how in (("irregular", statistics.median), ("inverted", sum), ("sound", None), ("angle", statistics.median),
-                       ("aspect", statistics.median), ("spread", statistics.median), ("distance", statistics.median),
-                       ("seconds", statistics.median)):
-        row = shown[2 + ["irregular", "inverted", "sound", "angle", "aspect", "spread", "distance", "seconds"].index(title)]
+    summary = {"irregular": statistics.median, "inverted": sum, "sound": None, "angle": statistics.median,
+               "aspect": statistics.median, "spread": statistics.median, "distance": statistics.median,
+               "seconds": statistics.median}
+    for row, (title, how) in zip(shown[2:], summary.items()):
         for program, cell in zip(PROGRAMS, row[1:]):
             value = how(numbers(program, title)) if how else sum(r[column[title]] != "yes" for r in rows[program])
             digits = len(cell.partition(".")[2])
@@ -78,8 +86,17 @@ def lengths() -> list:
     return wrong
 
 
+def spelling() -> list:
+    wrong = []
+    for page in PAGES:
+        plain = re.sub(r"```.*?```|`[^`]*`", lambda match: re.sub(r"\S", "_", match[0]), page.read_text(), flags=re.S)
+        wrong += [f"{page.relative_to(ROOT)}:{number}: {match[0]}" for number, line in enumerate(plain.splitlines(), 1)
+                  for match in BRITISH.finditer(line)]
+    return wrong
+
+
 failed = 0
-for check in (performance, quads, lengths):
+for check in (performance, quads, lengths, spelling):
     told = check()
     failed |= bool(told)
     print(f"{'not ok' if told else 'ok'} {check.__name__}", *told, sep="\n    ")
