@@ -1,9 +1,30 @@
 #include "mesh_formats.hpp"
 
+#include <algorithm>
+
 #include "byte_order.hpp"
+#include "polygon.hpp"
 #include "text_cursor.hpp"
 
 namespace readers {
+
+namespace {
+
+// As programs for the Macintosh wrote them once.
+bool has_old_line_ends(std::string_view bytes) {
+    return bytes.find('\n') == bytes.npos && bytes.find('\r') != bytes.npos;
+}
+
+std::string with_line_feeds(std::string_view bytes) {
+    std::string copy(bytes);
+    std::replace(copy.begin(), copy.end(), '\r', '\n');
+    return copy;
+}
+
+// By its byte order mark. Shells of Windows write such files.
+bool is_utf_16(std::string_view bytes) { return bytes.substr(0, 2) == "\xff\xfe" || bytes.substr(0, 2) == "\xfe\xff"; }
+
+} // namespace
 
 const char* name_of(Format format) {
     switch (format) {
@@ -26,6 +47,8 @@ std::optional<Format> format_of_extension(std::string_view extension) {
 
 std::optional<Format> format_of_content(std::string_view bytes) {
     if (bytes.substr(0, 4) == "glTF") return Format::gltf;
+    std::string copy;
+    if (has_old_line_ends(bytes.substr(0, 1u << 16))) bytes = copy = with_line_feeds(bytes.substr(0, 1u << 16));
     if (bytes.size() >= 84 && 84 + uint64_t{50} * load<uint32_t>(bytes.data() + 80) == bytes.size()) return Format::stl;
     const std::string_view start = bytes.substr(0, 1u << 16); // comments may come first
     TextCursor text(start);
@@ -40,24 +63,17 @@ std::optional<Format> format_of_content(std::string_view bytes) {
     return {};
 }
 
-namespace {
-
-// As programs for the Macintosh wrote them once.
-bool has_old_line_ends(std::string_view bytes) {
-    return bytes.find('\n') == bytes.npos && bytes.find('\r') != bytes.npos;
-}
-
-// By its byte order mark. Shells of Windows write such files.
-bool is_utf_16(std::string_view bytes) { return bytes.substr(0, 2) == "\xff\xfe" || bytes.substr(0, 2) == "\xfe\xff"; }
-
-} // namespace
-
 TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& neighbour) {
     if (bytes.empty()) throw MeshError("the file is empty");
     if (format != Format::stl && is_utf_16(bytes))
         throw MeshError("the text is in UTF-16, two bytes a character; save the file as UTF-8", 1);
-    if (format != Format::stl && format != Format::gltf && has_old_line_ends(bytes))
+    // A PLY may be binary behind its header.
+    if (format == Format::ply && has_old_line_ends(bytes))
         throw MeshError("the lines end in carriage returns alone; save the file with line feeds", 1);
+    std::string copy;
+    const bool is_lines =
+        format == Format::obj || format == Format::off || (format == Format::stl && is_stl_text(bytes));
+    if (is_lines && has_old_line_ends(bytes)) bytes = copy = with_line_feeds(bytes);
     TriangleMesh mesh;
     switch (format) {
     case Format::obj: mesh = read_obj(bytes); break;
@@ -71,6 +87,7 @@ TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& n
                         + name_of(format) + "?");
     if (mesh.vertex_count() > 0x7fffffff || mesh.triangle_count() > 0x7fffffff)
         throw MeshError("the mesh has more than 2^31 vertices or triangles; divide it");
+    triangulate_polygons(mesh);
     return mesh;
 }
 

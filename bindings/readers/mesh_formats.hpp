@@ -13,11 +13,15 @@
 #include <string_view>
 #include <vector>
 
+#include "origin.hpp"
+
 namespace readers {
 
 struct TriangleMesh {
     std::vector<double> positions;   // 3 per vertex, in the order of the file, all finite
-    std::vector<uint32_t> triangles; // 3 per triangle; polygons become fans from their first corner
+    std::vector<uint32_t> triangles; // 3 per triangle; polygons are cut as polygon.hpp says
+    Origin origin;                   // of a mesh as it was read
+    std::vector<std::string> notes;  // a sentence for each kind of statement that was skipped or set right
     size_t vertex_count() const { return positions.size() / 3; }
     size_t triangle_count() const { return triangles.size() / 3; }
 };
@@ -47,6 +51,7 @@ TriangleMesh read_obj(std::string_view text);
 TriangleMesh read_off(std::string_view text);
 TriangleMesh read_ply(std::string_view bytes);
 TriangleMesh read_stl(std::string_view bytes);
+bool is_stl_text(std::string_view bytes);
 TriangleMesh read_gltf(std::string_view bytes, const Neighbour& neighbour);
 
 } // namespace readers

@@ -218,7 +218,13 @@ public:
             scene.index = *number->whole();
         }
         std::vector<bool> met(list(root_, "nodes").size());
-        std::vector<Branch> path = {{&list(item(scene), "nodes"), 0, Transform()}};
+        const bool has_scenes = root_.find("scene") || !list(root_, "scenes").empty();
+        Json::Array roots;
+        if (!has_scenes) roots = nodes_without_parent();
+        if (!has_scenes && roots.empty())
+            for (uint64_t mesh = 0; mesh < list(root_, "meshes").size(); ++mesh)
+                add_mesh({"meshes", mesh}, Transform());
+        std::vector<Branch> path = {{has_scenes ? &list(item(scene), "nodes") : &roots, 0, Transform()}};
         while (!path.empty()) {
             Branch& branch = path.back();
             if (branch.next == branch.nodes->size()) {
@@ -251,6 +257,19 @@ private:
         std::string decoded; // from base64
         std::string_view bytes;
     };
+
+    // Of a file without scenes; none where there are no nodes.
+    Json::Array nodes_without_parent() const {
+        const Json::Array& nodes = list(root_, "nodes");
+        std::vector<bool> is_child(nodes.size());
+        for (const Json& node : nodes)
+            for (const Json& child : list(node, "children"))
+                if (child.whole() && *child.whole() < nodes.size()) is_child[*child.whole()] = true;
+        Json::Array roots;
+        for (size_t n = 0; n < nodes.size(); ++n)
+            if (!is_child[n]) roots.emplace_back(n);
+        return roots;
+    }
 
     // Of a .glb: keeps its bytes, gives its JSON.
     std::string_view split(std::string_view bytes) {
@@ -469,6 +488,7 @@ private:
 } // namespace
 
 TriangleMesh read_gltf(std::string_view bytes, const Neighbour& neighbour) {
+    if (bytes.substr(0, 3) == "\xef\xbb\xbf") bytes.remove_prefix(3); // byte order mark
     return GltfReader(bytes, neighbour).read();
 }
 

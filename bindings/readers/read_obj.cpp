@@ -3,8 +3,9 @@
 //     v x y z                 a weight or a colour behind is skipped
 //     f 1 2 3, 1/2/3, 1//3    a polygon; texture and normal are skipped, -1 is the last vertex so far
 //
-// Groups, materials, lines and curves are skipped.  Format: Advanced Visualizer manual, appendix B1.
-#include "polygon_fan.hpp"
+// Groups, materials, lines and curves are skipped, and with a note what is no statement of OBJ: programs add their own.
+// Format: Advanced Visualizer manual, appendix B1.
+#include "polygon.hpp"
 #include "text_cursor.hpp"
 
 namespace readers {
@@ -40,12 +41,17 @@ public:
                 text_.skip(1);
                 if (first == 'v') read_vertex();
                 else read_face();
-            } else if (!is_skipped(text_.word()))
-                text_.fail(in_quotes(text_.word()) + " is no statement of OBJ; remove the line, or begin it with #");
+            } else if (!is_skipped(text_.word())) skip_unknown();
         }
         // A face may come before its vertices.
         if (largest_.number > mesh_.vertex_count())
             throw MeshError(no_such_vertex(largest_.face, largest_.word), largest_.line);
+        if (unknown_ > 0)
+            mesh_.notes.push_back("skipped " + std::to_string(unknown_)
+                                  + (unknown_ == 1 ? " line that is no statement of OBJ"
+                                                   : " lines that are no statements of OBJ, the first")
+                                  + " (line " + std::to_string(first_unknown_.line) + ": "
+                                  + in_quotes(first_unknown_.word) + ")");
         return std::move(mesh_);
     }
 
@@ -57,7 +63,12 @@ private:
         size_t face, line;
     };
 
+    void skip_unknown() {
+        if (unknown_++ == 0) first_unknown_ = {0, text_.word(), 0, text_.line()};
+    }
+
     void read_vertex() {
+        mesh_.origin.add_vertex(text_.line());
         for (int k = 0; k < 3; ++k) {
             if (!text_.more()) text_.fail("a vertex needs three coordinates");
             mesh_.positions.push_back(text_.number<double>());
@@ -65,10 +76,12 @@ private:
     }
 
     void read_face() {
-        PolygonFan fan(mesh_.triangles);
-        while (text_.more()) fan.add(read_corner());
-        if (fan.corners() < 3)
+        Polygon polygon(mesh_);
+        const size_t line = text_.line();
+        while (text_.more()) polygon.add(read_corner());
+        if (polygon.corners() < 3)
             text_.fail("face " + std::to_string(faces_) + " has fewer than three corners; remove it");
+        polygon.end(line);
         ++faces_;
     }
 
@@ -104,8 +117,8 @@ private:
 
     TextCursor text_;
     TriangleMesh mesh_;
-    size_t faces_ = 0;
-    Reference largest_{};
+    size_t faces_ = 0, unknown_ = 0; // unknown: lines
+    Reference largest_{}, first_unknown_{};
 };
 
 } // namespace

@@ -7,7 +7,7 @@
 //                             corner alone on the next line
 //
 // "#" begins a comment.  Format: Geomview manual, "OFF Files".
-#include "polygon_fan.hpp"
+#include "polygon.hpp"
 #include "text_cursor.hpp"
 
 namespace readers {
@@ -33,8 +33,8 @@ private:
         if (!text_.more_lines()) text_.fail("the file has nothing but comments");
         const std::string_view word = text_.word();
         if (word[0] >= '0' && word[0] <= '9' && word.find("OFF") == std::string_view::npos) return; // may be left out
-        size_t length = 0;
-        for (const std::string_view prefix : {"ST", "C", "N"})
+        size_t length = 0; // of prefixes, in any order
+        for (const std::string_view prefix : {"ST", "C", "N", "ST", "C", "N", "ST"})
             if (word.substr(length, prefix.size()) == prefix) length += prefix.size();
         const std::string_view kind = word.substr(length);
         if (kind == "4OFF" || kind == "nOFF" || kind == "4nOFF")
@@ -59,6 +59,7 @@ private:
 
     void read_vertex(uint64_t v) {
         expect_line("vertices", v, vertices_);
+        mesh_.origin.add_vertex(text_.line());
         for (int k = 0; k < 3; ++k) {
             if (!text_.more()) text_.fail("vertex " + std::to_string(v) + " needs three coordinates");
             mesh_.positions.push_back(text_.number<double>());
@@ -70,12 +71,12 @@ private:
         expect_line("faces", f, faces_);
         const uint64_t corners = text_.whole("a number of corners");
         if (corners < 3) text_.fail("face " + std::to_string(f) + " has fewer than three corners; remove it");
-        PolygonFan fan(mesh_.triangles);
+        Polygon polygon(mesh_);
         const size_t line = text_.line();
         bool goes_on = false; // on lines of one corner each
-        while (fan.corners() < corners) {
+        while (polygon.corners() < corners) {
             const auto too_few = [&] {
-                throw MeshError("face " + std::to_string(f) + " has " + std::to_string(fan.corners()) + " of "
+                throw MeshError("face " + std::to_string(f) + " has " + std::to_string(polygon.corners()) + " of "
                                     + std::to_string(corners) + " corners on its line",
                                 line);
             };
@@ -90,8 +91,9 @@ private:
                 text_.fail("face " + std::to_string(f) + " names vertex " + std::to_string(vertex)
                            + ", which does not exist; the file has " + std::to_string(vertices_)
                            + " vertices, counted from 0");
-            fan.add(static_cast<uint32_t>(vertex));
+            polygon.add(static_cast<uint32_t>(vertex));
         }
+        polygon.end(line);
         text_.next_line();
     }
 

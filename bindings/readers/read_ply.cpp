@@ -18,7 +18,7 @@
 // Other elements are skipped.  In a text each row is a line, and a float is rounded to a float, as other programs do.
 // Format: Greg Turk, "The PLY Polygon File Format".
 #include "byte_order.hpp"
-#include "polygon_fan.hpp"
+#include "polygon.hpp"
 #include "text_cursor.hpp"
 
 namespace readers {
@@ -144,6 +144,7 @@ class TextRows {
 public:
     TextRows(std::string_view bytes, const Header& header) : text_(bytes, header.lines + 1) {}
 
+    size_t line() const { return text_.line(); }
     void begin(const Element&, uint64_t) {}
     void begin_row(const Row& row) {
         row_ = row;
@@ -200,6 +201,7 @@ public:
         begin_(bytes.data() - header.size), at_(bytes.data()), end_(bytes.data() + bytes.size()),
         big_endian_(header.big_endian) {}
 
+    size_t line() const { return 0; }
     // The count of the header is believed only as far as there are bytes.
     void begin(const Element& element, uint64_t size) {
         if (size > 0 && element.count > left() / size)
@@ -353,6 +355,7 @@ private:
         const Element& element = *layout_.vertices;
         for (uint64_t row = 0; row < element.count; ++row) {
             rows_.begin_row({element.name, row, element.count});
+            mesh_.origin.add_vertex(rows_.line());
             double point[3] = {0, 0, 0};
             for (size_t k = 0; k < element.properties.size(); ++k) {
                 size_t axis = 0;
@@ -380,8 +383,9 @@ private:
     void read_face(const Property& list) {
         const uint64_t corners = rows_.whole(list.count_type, "a number of corners");
         if (corners < 3) rows_.fail("has fewer than three corners; remove it");
-        PolygonFan fan(mesh_.triangles);
-        while (fan.corners() < corners) fan.add(read_vertex(list.type));
+        Polygon polygon(mesh_);
+        while (polygon.corners() < corners) polygon.add(read_vertex(list.type));
+        polygon.end(rows_.line());
     }
 
     void read_strips(const Property& list) {
@@ -395,8 +399,10 @@ private:
             }
             const uint32_t vertex = read_vertex(list.type);
             const bool turned = in_strip % 2 == 1; // every second triangle runs against the strip
-            if (in_strip >= 2 && before != last && last != vertex && vertex != before)
+            if (in_strip >= 2 && before != last && last != vertex && vertex != before) {
                 mesh_.triangles.insert(mesh_.triangles.end(), {turned ? last : before, turned ? before : last, vertex});
+                mesh_.origin.add_face(mesh_.triangle_count(), rows_.line());
+            }
             before = last;
             last = vertex;
             ++in_strip;

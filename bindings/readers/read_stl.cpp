@@ -8,7 +8,9 @@
 //     endfacet
 //     endsolid
 //
-// Normals are skipped.  Format: StereoLithography Interface Specification, 1989.
+// Normals and colors are skipped.  Words of the end may be divided ("end loop"), "facet", its end and the last endsolid
+// may be missing, and a binary file may have 0 or FFFFFFFF for its count.
+// Format: StereoLithography Interface Specification, 1989.
 #include "byte_order.hpp"
 #include "point_numbers.hpp"
 #include "text_cursor.hpp"
@@ -27,8 +29,8 @@ bool equal_words(std::string_view word, std::string_view lower_case) {
 }
 
 // Binary files may begin with "solid" as well; their count of triangles has bytes that no text has.
-bool is_text(std::string_view bytes) {
-    size_t begin = 0;
+bool is_text_of_stl(std::string_view bytes) {
+    size_t begin = bytes.substr(0, 3) == "\xef\xbb\xbf" ? 3 : 0;
     while (begin < bytes.size() && (bytes[begin] == ' ' || (bytes[begin] >= '\t' && bytes[begin] <= '\r'))) ++begin;
     if (!equal_words(bytes.substr(begin, 5), "solid")) return false;
     if (bytes.size() < header_size) return true;
@@ -41,11 +43,17 @@ TriangleMesh read_binary(std::string_view bytes) {
     if (bytes.size() < header_size)
         throw MeshError("the file has " + std::to_string(bytes.size())
                         + " bytes, but the header of a binary STL has 84; it is cut, or is not STL");
-    const uint64_t count = load<uint32_t>(bytes.data() + 80), left = bytes.size() - header_size;
+    const uint64_t left = bytes.size() - header_size;
+    uint64_t count = load<uint32_t>(bytes.data() + 80);
+    TriangleMesh mesh;
+    if ((count == 0 || count == UINT32_MAX) && left > 0 && left % triangle_size == 0) { // written before it was known
+        mesh.notes.push_back("the header declares " + std::to_string(count) + " triangles; read the "
+                             + std::to_string(left / triangle_size) + " that follow");
+        count = left / triangle_size;
+    }
     if (count > left / triangle_size)
         throw MeshError("the header declares " + std::to_string(count) + " triangles, but behind it are bytes for "
                         + std::to_string(left / triangle_size) + " only; the file is cut, or is not STL");
-    TriangleMesh mesh;
     PointNumbers points(mesh.positions);
     for (uint64_t t = 0; t < count; ++t)
         for (size_t corner = 0; corner < 3; ++corner) {
@@ -69,18 +77,18 @@ public:
     TriangleMesh read() {
         bool in_solid = false;
         while (text_.more_lines()) {
-            const std::string_view word = text_.word();
-            if (in_solid && equal_words(word, "facet")) {
-                text_.skip(word.size());
+            if (in_solid && (at_word("facet") || at_word("outer"))) {
                 read_facet();
                 continue;
             }
-            if (!equal_words(word, in_solid ? "endsolid" : "solid"))
-                text_.fail(in_quotes(word) + " where " + (in_solid ? "facet or endsolid" : "solid") + " is expected");
-            in_solid = !in_solid;
+            const bool is_color = at_word("color");
+            if (!is_color && !(in_solid ? takes_end("solid") : at_word("solid")))
+                text_.fail(in_quotes(text_.word()) + " where " + (in_solid ? "facet or endsolid" : "solid")
+                           + " is expected");
+            if (!is_color) in_solid = !in_solid;
             text_.next_line(); // a name follows
         }
-        if (in_solid) text_.fail("the file ends before endsolid; it is cut");
+        if (in_solid) mesh_.notes.push_back("the file ends before endsolid; the facets before it were read");
         return std::move(mesh_);
     }
 
@@ -92,6 +100,8 @@ private:
         return text_.word();
     }
 
+    bool at_word(std::string_view word) const { return equal_words(text_.word(), word); }
+
     void expect(std::string_view expected) {
         const std::string_view word = next_word();
         if (!equal_words(word, expected))
@@ -99,9 +109,32 @@ private:
         text_.skip(word.size());
     }
 
+    // "endloop" or "end loop"
+    bool takes_end(std::string_view of) {
+        const std::string_view word = next_word();
+        if (equal_words(word.substr(0, 3), "end") && equal_words(word.substr(3), of)) {
+            text_.skip(word.size());
+            return true;
+        }
+        if (!equal_words(word, "end")) return false;
+        const char* const behind = word.data() + word.size();
+        if (*behind != ' ' || !equal_words(text_.word_at(behind + 1), of)) return false;
+        text_.skip(4 + of.size());
+        return true;
+    }
+
+    void expect_end(std::string_view of) {
+        if (!takes_end(of))
+            text_.fail(facet() + " has " + in_quotes(text_.word()) + " where end" + std::string(of) + " is expected");
+    }
+
     void read_facet() {
-        expect("normal");
-        for (int k = 0; k < 3; ++k) text_.skip(next_word().size());
+        const size_t line = text_.line();
+        if (at_word("facet")) {
+            expect("facet");
+            expect("normal");
+            for (int k = 0; k < 3; ++k) text_.skip(next_word().size());
+        }
         expect("outer");
         expect("loop");
         uint32_t corner[3];
@@ -116,9 +149,17 @@ private:
         }
         if (equal_words(next_word(), "vertex"))
             text_.fail(facet() + " has more than three corners; divide it into triangles");
-        expect("endloop");
-        expect("endfacet");
+        expect_end("loop");
+        if (text_.more_lines() && !at_word("outer") && !at_word("facet")) expect_end_of_facet();
         mesh_.triangles.insert(mesh_.triangles.end(), corner, corner + 3);
+        mesh_.origin.add_face(mesh_.triangle_count(), line);
+    }
+
+    // Missing ones are no defect before the next facet and before the end.
+    void expect_end_of_facet() {
+        if (takes_end("facet")) return;
+        const std::string_view word = text_.word();
+        if (!equal_words(word, "end") && !equal_words(word, "endsolid")) expect_end("facet");
     }
 
     TextCursor text_;
@@ -128,6 +169,10 @@ private:
 
 } // namespace
 
-TriangleMesh read_stl(std::string_view bytes) { return is_text(bytes) ? TextReader(bytes).read() : read_binary(bytes); }
+bool is_stl_text(std::string_view bytes) { return is_text_of_stl(bytes); }
+
+TriangleMesh read_stl(std::string_view bytes) {
+    return is_stl_text(bytes) ? TextReader(bytes).read() : read_binary(bytes);
+}
 
 } // namespace readers

@@ -61,6 +61,23 @@ TEST(ReadObj, Dialects) {
            + "vp 1\ncurv 0 1 \\\n 1 2\nend");
 }
 
+// Programs write statements of their own.
+TEST(ReadObj, UnknownStatements) {
+    const Sample s = make_sample();
+    const std::string plain = obj_vertices(s) + obj_faces(s);
+    const auto notes = [&](const std::string& obj) {
+        const TriangleMesh mesh = read_mesh(obj, Format::obj);
+        expect_same(mesh, s.positions, s.triangles);
+        return mesh.notes;
+    };
+    EXPECT_EQ(notes(plain).size(), 0u);
+    EXPECT_EQ(notes("$ comment\n" + plain),
+              std::vector<std::string>{"skipped 1 line that is no statement of OBJ (line 1: \"$\")"});
+    EXPECT_EQ(
+        notes("#\n\x1b[31m\xff\n" + plain + "vw 1 0.5\nt 1 2\n"),
+        std::vector<std::string>{"skipped 3 lines that are no statements of OBJ, the first (line 2: \"?[31m?\")"});
+}
+
 TEST(ReadObj, Refusals) {
     const auto refused = [](const std::string& obj, const std::vector<std::string>& says) {
         expect_refused(obj, Format::obj, says);
@@ -69,8 +86,7 @@ TEST(ReadObj, Refusals) {
     refused("", {"empty"});
     refused("# only a comment\n", {"no vertices", "OBJ"});
     refused(good, {"no faces"});
-    refused("hello\n" + good, {":1:", "\"hello\" is no statement"});
-    refused(good + "\x1b[31m\xff\n", {":4:", "\"?[31m?\""});
+    refused("hello\n" + good, {"no faces", "OBJ"});
     refused(good + "v 1 2\n", {":4:", "three coordinates"});
     refused("v 1 \\\n 2\n", {":2:", "three coordinates"});
     refused(good + "v 1 x 2\n", {":4:", "\"x\" is not a number"});
@@ -112,6 +128,8 @@ TEST(ReadOff, Dialects) {
     expect("COFF\n" + counts + off_rows(s, " 255 128 0 255", ""));
     expect("NOFF\n" + counts + off_rows(s, " 0 0 1", " 3 255 0 0"));
     expect("STOFF\n" + counts + off_rows(s, " 0.5 0.5", " # face"));
+    expect("NCOFF\n" + counts + off_rows(s, " 0 0 1 255 0 0 255", ""));
+    expect("NCSTOFF\n" + counts + off_rows(s, " 0 0 1 1 1 1 1 0 0", ""));
     expect("STCNOFF\n" + counts + off_rows(s, " 0 0 1 1 1 1 1 0 0", " 0.1 0.2 0.3"));
     expect("OFF\n" + counts + plain.substr(0, plain.size() - 1));
     // "4 0 1 2 3" as some programs write it: two numbers on the first line, each further one on its own.
@@ -345,6 +363,36 @@ TEST(ReadStl, TextAndBytes) {
     expect_same(read_mesh(two, Format::stl), s.positions, s.triangles);
 }
 
+// As exporters write them.
+TEST(ReadStl, Dialects) {
+    Sample s = make_sample();
+    number_by_triangles(s.positions, s.triangles);
+    const std::string text = stl_text(s.positions, s.triangles), bytes = stl_bytes(s.positions, s.triangles);
+    const auto everywhere = [](std::string in, const std::string& from, const std::string& to) {
+        for (size_t at = 0; (at = in.find(from, at)) != in.npos; at += to.size()) in.replace(at, from.size(), to);
+        return in;
+    };
+    const auto notes = [&](const std::string& stl) {
+        const TriangleMesh mesh = read_mesh(stl, Format::stl);
+        EXPECT_EQ(mesh.triangles, s.triangles);
+        EXPECT_EQ(mesh.vertex_count(), s.vertex_count());
+        return mesh.notes.size();
+    };
+    EXPECT_EQ(notes(everywhere(everywhere(everywhere(text, "endloop", "end loop"), "endfacet", "END FACET"), "endsolid",
+                               "end solid")),
+              0u);
+    EXPECT_EQ(notes(everywhere(text, "endfacet", "")), 0u);
+    std::string no_facet = everywhere(text, "endfacet", "");
+    for (size_t at; (at = no_facet.find("facet")) != no_facet.npos;) no_facet.erase(at, no_facet.find('\n', at) - at);
+    EXPECT_EQ(notes(no_facet), 0u);
+    EXPECT_EQ(notes("\xef\xbb\xbf" + text), 0u);
+    EXPECT_EQ(notes(everywhere(text, "\n", "\r")), 0u);
+    EXPECT_EQ(notes(replaced(text, "facet", "color 0.5 0.5 0.5\nfacet")), 0u);
+    EXPECT_EQ(notes(replaced(text, "endsolid", "# ")), 1u);
+    for (const uint32_t count : {0u, 0xffffffffu})
+        EXPECT_EQ(notes(bytes.substr(0, 80) + bytes_of(count) + bytes.substr(84)), 1u);
+}
+
 TEST(ReadStl, EqualPointsAreOne) {
     const std::vector<double> positions = {0, 1, 2, -0.0, 1, 2, 1e-300, 1, 2, 0, 1, 2};
     const TriangleMesh mesh = read_mesh(stl_text(positions, {0, 1, 2, 3, 2, 1}), Format::stl);
@@ -363,8 +411,7 @@ TEST(ReadStl, Refusals) {
     refused(std::string(84, '\0'), {"no vertices"});
     refused("solid\nendsolid\n", {"no vertices"});
     refused("solid\nhello\n", {":2:", "\"hello\" where facet or endsolid is expected"});
-    refused(text.substr(0, text.size() - 16), {"before endsolid", "cut"});
-    refused(text.substr(0, text.find("endfacet", text.find("endfacet") + 1)), {"ends in facet 1", "cut"});
+    refused(text.substr(0, text.find("endloop", text.find("endloop") + 1)), {"ends in facet 1", "cut"});
     refused(replaced(text, "outer", "inner"), {":3:", "facet 0 has \"inner\" where outer"});
     refused(replaced(text, " endloop", " vertex 0 0 0\n endloop"), {":7:", "facet 0 has more than three corners"});
     refused(replaced(text, "  vertex", "vertex inf"), {":4:", "not finite"});
@@ -438,9 +485,55 @@ TEST(ReadMesh, NoHeaderIsBelieved) {
 
 TEST(ReadMesh, OldLineEnds) {
     const std::string lines = "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r";
-    expect_refused(lines, Format::off, {":1:", "carriage returns alone"});
-    expect_refused("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", Format::obj, {":1:", "carriage returns alone"});
+    const std::vector<double> points = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    expect_same(read_mesh(lines, Format::off), points, {0, 1, 2});
+    expect_same(read_mesh("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", Format::obj), points, {0, 1, 2});
+    expect_refused("v 0 0 0\rv 1 0\r", Format::obj, {":2:", "three coordinates"});
     expect_refused("ply\rformat ascii 1.0\rend_header\r", Format::ply, {"carriage returns alone"});
+}
+
+// Where each triangle and vertex is in the file, also of polygons and comments between.
+TEST(ReadMesh, PlacesInTheFile) {
+    const Sample s = make_sample();
+    const auto expect = [&](const std::string& text, Format format, const std::vector<size_t>& vertex_lines,
+                            const std::vector<size_t>& face_lines) {
+        const TriangleMesh mesh = read_mesh(text, format);
+        for (size_t v = 0; v < s.vertex_count(); ++v)
+            EXPECT_EQ(mesh.origin.name_of_vertex(v),
+                      "vertex " + std::to_string(v) + ", line " + std::to_string(vertex_lines[v]));
+        size_t triangle = 0;
+        for (size_t f = 0; f < s.faces.size(); ++f)
+            for (size_t k = 2; k < s.faces[f].size(); ++k)
+                EXPECT_EQ(mesh.origin.name_of_triangle(triangle++),
+                          "face " + std::to_string(f) + ", line " + std::to_string(face_lines[f]));
+    };
+    std::vector<size_t> vertex_lines, face_lines;
+    std::string obj, off = "OFF\n" + off_counts(s);
+    test::Random random(3);
+    size_t line = 1;
+    const auto gap = [&] {
+        for (; random.bits() % 3 == 0; ++line) obj += "# \n";
+    };
+    for (size_t v = 0; v < s.vertex_count(); ++v) {
+        gap();
+        obj += "v " + point_text(&s.positions[3 * v]) + "\n";
+        vertex_lines.push_back(line++);
+    }
+    for (const auto& face : s.faces) {
+        gap();
+        face_lines.push_back(line);
+        obj += "f";
+        for (const uint32_t v : face) {
+            obj += " \\\n" + std::to_string(v + 1);
+            ++line;
+        }
+        obj += "\n";
+        ++line;
+    }
+    expect(obj, Format::obj, vertex_lines, face_lines);
+    for (size_t v = 0; v < s.vertex_count(); ++v) vertex_lines[v] = v + 3;
+    for (size_t f = 0; f < s.faces.size(); ++f) face_lines[f] = s.vertex_count() + f + 3;
+    expect(off + off_rows(s, "", ""), Format::off, vertex_lines, face_lines);
 }
 
 TEST(ReadMesh, TwoBytesACharacter) {

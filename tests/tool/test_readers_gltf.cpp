@@ -84,6 +84,19 @@ TEST(ReadGltf, StripsAndFans) {
     EXPECT_EQ(triangles({0, 1, 2, 3, 4}, "6"), (std::vector<uint32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
 }
 
+// Without scenes all nodes that have no parent are shown; a byte order mark may come first.
+TEST(ReadGltf, NoScenes) {
+    const std::vector<double> positions = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    Gltf gltf = gltf_of(positions, {0, 1, 2});
+    expect_same(read_mesh("\xef\xbb\xbf" + gltf.embedded(), Format::gltf), positions, {0, 1, 2});
+    gltf.scene = "";
+    expect_same(read_mesh(gltf.embedded(), Format::gltf), positions, {0, 1, 2});
+    gltf.nodes = "{\"mesh\":0},{\"children\":[0],\"translation\":[8,0,0]}";
+    expect_same(read_mesh(gltf.embedded(), Format::gltf), {9, 0, 0, 8, 1, 0, 8, 0, 1}, {0, 1, 2});
+    gltf.nodes = "";
+    expect_same(read_mesh(gltf.embedded(), Format::gltf), positions, {0, 1, 2});
+}
+
 TEST(ReadGltf, Transforms) {
     // A quarter turn round z, twice as large, shifted; then a mirror and a shift.  All numbers are exact.
     const std::vector<double> positions = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -137,7 +150,8 @@ TEST(ReadGltf, Refusals) {
     refused("[]", {"no object"});
     refused("{}", {"version 2"});
     refused("{\"asset\":{\"version\":\"1.0\"}}", {"version 2"});
-    refused("{\"asset\":{\"version\":\"2.0\"}}", {"scenes[0] does not exist"});
+    refused("{\"asset\":{\"version\":\"2.0\"}}", {"no vertices"});
+    refused("{\"asset\":{\"version\":\"2.0\"},\"scene\":0}", {"scenes[0] does not exist"});
     refused(std::string(1000, '['), {"nested too deeply"});
     refused("[1e999]", {"too large"});
     changed("\"scene\":0", "\"scene\":-1", {"default scene"});
