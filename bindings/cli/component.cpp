@@ -78,29 +78,36 @@ void Component::build(const SolveRequest& request, Meter& meter, const hmf_contr
     const Clock::time_point start = Clock::now();
     hmf_error error{};
     hmf_status status = try_build(request, request.mollify, meter, control, error);
-    is_mollified_ = status == HMF_ERROR_MESH_DEGENERATE && request.repairs && request.mollify <= 0;
+    is_mollified_ = status == HMF_ERROR_MESH_DEGENERATE && request.prepare.repairs && request.mollify <= 0;
     if (is_mollified_) status = try_build(request, MOLLIFY_OF_REPAIR, meter, control, error);
     // A sheet may be one of many that only have to be joined.
     const bool is_sheet = status == HMF_ERROR_MESH_GENUS && readers::boundary_count(part_.mesh) > 0;
-    const std::string advice =
-        repair_advice(is_sheet ? HMF_ERROR_MESH_BOUNDARY : status, request.repairs, request.joins);
+    const std::string advice = repair_advice(is_sheet ? HMF_ERROR_MESH_BOUNDARY : status, request.prepare.repairs,
+                                             request.prepare.joins.has_value());
     build_seconds_ = seconds_since(start);
     const bool concerns_component = (status >= 300 && status < 400) || status == HMF_ERROR_UNSUPPORTED;
-    if (status != HMF_OK && (alone_ || !concerns_component)) fail_with(status, error, subject_, advice);
+    const auto naming = [this](int32_t element, uint64_t index, bool with_line) {
+        return name_of(element, index, with_line);
+    };
+    if (status != HMF_OK && (alone_ || !concerns_component)) fail_with(status, error, subject_, advice, naming);
     if (status == HMF_ERROR_UNSUPPORTED) return refuse(status, "no loops were found for an even design of it");
     if (status != HMF_OK) {
         // The sentence of the library has the numbers of this component.
         std::string reason = hmf_status_string(status);
-        if (error.element == HMF_ELEMENT_TRIANGLE)
-            reason += " (triangle " + std::to_string(whole_triangle(static_cast<uint32_t>(error.index))) + ")";
-        if (error.element == HMF_ELEMENT_VERTEX)
-            reason += " (vertex " + std::to_string(whole_vertex(static_cast<uint32_t>(error.index))) + ")";
+        if (error.element == HMF_ELEMENT_TRIANGLE || error.element == HMF_ELEMENT_VERTEX)
+            reason += " (" + name_of(error.element, error.index, true) + ")";
         if (status == HMF_ERROR_MESH_GENUS)
             reason += request.marks == "auto" ? "; there are too few vertices to mark"
                                               : "; --marks auto marks vertices of a sphere";
         return refuse(status, reason + advice);
     }
     check(hmf_level_counts(hierarchy_.get(), 0, &finest_, &error), error, subject_);
+}
+
+std::string Component::name_of(int32_t element, uint64_t index, bool with_line) const {
+    const uint32_t own = static_cast<uint32_t>(index);
+    return element == HMF_ELEMENT_TRIANGLE ? origin_->name_of_triangle(whole_triangle(own), with_line)
+                                           : origin_->name_of_vertex(whole_vertex(own), with_line);
 }
 
 hmf_status Component::make_design(bool no_poles, hmf_build_options options, const hmf_control* control,

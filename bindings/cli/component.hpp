@@ -43,8 +43,9 @@ class Component {
 public:
     // subject: in sentences.  alone: the whole mesh, vertices and triangles by the same numbers; then it throws Failure
     // where others are refused.
-    Component(MeshPart part, std::string subject, bool alone) :
-        part_(std::move(part)), subject_(std::move(subject)), alone_(alone) {}
+    // origin: of the whole mesh; lives longer.
+    Component(MeshPart part, std::string subject, bool alone, const readers::Origin& origin) :
+        part_(std::move(part)), subject_(std::move(subject)), alone_(alone), origin_(&origin) {}
 
     // --- In this order; throw Failure ---
 
@@ -116,11 +117,14 @@ private:
     hmf_status try_build(const SolveRequest& request, double mollify, Meter& meter, const hmf_control* control,
                          hmf_error& error);
     hmf_status make_design(bool no_poles, hmf_build_options options, const hmf_control* control, hmf_error& error);
+    // In the words of the file.
+    std::string name_of(int32_t element, uint64_t index, bool with_line) const;
     Owned<hmf_loop_set> library_loops(size_t level, const hmf_control* control) const;
 
     MeshPart part_;
     std::string subject_, refusal_, limit_;
     bool alone_;
+    const readers::Origin* origin_;
     int32_t kind_ = 0;
     hmf_status status_ = HMF_OK;
     Owned<hmf_hierarchy> hierarchy_;

@@ -59,7 +59,6 @@ std::string repair_advice(hmf_status status, bool repairs, bool joins) {
     const auto unless_given = [&](const char* text) { return repairs ? "" : text; };
     switch (status) {
     case HMF_ERROR_MESH_REPEATED_VERTEX: return unless_given("; --repair drops such triangles");
-    case HMF_ERROR_MESH_UNUSED_VERTEX: return unless_given("; --repair drops such vertices");
     case HMF_ERROR_MESH_DEGENERATE: return unless_given("; --repair accepts such triangles");
     case HMF_ERROR_MESH_ORIENTATION: return unless_given("; --repair turns patches to one sense");
     case HMF_ERROR_MESH_NON_MANIFOLD_VERTEX:
@@ -70,13 +69,72 @@ std::string repair_advice(hmf_status status, bool repairs, bool joins) {
     }
 }
 
-void fail_with(hmf_status status, const hmf_error& error, const std::string& subject, const std::string& advice) {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+size_t end_of_number(const std::string& text, size_t at) {
+    while (at < text.size() && is_digit(text[at])) ++at;
+    return at;
+}
+
+// Of a noun without its first letter, at this place of a message; where its numbers begin, or 0.
+size_t numbers_behind(const std::string& message, size_t at, const std::string& noun) {
+    if (message.compare(at, noun.size(), noun) != 0) return 0;
+    at += noun.size();
+    return at < message.size() && is_digit(message[at]) ? at : 0;
+}
+
+} // namespace
+
+std::string in_names_of_file(const std::string& message, const Naming& naming) {
+    static const std::pair<const char*, int32_t> nouns[] = {{"riangles ", HMF_ELEMENT_TRIANGLE},
+                                                            {"riangle ", HMF_ELEMENT_TRIANGLE},
+                                                            {"ertices ", HMF_ELEMENT_VERTEX},
+                                                            {"ertex ", HMF_ELEMENT_VERTEX}};
+    std::string text;
+    for (size_t at = 0; at < message.size();) {
+        int32_t element = HMF_ELEMENT_NONE;
+        size_t number = 0;
+        for (const auto& [noun, kind] : nouns)
+            if (!element && (number = numbers_behind(message, at + 1, noun)) > 0) element = kind;
+        if (!element) {
+            text += message[at++];
+            continue;
+        }
+        const bool is_capital = message[at] >= 'A' && message[at] <= 'Z';
+        const size_t begin = text.size();
+        for (bool again = true; again;) {
+            const size_t end = end_of_number(message, number);
+            text += naming(element, std::stoull(message.substr(number, end - number)), false);
+            at = end;
+            again = message.compare(at, 5, " and ") == 0 && at + 5 < message.size() && is_digit(message[at + 5]);
+            if (again) text += " and ";
+            number = at + 5;
+        }
+        if (is_capital) text[begin] = static_cast<char>(text[begin] - 'a' + 'A');
+        // "The triangles 3 and 4" are "face 1 and face 2".
+        if (text.compare(begin > 4 ? begin - 4 : 0, 4, "The ") == 0 && begin >= 4)
+            text.replace(begin - 4, 5, std::string(1, static_cast<char>(text[begin] - 'a' + 'A')));
+        // Corners are named by numbers that the file may not have.
+        if (element == HMF_ELEMENT_TRIANGLE && message.compare(at, 2, " (") == 0 && at + 2 < message.size()
+            && is_digit(message[at + 2]))
+            at = message.find(')', at) + 1;
+    }
+    return text;
+}
+
+void fail_with(hmf_status status, const hmf_error& error, const std::string& subject, const std::string& advice,
+               const Naming& naming) {
     if (status == HMF_CANCELLED) throw Failure(EXIT_LIMIT, subject + ": interrupted before there was a result");
     std::string sentence = subject + ": " + hmf_status_string(status);
     if (error.status == status) {
-        if (const char* name = element_name(error.element))
+        const bool is_named = naming && (error.element == HMF_ELEMENT_TRIANGLE || error.element == HMF_ELEMENT_VERTEX);
+        if (is_named) sentence += " (" + naming(error.element, error.index, true) + ")";
+        else if (const char* name = element_name(error.element))
             sentence += std::string(" (") + name + " " + std::to_string(error.index) + ")";
-        const std::string message = in_words_of_tool(error.message);
+        const std::string said = in_words_of_tool(error.message);
+        const std::string message = naming ? in_names_of_file(said, naming) : said;
         if (!message.empty()) sentence += ": " + message;
     }
     if (!advice.empty() && sentence.back() == '.') sentence.pop_back();

@@ -3,6 +3,7 @@
 
 #include <hmf/hmf.h>
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -21,10 +22,18 @@ struct Failure : std::runtime_error {
     Failure(ExitStatus status, const std::string& sentence) : std::runtime_error(sentence), exit_status(status) {}
 };
 
+// How sentences name an element of a mesh, HMF_ELEMENT_TRIANGLE or HMF_ELEMENT_VERTEX: "face 3, line 17", or without
+// its line.
+using Naming = std::function<std::string(int32_t element, uint64_t index, bool with_line)>;
+
 // Throws what a status of the library means for the caller of the tool.
-// subject: the file that the element of the error belongs to.  advice: follows the sentence.
+// subject: the file that the element of the error belongs to.  advice: follows the sentence.  naming: of elements in
+// errors of meshes; else by their numbers.
 [[noreturn]] void fail_with(hmf_status status, const hmf_error& error, const std::string& subject,
-                            const std::string& advice = "");
+                            const std::string& advice = "", const Naming& naming = nullptr);
+
+// "Triangle 5 (4, 8, 5) has no area." by the names of the file: "Face 3 has no area."
+std::string in_names_of_file(const std::string& message, const Naming& naming);
 
 // --mollify where --repair meets triangles without area.
 constexpr double MOLLIFY_OF_REPAIR = 1e-5;

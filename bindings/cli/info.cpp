@@ -100,9 +100,9 @@ Quality quality_of(const TriangleMesh& mesh) {
 
 // Whether standard output has its JSON is told by `printed`, also where this throws.
 void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool& printed) {
-    TriangleMesh mesh = read_mesh(request.mesh);
-    readers::Repairs repairs;
-    if (request.repairs) repairs = repair_mesh(mesh, request.joins, mesh_name);
+    PreparedMesh prepared = prepare_mesh(request.mesh, request.prepare);
+    TriangleMesh& mesh = prepared.mesh;
+    const readers::Origin origin = std::move(mesh.origin);
     const Quality q = quality_of(mesh);
     const size_t vertices = mesh.vertex_count(), triangles = mesh.triangle_count();
     const std::vector<MeshPart> parts = split_mesh(mesh, mesh_name);
@@ -118,7 +118,7 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         const TriangleMesh& part = parts[k].mesh;
         const double from = double(k) / double(parts.size()), to = double(k + 1) / double(parts.size());
         Finding found = look_at(part, 0, mesh_name, progress.part("check", from, to));
-        if (found.status == HMF_ERROR_MESH_DEGENERATE && request.repairs) {
+        if (found.status == HMF_ERROR_MESH_DEGENERATE && request.prepare.repairs) {
             found = look_at(part, MOLLIFY_OF_REPAIR, mesh_name, progress.part("check", from, to));
             mollified = true;
         }
@@ -138,7 +138,8 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
             line = "genus " + std::to_string(found.genus);
             if (!found.marks.empty()) line += ", " + std::to_string(found.marks.size() / 2) + " tips to mark";
         } else {
-            const std::string advice = repair_advice(found.status, request.repairs, request.joins);
+            const std::string advice =
+                repair_advice(found.status, request.prepare.repairs, request.prepare.joins.has_value());
             row.set("status", found.status);
             row.set("text", hmf_status_string(found.status));
             line = hmf_status_string(found.status) + advice;
@@ -156,14 +157,17 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         rows.push_back(row);
     }
     progress.clear();
-    std::vector<std::string> repaired = repairs.sentences();
+    std::vector<std::string> repaired = prepared.sentences();
     if (mollified) {
         repaired.emplace_back(MOLLIFIED);
         std::fprintf(stderr, "%s: %s\n", mesh_name.c_str(), MOLLIFIED);
     }
     if (request.json) {
         Json report = {{"mesh", mesh_name}, {"valid", good > 0}};
-        if (request.repairs) report.set("repairs", repaired);
+        if (request.prepare.repairs || !repaired.empty()) report.set("repairs", repaired);
+        if (!prepared.warnings.empty()) report.set("warnings", prepared.warnings);
+        report.set("doubled_points", prepared.doubled);
+        report.set("unused_vertices", prepared.dropped + prepared.repairs.unused_vertices);
         if (total.status != HMF_OK) {
             report.set("status", total.status);
             report.set("text", hmf_status_string(total.status));
@@ -191,7 +195,12 @@ void look_at_all(const InfoRequest& request, const std::string& mesh_name, bool&
         printed = true;
     }
     if (total.status != HMF_OK)
-        fail_with(total.status, total.error, mesh_name, repair_advice(total.status, request.repairs, request.joins));
+        fail_with(total.status, total.error, mesh_name,
+                  repair_advice(total.status, request.prepare.repairs, request.prepare.joins.has_value()),
+                  [&](int32_t element, uint64_t index, bool with_line) {
+                      return element == HMF_ELEMENT_TRIANGLE ? origin.name_of_triangle(index, with_line)
+                                                             : origin.name_of_vertex(index, with_line);
+                  });
     if (!request.json) {
         if (alone)
             std::printf("%s: %s oriented manifold, genus %zu\n", mesh_name.c_str(), boundaries > 0 ? "open" : "closed",

@@ -3,12 +3,14 @@
 
 #include <string>
 
+#include "prepare_mesh.hpp"
+
 namespace cli {
 
 struct InfoRequest {
     std::string mesh;
     bool json = false;
-    bool repairs = false, joins = false;
+    MeshRequest prepare;
 };
 
 // Prints to standard output; throws Failure where no component of the mesh is usable.

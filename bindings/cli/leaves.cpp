@@ -11,7 +11,7 @@ namespace {
 
 void print(std::FILE* file, const hmf_lines& l, const char* cylinder_group, uint32_t first_cylinder, uint64_t& before) {
     for (uint64_t p = 0; p < 3 * l.point_count; p += 3)
-        std::fprintf(file, "v %.9g %.9g %.9g\n", l.points[p], l.points[p + 1], l.points[p + 2]);
+        std::fprintf(file, "v %.17g %.17g %.17g\n", l.points[p], l.points[p + 1], l.points[p + 2]);
     for (uint64_t k = 0; k < l.line_count; ++k) {
         const hmf_line& line = l.lines[k];
         const bool critical = line.kind == HMF_LINE_CRITICAL;

@@ -55,11 +55,10 @@ int quads_command(const Words& words, const Describe* help) {
 int info_command(const Words& words, const Describe* help) {
     InfoRequest request;
     Options options = {
-        Option{"MESH", &request.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+        Option{"MESH", &request.mesh, "", MESH_FILES}.reads(""),
         Option{"--json", &request.json, "", "print JSON"},
-        repair_option(request.repairs),
-        join_option(request.joins),
     };
+    for (const Option& o : mesh_options(request.prepare)) options.push_back(o);
     if (help) (*help)(options, "info", "Is a mesh usable?  Counts, genus, quality.");
     else {
         parse(options, words, "info");

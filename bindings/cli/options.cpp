@@ -28,7 +28,14 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 bool is_flag(const Option& o) { return std::holds_alternative<bool*>(o.target); }
+bool is_optional_number(const Option& o) { return std::holds_alternative<std::optional<double>*>(o.target); }
 bool by_place(const Option& o) { return o.name[0] != '-'; }
+
+bool is_number(const std::string& word) {
+    char* end = nullptr;
+    std::strtod(word.c_str(), &end);
+    return !word.empty() && *end == '\0';
+}
 
 [[noreturn]] void refuse(const std::string& sentence) { throw Failure(EXIT_USAGE, sentence); }
 
@@ -89,6 +96,7 @@ struct Set {
 
     void operator()(bool* target) const { *target = true; }
     void operator()(double* target) const { *target = number_of(o, word); }
+    void operator()(std::optional<double>* target) const { *target = number_of(o, word); }
     void operator()(std::string* target) const { *target = word; }
     void operator()(std::vector<std::string>* target) const { target->push_back(word); }
     void operator()(uint64_t* target) const {
@@ -122,6 +130,7 @@ struct Get {
     Value operator()(const bool* target) const { return *target; }
     Value operator()(const uint64_t* target) const { return *target; }
     Value operator()(const double* target) const { return *target != 0 ? Value(*target) : Value(); }
+    Value operator()(const std::optional<double>* target) const { return *target ? Value(**target) : Value(); }
     Value operator()(const std::string* target) const { return target->empty() ? Value() : Value(*target); }
     template <class T>
     Value operator()(const std::vector<T>* target) const {
@@ -195,6 +204,8 @@ void parse(Options& options, const std::vector<std::string>& words, const std::s
         if (!is_name) value = name;
         else if (is_flag(*option)) {
             if (equals != std::string::npos) refuse(name + ": takes no value");
+        } else if (equals == std::string::npos && is_optional_number(*option)) {
+            value = i + 1 < words.size() && is_number(words[i + 1]) ? words[++i] : "0";
         } else if (equals == std::string::npos) {
             if (i + 1 == words.size() || words[i + 1].rfind("--", 0) == 0)
                 refuse(name + ": a value is missing; write " + name + " " + option->value);

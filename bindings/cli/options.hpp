@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -21,9 +22,10 @@ struct Choice {
 
 struct Option {
     enum Role { SETTING, INPUT, OUTPUT };
-    // A bool is a flag.  A list of strings may be given several times, a list of numbers has commas.
-    using Target =
-        std::variant<bool*, uint64_t*, double*, std::string*, std::vector<std::string>*, std::vector<double>*, Choice>;
+    // A bool is a flag.  A list of strings may be given several times, a list of numbers has commas.  An optional number
+    // may be left out behind its name, which means 0.
+    using Target = std::variant<bool*, uint64_t*, double*, std::optional<double>*, std::string*,
+                                std::vector<std::string>*, std::vector<double>*, Choice>;
 
     const char* name; // with its dashes; without them it goes by its place
     Target target;

@@ -1,5 +1,6 @@
 #include "output.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -41,6 +42,26 @@ float single_precision(double coordinate) {
         throw Failure(EXIT_BAD_INPUT, "a coordinate is larger than 3.4e38, and this format has floats; scale the mesh, "
                                       "or write .obj");
     return static_cast<float>(coordinate);
+}
+
+void FloatFrame::add(const double* point) {
+    for (size_t k = 0; k < 3; ++k) {
+        low_[k] = is_empty_ ? point[k] : std::min(low_[k], point[k]);
+        high_[k] = is_empty_ ? point[k] : std::max(high_[k], point[k]);
+    }
+    is_empty_ = false;
+}
+
+Place FloatFrame::origin() const {
+    constexpr double far = 16; // sizes of the box: four of the 24 bits of a float
+    double distance = 0, size = 0;
+    Place middle;
+    for (size_t k = 0; k < 3; ++k) {
+        middle[k] = low_[k] / 2 + high_[k] / 2;
+        distance = std::max(distance, std::fabs(middle[k]));
+        size = std::max(size, high_[k] / 2 - low_[k] / 2);
+    }
+    return distance / 2 > far * size ? middle : Place{};
 }
 
 void check_writable(const std::string& path) {

@@ -1,6 +1,7 @@
 // A file that is written completely or throws Failure(EXIT_RESOURCES); "-" is standard output.
 #pragma once
 
+#include <array>
 #include <cstdio>
 #include <string>
 
@@ -22,6 +23,19 @@ private:
 
 // A coordinate in a file that has floats; throws Failure(EXIT_BAD_INPUT) where it is larger than all of them.
 float single_precision(double coordinate);
+
+// What to take away from the coordinates of a file that has floats: the middle of the points where they lie so far from
+// the origin that floats would lose digits of their shape, else 0.
+using Place = std::array<double, 3>;
+class FloatFrame {
+public:
+    void add(const double* point);
+    Place origin() const;
+
+private:
+    Place low_{}, high_{};
+    bool is_empty_ = true;
+};
 
 // Throws unless a file of this name can be made: asked before the work, not after.
 void check_writable(const std::string& path);

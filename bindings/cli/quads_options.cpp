@@ -11,8 +11,8 @@ Options quads_options(SolveRequest& r) {
     r.merges = true;
     r.refine = 2000;
     r.pattern = static_cast<int32_t>(Pattern::quads);
-    return {
-        Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
+    Options options = {
+        Option{"MESH", &r.mesh, "", MESH_FILES}.reads(""),
         Option{"OUT", &r.quads, "", "quad mesh, .obj .ply .off, or .glb (two triangles for each quad)"}.writes(
             ".obj .ply .off .glb"),
         Option{"--count", &r.count, "N", "wished number of quads"}.in("[1, 268435456]"),
@@ -24,8 +24,6 @@ Options quads_options(SolveRequest& r) {
         through_option(r),
         weights_option(r),
         marks_option(r),
-        repair_option(r.repairs),
-        join_option(r.joins),
         mollify_option(r),
         Option{"--refine", &r.refine, "N",
                "a mesh of fewer triangles is cut into so many at its longest edges, which leaves the surface\n"
@@ -44,6 +42,8 @@ Options quads_options(SolveRequest& r) {
                "the mesh as it was solved, after --repair; loops and marks refer to it"}
             .writes(".obj"),
     };
+    for (const Option& o : mesh_options(r.prepare)) options.push_back(o);
+    return options;
 }
 
 } // namespace cli

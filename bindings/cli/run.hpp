@@ -138,9 +138,10 @@ private:
     Outcome outcome_;
     Progress progress_;
     const hmf_control* control_ = nullptr;
-    Meter meter_;       // lives longer than all that the library made
-    TriangleMesh mesh_; // of several components, until it is described
-    readers::Repairs repairs_;
+    Meter meter_;            // lives longer than all that the library made
+    TriangleMesh mesh_;      // of several components, until it is described
+    readers::Origin origin_; // of mesh_
+    std::vector<std::string> repairs_, warnings_;
     LoopList read_;               // loops of the caller
     std::vector<uint32_t> marks_; // in the whole mesh
     size_t tipped_ = 0;           // components with marks that the library chose

@@ -23,12 +23,15 @@ constexpr size_t most_named = 5; // components in a sentence
 } // namespace
 
 void Run::read() {
-    mesh_ = read_mesh(r_.mesh);
-    if (r_.repairs) repairs_ = repair_mesh(mesh_, r_.joins, name_);
-    if (repairs_.count() > 0 && r_.save_mesh.empty() && !outputs_of(options_).empty())
-        std::fprintf(stderr, "%s: the outputs refer to the repaired mesh; --save-mesh FILE.obj writes it\n",
+    PreparedMesh prepared = prepare_mesh(r_.mesh, r_.prepare);
+    if (prepared.is_changed() && r_.save_mesh.empty() && !outputs_of(options_).empty())
+        std::fprintf(stderr, "%s: the outputs refer to the changed mesh; --save-mesh FILE.obj writes it\n",
                      name_.c_str());
+    mesh_ = std::move(prepared.mesh);
+    repairs_ = prepared.sentences();
+    warnings_ = std::move(prepared.warnings);
     refine();
+    origin_ = std::move(mesh_.origin);
     if (r_.marks != "auto" && r_.marks != "none") marks_ = read_marks(r_.marks, mesh_.vertex_count());
     if (kind_ != 0 || has_start_) return;
     if (!r_.through.empty()) {
@@ -60,7 +63,7 @@ void Run::split() {
     const bool alone = parts.size() == 1;
     for (MeshPart& part : parts) {
         const std::string subject = alone ? name_ : name_ + ", " + name_of_component(part, components_.size());
-        components_.emplace_back(std::move(part), subject, alone);
+        components_.emplace_back(std::move(part), subject, alone, origin_);
     }
     loop_numbers_.resize(components_.size());
 }

@@ -119,12 +119,13 @@ Json Run::report_json(double seconds) const {
                    {"options", values_of(options_)},
                    {"exit_status", static_cast<int>(outcome_.exit_status)},
                    {"errors", outcome_.errors}};
-    if (r_.repairs) {
-        std::vector<std::string> repairs = repairs_.sentences();
+    if (r_.prepare.repairs || !repairs_.empty()) {
+        std::vector<std::string> repairs = repairs_;
         if (std::any_of(components_.begin(), components_.end(), [](const Component& c) { return c.is_mollified(); }))
             repairs.emplace_back(MOLLIFIED);
         report.set("repairs", repairs);
     }
+    if (!warnings_.empty()) report.set("warnings", warnings_);
     if (is_alone()) {
         const Json own = components_[0].json(singular_[0]);
         for (const auto& [key, value] : own.members()) report.set(key, value);

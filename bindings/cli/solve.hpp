@@ -8,6 +8,7 @@
 
 #include "failure.hpp"
 #include "options.hpp"
+#include "prepare_mesh.hpp"
 
 namespace cli {
 
@@ -22,7 +23,7 @@ struct SolveRequest {
     std::string start;           // values to start from instead of loops; empty: none
     int32_t method = HMF_METHOD_DEFAULT;
     int32_t collapse = HMF_COLLAPSE_MIDPOINT;
-    bool repairs = false, joins = false; // of the mesh, before all else
+    MeshRequest prepare; // the mesh, before all else
     double ratio = 0.5, mollify = 0, tolerance = 0, time_limit = 0;
     uint64_t coarsest = 0;
     uint64_t refine = 0;  // the mesh, to so many triangles
@@ -57,9 +58,6 @@ Option threads_option(SolveRequest& request);
 Option camera_option(SolveRequest& request);
 Option image_size_option(SolveRequest& request);
 Option legend_option(SolveRequest& request);
-// Of every command that reads a mesh.
-Option repair_option(bool& target);
-Option join_option(bool& target);
 
 // What a run has to say; all outputs are written.
 struct Outcome {

@@ -5,18 +5,6 @@
 
 namespace cli {
 
-Option repair_option(bool& target) {
-    return {"--repair", &target, "",
-            "repairs that lose nothing: drop triangles that repeat a vertex or each other and unused\n"
-            "vertices, take sheets apart that touch in a vertex or an edge, turn patches to one sense;\n"
-            "triangles without area are accepted as by --mollify 1e-5"};
-}
-
-Option join_option(bool& target) {
-    return Option{"--join-points", &target, "", "repair: join vertices at the same point first"}.requires_one_of(
-        "--repair");
-}
-
 Option loops_option(SolveRequest& r) {
     return Option{"--loops", &r.loops, "cut|handle|tunnel|pants|even|FILE",
                   "cut: as many as the genus, together they cut the surface into one planar piece; on genus 0 round\n"
@@ -79,10 +67,11 @@ Option mollify_option(SolveRequest& r) {
 }
 
 Options solve_options(SolveRequest& r) {
-    return {
-        Option{"MESH", &r.mesh, "", ".obj .off .ply .stl .gltf .glb, or - for standard input"}.reads(""),
-        repair_option(r.repairs),
-        join_option(r.joins),
+    Options options = {
+        Option{"MESH", &r.mesh, "", MESH_FILES}.reads(""),
+    };
+    for (const Option& o : mesh_options(r.prepare)) options.push_back(o);
+    const Options others = {
         loops_option(r),
         through_option(r),
         weights_option(r),
@@ -172,6 +161,8 @@ Options solve_options(SolveRequest& r) {
             .in("(0, inf)")
             .requires_one_of("--quads --pattern"),
     };
+    options.insert(options.end(), others.begin(), others.end());
+    return options;
 }
 
 } // namespace cli

@@ -1,23 +1,12 @@
 #include "split_mesh.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "../readers/components.hpp"
+#include "counted.hpp"
 #include "library.hpp"
 
 namespace cli {
-
-readers::Repairs repair_mesh(TriangleMesh& mesh, bool join_points, const std::string& mesh_name) {
-    try {
-        readers::Repairs repairs = readers::repair(mesh, join_points);
-        for (const std::string& sentence : repairs.sentences())
-            std::fprintf(stderr, "%s: %s\n", mesh_name.c_str(), sentence.c_str());
-        if (repairs.count() == 0) std::fprintf(stderr, "%s: nothing to repair\n", mesh_name.c_str());
-        if (mesh.triangles.empty()) throw Failure(EXIT_BAD_INPUT, mesh_name + ": no triangle is left");
-        return repairs;
-    } catch (const readers::MeshError& error) { throw Failure(EXIT_BAD_INPUT, mesh_name + ": " + error.what()); }
-}
 
 std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_name) {
     const std::vector<uint32_t> component = readers::component_of_triangles(mesh.triangles, mesh.vertex_count());
@@ -31,12 +20,6 @@ std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_nam
         return hmf_components(mesh.positions.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(),
                               nullptr, nullptr, out, error);
     });
-    const uint32_t* const in = set->vertex_component;
-    const size_t unused = static_cast<size_t>(std::find(in, in + set->vertex_count, HMF_NONE) - in);
-    if (unused < set->vertex_count)
-        throw Failure(EXIT_BAD_INPUT, mesh_name + ": " + hmf_status_string(HMF_ERROR_MESH_UNUSED_VERTEX) + " (vertex "
-                                          + std::to_string(unused) + ")"
-                                          + repair_advice(HMF_ERROR_MESH_UNUSED_VERTEX, false, false));
     for (const hmf_component* c = set->list; c != set->list + set->count; ++c) {
         const auto copy = [](auto& to, const auto* array, uint64_t first, uint64_t count) {
             to.assign(array + first, array + first + count);
@@ -51,8 +34,8 @@ std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_nam
 }
 
 std::string name_of_component(const MeshPart& part, size_t number) {
-    return "component " + std::to_string(number) + " (" + std::to_string(part.mesh.triangle_count())
-         + " triangles, first " + std::to_string(part.triangles[0]) + ")";
+    return "component " + std::to_string(number) + " (" + counted(part.mesh.triangle_count(), "triangle") + ", first "
+         + std::to_string(part.triangles[0]) + ")";
 }
 
 } // namespace cli

@@ -1,16 +1,12 @@
-// What is done to a mesh before it is built: repairs, and the components one by one.
+// The components of a mesh, one by one.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "../readers/repair.hpp"
 #include "read_mesh.hpp"
 
 namespace cli {
-
-// Repairs, and says on standard error what was done.
-readers::Repairs repair_mesh(TriangleMesh& mesh, bool join_points, const std::string& mesh_name);
 
 // A component; its vertices and triangles have the order that they have in the whole mesh.
 struct MeshPart {
@@ -20,7 +16,7 @@ struct MeshPart {
 };
 
 // The components; the only one takes the mesh as it is, whatever is wrong with it, without numbers of vertices and
-// triangles.  Throws Failure where a vertex belongs to none of several.
+// triangles.  All vertices belong to triangles.  Throws Failure.
 std::vector<MeshPart> split_mesh(TriangleMesh& mesh, const std::string& mesh_name);
 
 // In sentences.

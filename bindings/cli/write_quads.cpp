@@ -20,8 +20,7 @@ void put32(std::string& bytes, uint32_t word) {
     for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((word >> shift) & 0xffu);
 }
 
-void put_float(std::string& bytes, double value) {
-    const float f = static_cast<float>(value);
+void put_float(std::string& bytes, float f) {
     uint32_t word;
     std::memcpy(&word, &f, sizeof word);
     put32(bytes, word);
@@ -74,16 +73,20 @@ double square_distance(const double* a, const double* b) {
 
 std::string glb_of(const Components& components, uint64_t vertices, uint64_t quads) {
     std::string binary;
+    FloatFrame frame;
+    for (const Owned<hmf_quad_mesh>& mesh : components)
+        for (uint64_t v = 0; v < mesh->vertex_count; ++v) frame.add(mesh->positions + 3 * v);
+    const Place origin = frame.origin();
     float low[3], high[3];
     bool first = true;
     for (const Owned<hmf_quad_mesh>& mesh : components)
         for (uint64_t i = 0; i < 3 * mesh->vertex_count; ++i) {
-            const float x = single_precision(mesh->positions[i]);
             const size_t axis = i % 3;
+            const float x = single_precision(mesh->positions[i] - origin[axis]);
             if (first || x < low[axis]) low[axis] = x;
             if (first || x > high[axis]) high[axis] = x;
             if (axis == 2) first = false;
-            put_float(binary, mesh->positions[i]);
+            put_float(binary, x);
         }
     const size_t index_offset = binary.size();
     each_quad(components, [&](const uint64_t* corners, const hmf_quad_mesh& mesh, const uint32_t* own) {
@@ -97,11 +100,13 @@ std::string glb_of(const Components& components, uint64_t vertices, uint64_t qua
     Json position = {{"bufferView", 0}, {"componentType", 5126}, {"count", vertices},
                      {"type", "VEC3"},  {"min", list(low)},      {"max", list(high)}};
     Json index = {{"bufferView", 1}, {"componentType", 5125}, {"count", 6 * quads}, {"type", "SCALAR"}};
+    Json node = {{"mesh", 0}};
+    if (origin != Place{}) node.set("translation", std::vector<double>(origin.begin(), origin.end()));
     Json document = {
         {"asset", asset},
         {"scene", 0},
         {"scenes", Json::Array{Json{{"nodes", Json::Array{Json(0)}}}}},
-        {"nodes", Json::Array{Json{{"mesh", 0}}}},
+        {"nodes", Json::Array{node}},
         {"meshes", Json::Array{Json{{"primitives", Json::Array{primitive}}}}},
         {"accessors", Json::Array{position, index}},
         {"bufferViews",
@@ -146,14 +151,14 @@ void write_quads(const std::string& path, const Components& components) {
     } else if (extension == ".off") {
         std::fprintf(file, "OFF\n%llu %llu 0\n", static_cast<unsigned long long>(vertices),
                      static_cast<unsigned long long>(quads));
-        print_vertices(file, components, "%.9g %.9g %.9g\n");
+        print_vertices(file, components, "%.17g %.17g %.17g\n");
         each_quad(components, [&](const uint64_t* c, const hmf_quad_mesh&, const uint32_t*) {
             std::fprintf(file, "4 %llu %llu %llu %llu\n", static_cast<unsigned long long>(c[0]),
                          static_cast<unsigned long long>(c[1]), static_cast<unsigned long long>(c[2]),
                          static_cast<unsigned long long>(c[3]));
         });
     } else {
-        print_vertices(file, components, "v %.9g %.9g %.9g\n");
+        print_vertices(file, components, "v %.17g %.17g %.17g\n");
         each_quad(components, [&](const uint64_t* c, const hmf_quad_mesh&, const uint32_t*) {
             std::fprintf(file, "f %llu %llu %llu %llu\n", static_cast<unsigned long long>(c[0] + 1),
                          static_cast<unsigned long long>(c[1] + 1), static_cast<unsigned long long>(c[2] + 1),

@@ -94,7 +94,7 @@ void write_textured_obj(const std::string& path, const Foliation& f, const doubl
     std::fprintf(file, "# vt = (u, v) / %.17g\nmtllib %s\n", period,
                  std::filesystem::path(material).filename().string().c_str());
     for (size_t v = 0; v < f.positions.size() / 3; ++v)
-        std::fprintf(file, "v %.9g %.9g %.9g\n", f.positions[3 * v], f.positions[3 * v + 1], f.positions[3 * v + 2]);
+        std::fprintf(file, "v %.17g %.17g %.17g\n", f.positions[3 * v], f.positions[3 * v + 1], f.positions[3 * v + 2]);
     const Points points = different_points(f, uv);
     for (const size_t k : points.corner)
         std::fprintf(file, "vt %.9g %.9g\n", uv[2 * k] / period, uv[2 * k + 1] / period);
@@ -139,11 +139,14 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
         views.push_back(view);
         while (binary.size() % 4) binary += '\0';
     };
+    FloatFrame frame;
+    for (size_t v = 0; v < f.positions.size(); v += 3) frame.add(&f.positions[v]);
+    const Place origin = frame.origin();
     size_t begin = binary.size();
     float low[3] = {}, high[3] = {};
     for (size_t n = 0; n < points.corner.size(); ++n)
         for (size_t i = 0; i < 3; ++i) {
-            const float x = single_precision(f.positions[3 * size_t{f.triangles[points.corner[n]]} + i]);
+            const float x = single_precision(f.positions[3 * size_t{f.triangles[points.corner[n]]} + i] - origin[i]);
             low[i] = n ? std::min(low[i], x) : x;
             high[i] = n ? std::max(high[i], x) : x;
             put(binary, x);
@@ -174,11 +177,13 @@ void write_textured_glb(const std::string& path, const Foliation& f, const doubl
     const Json attributes = {{"POSITION", 0}, {"TEXCOORD_0", 1}};
     const Json primitive = {{"attributes", attributes}, {"indices", 2}, {"material", 0}};
     const Json colour = {{"baseColorTexture", Json{{"index", 0}}}, {"metallicFactor", 0}, {"roughnessFactor", 0.8}};
+    Json node = {{"mesh", 0}};
+    if (origin != Place{}) node.set("translation", std::vector<double>(origin.begin(), origin.end()));
     const Json gltf = {
         {"asset", Json{{"version", "2.0"}, {"generator", "hmf"}}},
         {"scene", 0},
         {"scenes", one(Json{{"nodes", std::vector<int>{0}}})},
-        {"nodes", one(Json{{"mesh", 0}})},
+        {"nodes", one(node)},
         {"meshes", one(Json{{"primitives", one(primitive)}})},
         {"materials", one(Json{{"pbrMetallicRoughness", colour}})},
         {"textures", one(Json{{"source", 0}, {"sampler", 0}})},

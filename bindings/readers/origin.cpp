@@ -30,21 +30,51 @@ void Origin::add_face(size_t triangles, size_t line) {
     if (!starts_.empty()) starts_.push_back(static_cast<uint32_t>(triangles));
 }
 
+static void compose(std::vector<uint32_t>& numbers, const std::vector<uint32_t>& before) {
+    if (numbers.empty()) {
+        numbers = before;
+        return;
+    }
+    std::vector<uint32_t> all;
+    all.reserve(before.size());
+    for (const uint32_t n : before) all.push_back(n < numbers.size() ? numbers[n] : Origin::NONE);
+    numbers = std::move(all);
+}
+
+void Origin::renumber(const std::vector<uint32_t>& vertices, const std::vector<uint32_t>& triangles) {
+    compose(vertices_, vertices);
+    compose(triangles_, triangles);
+}
+
+void Origin::extend(size_t old_vertices, size_t vertices, size_t old_triangles, size_t triangles) {
+    const auto numbers = [](size_t old_count, size_t count) {
+        std::vector<uint32_t> all(count, NONE);
+        for (uint32_t n = 0; n < old_count; ++n) all[n] = n;
+        return all;
+    };
+    renumber(numbers(old_vertices, vertices), numbers(old_triangles, triangles));
+}
+
 size_t Origin::face_of(size_t triangle) const {
-    if (starts_.empty()) return triangle;
+    if (!triangles_.empty()) triangle = triangle < triangles_.size() ? triangles_[triangle] : NONE;
+    if (starts_.empty() || triangle >= starts_.back()) return triangle;
     const auto after = std::upper_bound(starts_.begin(), starts_.end(), triangle);
     return static_cast<size_t>(after - starts_.begin()) - 1;
 }
 
-static std::string name_of(const char* kind, size_t number, size_t line) {
-    return kind + std::to_string(number) + (line > 0 ? ", line " + std::to_string(line) : "");
+static std::string name_of(const std::string& kind, size_t number, size_t line) {
+    if (number == Origin::NONE) return "a " + kind + " that is not in the file";
+    return kind + " " + std::to_string(number) + (line > 0 ? ", line " + std::to_string(line) : "");
 }
 
-std::string Origin::name_of_triangle(size_t triangle) const {
+std::string Origin::name_of_triangle(size_t triangle, bool with_line) const {
     const size_t face = face_of(triangle);
-    return name_of(has_polygons() ? "face " : "triangle ", face, face_lines_.of(face));
+    return name_of(has_polygons() ? "face" : "triangle", face, with_line ? face_lines_.of(face) : 0);
 }
 
-std::string Origin::name_of_vertex(size_t vertex) const { return name_of("vertex ", vertex, vertex_lines_.of(vertex)); }
+std::string Origin::name_of_vertex(size_t vertex, bool with_line) const {
+    if (!vertices_.empty()) vertex = vertex < vertices_.size() ? vertices_[vertex] : NONE;
+    return name_of("vertex", vertex, with_line ? vertex_lines_.of(vertex) : 0);
+}
 
 } // namespace readers

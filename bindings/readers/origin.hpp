@@ -31,19 +31,27 @@ public:
     void add_face(size_t triangles, size_t line);
     void add_vertex(size_t line) { vertex_lines_.add(line); }
 
+    // The mesh has other vertices and triangles: of each the number before, NONE where there was none.
+    void renumber(const std::vector<uint32_t>& vertices, const std::vector<uint32_t>& triangles);
+    // New ones came last.
+    void extend(size_t old_vertices, size_t vertices, size_t old_triangles, size_t triangles);
+    static constexpr uint32_t NONE = UINT32_MAX;
+
     bool has_polygons() const { return !starts_.empty(); }
     size_t face_count() const { return face_lines_.count(); }
-    // The first triangle of a face of a mesh with polygons; face_count() gives the number of triangles.
+    // The first triangle of a face of a mesh with polygons, as it was read; face_count() gives the number of triangles.
     uint32_t start_of(size_t face) const { return starts_[face]; }
+    // Of the file.
     size_t face_of(size_t triangle) const;
 
-    // "face 3, line 17", or "triangle 3" where all faces are triangles and the file has no lines.
-    std::string name_of_triangle(size_t triangle) const;
-    std::string name_of_vertex(size_t vertex) const;
+    // "face 3, line 17"; "triangle 3" where all faces of the file are triangles, and no line where it has none.
+    std::string name_of_triangle(size_t triangle, bool with_line = true) const;
+    std::string name_of_vertex(size_t vertex, bool with_line = true) const;
 
 private:
     std::vector<uint32_t> starts_; // empty as long as all faces are triangles
     Lines face_lines_, vertex_lines_;
+    std::vector<uint32_t> vertices_, triangles_; // of each its number in the file; empty: the same
 };
 
 } // namespace readers

@@ -11,8 +11,16 @@ namespace {
 
 class Refinement {
 public:
-    explicit Refinement(TriangleMesh& mesh) : mesh_(mesh) {
-        for (uint32_t t = 0; t < mesh.triangle_count(); ++t) add(t);
+    explicit Refinement(TriangleMesh& mesh) : mesh_(mesh), vertex_count_(mesh.vertex_count()) {
+        for (uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+            add(t);
+            whole_.push_back(t);
+        }
+    }
+    void tell_origin() {
+        std::vector<uint32_t> vertices(mesh_.vertex_count(), Origin::NONE);
+        for (uint32_t v = 0; v < vertex_count_; ++v) vertices[v] = v;
+        mesh_.origin.renumber(vertices, whole_);
     }
 
     // False: there is none.
@@ -33,6 +41,7 @@ public:
             }
             add(t);
             add(half);
+            whole_.push_back(whole_[t]);
         }
         return true;
     }
@@ -81,6 +90,8 @@ private:
     }
 
     TriangleMesh& mesh_;
+    const size_t vertex_count_;                // before
+    std::vector<uint32_t> whole_;              // triangle that each one was part of
     std::map<Edge, std::set<uint32_t>> edges_; // and their triangles
     std::set<std::pair<double, Edge>> longest_;
 };
@@ -91,6 +102,7 @@ void refine(TriangleMesh& mesh, size_t triangles) {
     if (mesh.triangles.empty() || mesh.triangle_count() >= triangles) return;
     Refinement refinement(mesh);
     while (mesh.triangle_count() < triangles && refinement.halve_longest_edge()) {}
+    refinement.tell_origin();
 }
 
 } // namespace readers

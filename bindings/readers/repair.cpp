@@ -1,6 +1,9 @@
 #include "repair.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <tuple>
 
 #include "mesh_sides.hpp"
@@ -12,9 +15,48 @@ namespace {
 
 constexpr uint32_t NONE = UINT32_MAX;
 
+// Points that are not further apart than the distance, and what these join, are in one class.
+Classes near_points(const std::vector<double>& points, double distance) {
+    const size_t count = points.size() / 3;
+    Classes classes(count);
+    if (!(distance > 0)) return classes;
+    // Points in a cell are in reach of each other: its diagonal is shorter.  Others in reach are three cells away at most.
+    const double cell = distance / 2;
+    using Cell = std::array<double, 3>;
+    const auto cell_of = [&](size_t i) {
+        Cell c;
+        for (size_t k = 0; k < 3; ++k) c[k] = std::floor(points[3 * i + k] / cell);
+        return c;
+    };
+    std::map<Cell, std::vector<uint32_t>> cells;
+    for (uint32_t i = 0; i < count; ++i) cells[cell_of(i)].push_back(i);
+    const auto are_near = [&](uint32_t i, uint32_t j) {
+        double square = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            const double d = points[size_t{3} * i + k] - points[size_t{3} * j + k];
+            square += d * d;
+        }
+        return square <= distance * distance;
+    };
+    for (const auto& [place, members] : cells) {
+        for (const uint32_t i : members) classes.unite(members[0], i);
+        for (int step = 0; step < 7 * 7 * 7; ++step) {
+            const Cell other = {place[0] + step % 7 - 3, place[1] + step / 7 % 7 - 3, place[2] + step / 49 - 3};
+            if (!(place < other)) continue;
+            const auto found = cells.find(other);
+            if (found == cells.end() || classes.of(found->second[0]) == classes.of(members[0])) continue;
+            for (const uint32_t i : members)
+                for (const uint32_t j : found->second)
+                    if (are_near(i, j)) classes.unite(i, j);
+        }
+    }
+    return classes;
+}
+
 class Repair {
 public:
-    Repair(TriangleMesh& mesh, bool join_points) : mesh_(mesh), joins_(join_points) {}
+    Repair(TriangleMesh& mesh, std::optional<double> join_points) :
+        mesh_(mesh), joins_(join_points), distance_(join_points.value_or(0)) {}
 
     Repairs go() {
         number_points();
@@ -26,6 +68,7 @@ public:
         turn();
         renumber();
         count_crowded_edges();
+        mesh_.origin.renumber(done_.vertices, done_.triangles);
         return std::move(done_);
     }
 
@@ -44,7 +87,8 @@ private:
                 const double* const p = &mesh_.positions[3 * v];
                 point[v] = numbers.number_of(p[0], p[1], p[2]);
             }
-            for (uint32_t& v : corner_) v = point[v];
+            Classes joined = near_points(points, distance_);
+            for (uint32_t& v : corner_) v = joined.of(point[v]);
         }
         done_.triangles.resize(mesh_.triangle_count());
         for (uint32_t t = 0; t < done_.triangles.size(); ++t) done_.triangles[t] = t;
@@ -325,6 +369,7 @@ private:
 
     TriangleMesh& mesh_;
     const bool joins_;
+    const double distance_;
     Repairs done_;
     std::vector<uint32_t> corner_;
     std::vector<uint32_t> neighbour_; // of each side; NONE: it has none
@@ -358,6 +403,26 @@ std::vector<std::string> Repairs::sentences() const {
     return said;
 }
 
-Repairs repair(TriangleMesh& mesh, bool join_points) { return Repair(mesh, join_points).go(); }
+Repairs repair(TriangleMesh& mesh, std::optional<double> join_points) { return Repair(mesh, join_points).go(); }
+
+size_t drop_unused_vertices(TriangleMesh& mesh) {
+    constexpr uint32_t unused = UINT32_MAX;
+    std::vector<uint32_t> number(mesh.vertex_count(), unused), kept;
+    for (const uint32_t v : mesh.triangles) number[v] = 0;
+    for (uint32_t v = 0; v < number.size(); ++v) {
+        if (number[v] == unused) continue;
+        number[v] = static_cast<uint32_t>(kept.size());
+        std::copy_n(&mesh.positions[size_t{3} * v], 3, &mesh.positions[3 * kept.size()]);
+        kept.push_back(v);
+    }
+    const size_t dropped = number.size() - kept.size();
+    if (dropped == 0) return 0;
+    mesh.positions.resize(3 * kept.size());
+    for (uint32_t& v : mesh.triangles) v = number[v];
+    std::vector<uint32_t> same(mesh.triangle_count());
+    for (uint32_t t = 0; t < same.size(); ++t) same[t] = t;
+    mesh.origin.renumber(kept, same);
+    return dropped;
+}
 
 } // namespace readers

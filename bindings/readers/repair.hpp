@@ -1,11 +1,13 @@
 // Repairs of a triangle mesh that lose nothing: the same triangles at the same places afterwards, joined in a way that
 // is a surface where that is possible.
 //
-// Only indices decide, no distances.  Linear time but for edges with many triangles.
+// Only indices decide, and where points are joined a distance.  Linear time but for edges with many triangles, and where
+// many points are in reach of each other without being joined.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,7 @@ namespace readers {
 
 // What was done, in this order, and what is left.
 struct Repairs {
-    size_t joined_vertices = 0;   // became one with another vertex at the same point
+    size_t joined_vertices = 0;   // became one with another vertex at the same point, or in reach
     size_t repeated_vertex = 0;   // triangles dropped: they name one vertex twice
     size_t duplicates = 0;        // triangles dropped: an earlier one has the same corners in the same sense
     size_t back_sides = 0;        // triangles dropped: an earlier one has the same corners in the other sense
@@ -39,7 +41,8 @@ struct Repairs {
 
 // Repairs the mesh.
 //
-//   join points   (asked for) vertices at the same point count as one from here on, where triangles meet there
+//   join points   (asked for) vertices at the same point count as one from here on, where triangles meet there; so do
+//                 those that are not further apart than the distance, and those that are joined by others between them
 //   drop          triangles that name a vertex twice, or repeat an earlier one; the back sides of sheets that are
 //                 listed from both sides, where a plain sheet remains
 //   pair sides    two triangles at an edge are neighbours.  Of three and more those are that have the same vertices
@@ -50,6 +53,9 @@ struct Repairs {
 //   drop          vertices without a triangle
 //
 // Vertices and triangles keep their order; what was split off comes last.  A mesh without a defect stays as it is.
-Repairs repair(TriangleMesh& mesh, bool join_points = false);
+Repairs repair(TriangleMesh& mesh, std::optional<double> join_points = {});
+
+// Drops the vertices without a triangle; returns their number.
+size_t drop_unused_vertices(TriangleMesh& mesh);
 
 } // namespace readers

@@ -101,7 +101,7 @@ class Outputs(Case):
         self.assertEqual(found["options"], {
             "loops": "cut", "through": None, "weights": [1], "marks": "auto", "start": None, "method": "newton", "collapse": "midpoint", "ratio": 0.5, "coarsest": 0, "mollify": None,
             "tolerance": 1e-8, "time-limit": None, "threads": found["threads"], "report": report, "conformality": False, "image": self.path("i.png"), "pattern": "stripes", "camera": "auto", "image-size": "1400x1050", "legend": False, "period": found["options"]["period"],
-            "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": False})
+            "spacing": None, "conjugate": False, "size": None, "repair": False, "join-points": None, "fill-holes": 0, "closed": False})
         # What it says are the defaults gives the same bits.
         self.run_tool("solve", mesh, "--values", self.path("a.csv"))
         self.run_tool("solve", mesh, "--values", self.path("b.csv"), "--loops", "cut", "--weights", "1", "--method", "newton", "--collapse", "midpoint",

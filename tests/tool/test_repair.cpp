@@ -67,13 +67,15 @@ std::multiset<std::array<Place, 3>> places(const TriangleMesh& mesh) {
 
 void turn(TriangleMesh& mesh, size_t t) { std::swap(mesh.triangles[3 * t + 1], mesh.triangles[3 * t + 2]); }
 
+std::optional<double> joined(bool join) { return join ? std::optional<double>(0) : std::nullopt; }
+
 // --- Repairs ---------------------------------------------------------------------
 
 TEST(Repair, NothingToDo) {
     TriangleMesh mesh = beside(torus(), torus(11, 5), 7);
     for (const bool join : {false, true}) {
         TriangleMesh same = mesh;
-        const Repairs done = repair(same, join);
+        const Repairs done = repair(same, joined(join));
         EXPECT_EQ(done.count(), 0u);
         EXPECT_TRUE(done.sentences().empty());
         EXPECT_EQ(same.positions, mesh.positions);
@@ -81,6 +83,43 @@ TEST(Repair, NothingToDo) {
         for (uint32_t v = 0; v < done.vertices.size(); ++v) EXPECT_EQ(done.vertices[v], v);
         for (uint32_t t = 0; t < done.triangles.size(); ++t) EXPECT_EQ(done.triangles[t], t);
     }
+}
+
+// Points in reach, of a grid whose distances are known: whatever the place of the cells in which they are looked for.
+TEST(Repair, PointsInReach) {
+    for (const double shift : {0.0, 0.1, 0.37, 123.4, -7.9}) {
+        SCOPED_TRACE(shift);
+        TriangleMesh soup;
+        // Squares of side 1 in a row with gaps of 0.1, alternating up and down by 0.05.
+        for (uint32_t i = 0; i < 20; ++i) {
+            const double x = shift + 1.1 * i, y = shift + 0.05 * (i % 2);
+            soup.positions.insert(soup.positions.end(),
+                                  {x, y, shift, x + 1, y, shift, x + 1, y + 1, shift, x, y + 1, shift});
+            soup.triangles.insert(soup.triangles.end(), {4 * i, 4 * i + 1, 4 * i + 2, 4 * i, 4 * i + 2, 4 * i + 3});
+        }
+        for (const double distance : {0.0, 0.1117, 0.1119, 0.9}) { // sqrt(0.1^2 + 0.05^2) = 0.1118
+            TriangleMesh mesh = soup;
+            const Repairs done = repair(mesh, distance);
+            EXPECT_EQ(done.joined_vertices, distance < 0.1118 ? 0u : 38u);
+            EXPECT_EQ(component_count(mesh), distance < 0.1118 ? 20u : 1u);
+            EXPECT_EQ(mesh.triangle_count(), 40u);
+        }
+    }
+}
+
+TEST(Repair, UnusedVertices) {
+    const TriangleMesh good = torus();
+    TriangleMesh mesh = good;
+    EXPECT_EQ(drop_unused_vertices(mesh), 0u);
+    mesh.positions.insert(mesh.positions.begin(), {1, 2, 3});
+    mesh.positions.insert(mesh.positions.begin() + 30, {4, 5, 6});
+    mesh.positions.insert(mesh.positions.end(), {7, 8, 9});
+    for (uint32_t& v : mesh.triangles) v += 1 + (v >= 9);
+    EXPECT_EQ(drop_unused_vertices(mesh), 3u);
+    EXPECT_EQ(mesh.positions, good.positions);
+    EXPECT_EQ(mesh.triangles, good.triangles);
+    EXPECT_EQ(mesh.origin.name_of_vertex(0), "vertex 1");
+    EXPECT_EQ(mesh.origin.name_of_vertex(9), "vertex 11");
 }
 
 TEST(Repair, TurnedPatch) {
@@ -206,7 +245,7 @@ TEST(Repair, JoinPoints) {
     TriangleMesh apart = soup;
     EXPECT_EQ(repair(apart).count(), 0u);
     EXPECT_EQ(component_count(apart), good.triangle_count());
-    const Repairs done = repair(soup, true);
+    const Repairs done = repair(soup, 0);
     EXPECT_EQ(done.joined_vertices, 6 * good.vertex_count() - good.vertex_count());
     EXPECT_EQ(done.count(), done.joined_vertices);
     EXPECT_EQ(soup.vertex_count(), good.vertex_count());
@@ -216,7 +255,7 @@ TEST(Repair, JoinPoints) {
     TriangleMesh both = beside(torus(), torus(), 7);
     const size_t n = torus().vertex_count();
     for (size_t k = 0; k < 6; ++k) both.positions[3 * n + k] = both.positions[k];
-    EXPECT_EQ(repair(both, true).count(), 0u);
+    EXPECT_EQ(repair(both, 0).count(), 0u);
     expect_surfaces(both, 2, 1);
 }
 
@@ -289,7 +328,7 @@ TEST(Repair, UndoesRandomDamage) {
         for (const auto& c : triangles) mesh.triangles.insert(mesh.triangles.end(), c.begin(), c.end());
         for (const bool join : {false, true}) {
             TriangleMesh repaired = mesh;
-            const Repairs done = repair(repaired, join);
+            const Repairs done = repair(repaired, joined(join));
             expect_surfaces(repaired, shells, 1);
             EXPECT_EQ(places(repaired), damaged_places);
             EXPECT_EQ(repaired.vertex_count(), good.vertex_count());
@@ -299,7 +338,7 @@ TEST(Repair, UndoesRandomDamage) {
                     EXPECT_EQ(repaired.positions[3 * v + a], mesh.positions[3 * size_t{done.vertices[v]} + a]);
             // A second time there is nothing to do.
             TriangleMesh again = repaired;
-            EXPECT_EQ(repair(again, join).count(), 0u);
+            EXPECT_EQ(repair(again, joined(join)).count(), 0u);
             EXPECT_EQ(again.triangles, repaired.triangles);
         }
     }
@@ -316,7 +355,7 @@ TEST(Repair, AnyTriangles) {
         for (size_t k = 0; k < 3 * count; ++k) mesh.triangles.push_back(static_cast<uint32_t>(random.below(vertices)));
         for (const bool join : {false, true}) {
             TriangleMesh repaired = mesh;
-            const Repairs done = repair(repaired, join);
+            const Repairs done = repair(repaired, joined(join));
             ASSERT_EQ(done.vertices.size(), repaired.vertex_count());
             ASSERT_EQ(done.triangles.size(), repaired.triangle_count());
             ASSERT_EQ(done.triangles.size() + done.repeated_vertex + done.duplicates + done.back_sides, count);
