@@ -22,8 +22,8 @@ struct Choice {
 
 struct Option {
     enum Role { SETTING, INPUT, OUTPUT };
-    // A bool is a flag.  A list of strings may be given several times, a list of numbers has commas.  An optional number
-    // may be left out behind its name, which means 0.
+    // A bool is a flag.  A list of strings may be given several times, a list of numbers has commas.  A number that is
+    // optional may be left out behind the name of its option, which means 0.
     using Target = std::variant<bool*, uint64_t*, double*, std::optional<double>*, std::string*,
                                 std::vector<std::string>*, std::vector<double>*, Choice>;
 

@@ -1,8 +1,8 @@
 // Repairs of a triangle mesh that lose nothing: the same triangles at the same places afterwards, joined in a way that
 // is a surface where that is possible.
 //
-// Only indices decide, and where points are joined a distance.  Linear time but for edges with many triangles, and where
-// many points are in reach of each other without being joined.
+// Only indices decide, and where points are joined a distance.  Linear time but for edges with many triangles, and for
+// points that crowd within the distance of others without being joined.
 #pragma once
 
 #include <cstddef>
