@@ -1,4 +1,4 @@
-// What every command does with the file of a mesh before it looks at it: repairs that were asked for, notes and warnings.
+// What every command does with the file of a mesh first: repairs that were asked for, notes and warnings.
 #pragma once
 
 #include <cstdint>

@@ -22,8 +22,8 @@ std::vector<Hole> holes_of(const TriangleMesh& mesh);
 // Vertices on boundaries that lie at the point of an earlier one there, as at seams of a texture.
 size_t doubled_boundary_vertices(const TriangleMesh& mesh);
 
-// Closes every hole of at most so many edges: polygons as faces have them, or where a diagonal is an edge already, a new
-// vertex in the middle.  A component that is one face alone stays.  Returns how many; new elements come last.
+// Closes every hole of at most so many edges: by a polygon, or where a diagonal is an edge already, by a new vertex in
+// the middle.  A triangle alone stays.  Returns how many; new elements come last.
 size_t fill_holes(TriangleMesh& mesh, size_t most_edges);
 
 } // namespace readers

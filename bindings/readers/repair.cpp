@@ -20,7 +20,7 @@ Classes near_points(const std::vector<double>& points, double distance) {
     const size_t count = points.size() / 3;
     Classes classes(count);
     if (!(distance > 0)) return classes;
-    // Points in a cell are in reach of each other: its diagonal is shorter.  Others in reach are at most three cells away.
+    // Points in a cell are in reach of each other: its diagonal is shorter.  Others are at most three cells away.
     const double cell = distance / 2;
     using Cell = std::array<double, 3>;
     const auto cell_of = [&](size_t i) {
