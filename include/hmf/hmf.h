@@ -145,6 +145,8 @@ typedef int32_t hmf_status;
 #define HMF_ERROR_MESH_COMPONENTS 310 /* more than one connected component; hmf_components divides it */
 #define HMF_ERROR_MESH_GENUS 311 /* genus 0 with too few marked vertices: no measured foliation */
 #define HMF_ERROR_MESH_NOT_EMBEDDED 312 /* the surface meets itself, so that inside and outside have no meaning */
+#define HMF_ERROR_MESH_NOT_DELAUNAY 313 /* the intrinsic Delaunay triangulation was not reached: triangles too thin, or
+                                    more flips needed than 16 per edge */
 
 /* loops and weights */
 #define HMF_ERROR_LOOP_COUNT 400 /* no loops */

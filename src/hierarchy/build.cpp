@@ -99,6 +99,8 @@ private:
     hmf_status number();
     hmf_status replay();
     hmf_status measure_input(const Mesh& mesh, const double* position, const uint32_t* sides);
+    hmf_status flip_input();
+    hmf_status not_delaunay(uint64_t edges);
     hmf_status make_delaunay();
 
     hmf_hierarchy& h_;
@@ -417,40 +419,56 @@ hmf_status Builder::replay() {
     return HMF_OK;
 }
 
+// From the input to level 0, with the log of the flips.
+hmf_status Builder::flip_input() {
+    Level& level = h_.levels[0];
+    // A log that grows would need three times its room.  Few flips fit into
+    // this one; of many it gives the number, and a second run writes them.
+    Array<uint32_t> few;
+    if (!few.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
+    FlipLog log = {few.data(), few.size(), 0};
+    hmf_status status = intrinsic_delaunay(level.mesh, metric_, weight_, log, call_, 0.9, 0.93);
+    if (status) return status;
+    if (log.count <= few.size()) {
+        if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(log.count))) return call_.out_of_memory();
+        std::memcpy(h_.intrinsic_flips, few.data(), log.count * sizeof(uint32_t));
+    }
+    few.release();
+    // Areas measured in other numbers may round differently, and then
+    // the second run makes other flips; a third one repeats it.
+    for (double at = 0.93; log.count > log.capacity; at += 0.02) {
+        log = {h_.arena.take<uint32_t>(log.count), log.count, 0};
+        if (!log.edges) return call_.out_of_memory();
+        h_.intrinsic_flips = log.edges;
+        copy_prefix(h_.input, level.mesh, call_.parallel);
+        status = measure_input(h_.input, level.position, nullptr);
+        if (!status) status = intrinsic_delaunay(level.mesh, metric_, weight_, log, call_, at, at + 0.02);
+        if (status) return status;
+    }
+    h_.intrinsic_flip_count = log.count;
+    uint32_t bad = NONE;
+    log.edges = h_.intrinsic_flips;
+    if (!find_bad_flip(level.mesh, metric_, weight_, log, call_, 0.98, bad)) return call_.stopped();
+    return bad == NONE ? HMF_OK : not_delaunay(1);
+}
+
+hmf_status Builder::not_delaunay(uint64_t edges) {
+    return call_.fail(HMF_ERROR_MESH_NOT_DELAUNAY, HMF_ELEMENT_NONE, 0,
+                      "The intrinsic Delaunay triangulation of the mesh was not reached (edges left: %llu). Remesh the "
+                      "surface with fewer long thin triangles, or raise mollify.",
+                      static_cast<unsigned long long>(edges));
+}
+
 hmf_status Builder::make_delaunay() {
     Level& level = h_.levels[0];
     level.mesh = h_.input;
     if (!is_delaunay_) {
         if (!take_mesh(h_.arena, vertex_count_, edge_count_, face_count_, level.mesh)) return call_.out_of_memory();
         copy_prefix(h_.input, level.mesh, call_.parallel);
-        // A log that grows would need three times its room.  Few flips fit into
-        // this one; of many it gives the number, and a second run writes them.
-        Array<uint32_t> log;
-        if (!log.allocate(h_.memory, edge_count_ / 4)) return call_.out_of_memory();
-        size_t& count = h_.intrinsic_flip_count;
-        hmf_status status =
-            intrinsic_delaunay(level.mesh, metric_, weight_, log.data(), log.size(), count, call_, 0.9, 0.93);
-        if (status) return status;
-        if (count <= log.size()) {
-            if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(count))) return call_.out_of_memory();
-            std::memcpy(h_.intrinsic_flips, log.data(), count * sizeof(uint32_t));
-        } else {
-            // Areas measured in other numbers may round differently, and then
-            // the second run makes other flips; a third one repeats it.
-            size_t room = 0;
-            for (double at = 0.93; count > room; at += 0.02) {
-                room = count;
-                if (!(h_.intrinsic_flips = h_.arena.take<uint32_t>(room))) return call_.out_of_memory();
-                copy_prefix(h_.input, level.mesh, call_.parallel);
-                status = measure_input(h_.input, level.position, nullptr);
-                if (!status)
-                    status = intrinsic_delaunay(level.mesh, metric_, weight_, h_.intrinsic_flips, room, count, call_,
-                                                at, at + 0.02);
-                if (status) return status;
-            }
-        }
+        if (const hmf_status status = flip_input()) return status;
     }
     level.raised_count = intrinsic_weights(level.mesh, weight_, call_.parallel);
+    if (level.raised_count > 0) return not_delaunay(level.raised_count);
     return call_.tick(0.99) ? HMF_OK : HMF_CANCELLED;
 }
 

@@ -18,6 +18,7 @@
 // stored, lower the part of the two triangles by a fixed share.
 #include "intrinsic.hpp"
 
+#include "flat_polygons.hpp"
 #include "weights.hpp"
 
 #include <algorithm>
@@ -32,6 +33,9 @@ constexpr double INTRINSIC_TOLERANCE = -1e-9; // of the sum of two cotangents
 constexpr double FAILURE = -1e-7;             // of the weight
 constexpr double FLIP_GAIN = 1 - 1e-13;       // of the sum of six cotangents, for one flip
 constexpr double THIN = 1e3;                  // sum of cotangents
+// Squares of the sine of an angle that lengths do not tell, and squares to 31 digits; then cotangents are known to
+// this part.
+constexpr double UNKNOWN_ANGLE = 1e-8, UNKNOWN_FINE_ANGLE = 1e-22, AGREEMENT = 1e-6;
 constexpr uint32_t NOT_WAITING = NONE - 1, NEEDED = NONE - 2;
 
 // b^2 + c^2 - a^2 without the cancellation of needles.  Branch-free, by a
@@ -81,16 +85,20 @@ struct FineQuad {
     double cotangent_sum() const { return ((jk + ki - ij) / area_k + (il + lj - ij) / area_l).value(); }
 };
 
+bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
+
+} // namespace
+
 double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge) {
     return metric.square.empty() ? Quad(mesh, metric, edge).cotangent_sum()
                                  : FineQuad(mesh, metric, edge).cotangent_sum();
 }
 
-bool one_triangle(const Mesh& mesh, uint32_t edge) { return mesh.face[2 * edge] == mesh.face[2 * edge + 1]; }
-
 bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge) {
     return sum[edge] < INTRINSIC_TOLERANCE && !one_triangle(mesh, edge);
 }
+
+namespace {
 
 // The other diagonal and the areas at i and j; false if it would be no gain.
 bool other_diagonal(const Quad& q, double& kl, double& area_i, double& area_j) {
@@ -273,19 +281,20 @@ bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel) 
     }) == 0;
 }
 
-hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
-                              size_t& flip_count, Call& call, double from, double to) {
+namespace {
+
+// Flips until every edge is Delaunay or `budget` flips were made.
+hmf_status flip_edges(Mesh& mesh, Metric& metric, double* sum, uint64_t budget, FlipLog& flips, Call& call, double from,
+                      double to) {
     // A stack inside an array: next edge below, NONE at the bottom.  Nearly no edge
-    // needs a flip, so all are asked first; later a flip nearby asks again.
+    // needs a flip, so all are tested first; later a flip nearby tests again.
     Array<uint32_t> waiting;
     if (!waiting.allocate(call.memory, mesh.edge_count)) return call.out_of_memory();
-    const auto ask = [&](size_t begin, size_t end) {
+    const auto test = [&](size_t begin, size_t end) {
         for (uint32_t e = static_cast<uint32_t>(begin); e < end; ++e)
             waiting[e] = needs_flip(mesh, sum, e) ? NEEDED : NOT_WAITING;
     };
-    if (!call.pass(mesh.edge_count, from, ask)) return HMF_CANCELLED;
-    uint64_t budget = INTRINSIC_FLIPS_PER_EDGE * mesh.edge_count;
-    flip_count = 0;
+    if (!call.pass(mesh.edge_count, from, test)) return HMF_CANCELLED;
     uint32_t top = NONE, steps = 0;
     for (uint32_t first = 0; first < mesh.edge_count; ++first) {
         if (waiting[first] != NEEDED) continue;
@@ -294,8 +303,7 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t*
             if (++steps % 16384 == 0 && !call.tick(from + (to - from) * first / mesh.edge_count)) return HMF_CANCELLED;
             if (budget > 0 && flip_if_needed(mesh, metric, sum, e)) {
                 --budget;
-                if (flip_count < capacity) flips[flip_count] = e;
-                ++flip_count;
+                flips.add(e);
                 const uint32_t h = 2 * e, t = twin(h);
                 const uint32_t round[4] = {mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)};
                 sum[e] = cotangent_sum(mesh, metric, e);
@@ -314,6 +322,65 @@ hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t*
         }
     }
     return HMF_OK;
+}
+
+} // namespace
+
+hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call, double from,
+                              double to) {
+    const uint64_t edges = mesh.edge_count, most = INTRINSIC_FLIPS_PER_EDGE * edges;
+    for (uint64_t budget = FLIPS_PER_EDGE_ALONE * edges;;) {
+        const size_t before = flips.count;
+        hmf_status status = flip_edges(mesh, metric, sum, budget, flips, call, from, to);
+        if (status || flips.count - before < budget) return status; // no edge is left that a flip improves
+        from = to;
+        // The polygons of a round take at most two flips of an edge.
+        const uint64_t room = most - flips.count;
+        if (room == 0) return HMF_OK;
+        const bool last = room < 4 * edges;
+        budget = last ? room : edges;
+        if (!last) status = triangulate_polygons(mesh, metric, sum, flips, call, to);
+        if (status) return status;
+    }
+}
+
+namespace {
+
+// Cotangent of the angle opposite to h, by the sides of its triangle alone; false if they do not tell, in a triangle
+// so thin that rounding decides.
+bool cotangent_by_sides(const Mesh& mesh, const Metric& metric, uint32_t h, double& cotangent) {
+    const bool fine = !metric.square.empty();
+    const auto square = [&](uint32_t side) {
+        const double length = metric.length[edge_of(side)];
+        return fine ? metric.square[edge_of(side)] : TwoDoubles::of_product(length, length);
+    };
+    const TwoDoubles a = square(h), b = square(mesh.next[h]), c = square(mesh.prev(h));
+    const TwoDoubles dot = b + c - a, product = 4 * (b * c), rest = product - dot * dot;
+    cotangent = dot.high / std::sqrt(rest.high);
+    return rest.high > (fine ? UNKNOWN_FINE_ANGLE : UNKNOWN_ANGLE) * product.high;
+}
+
+} // namespace
+
+Done find_bad_flip(const Mesh& mesh, const Metric& metric, const double* sum, const FlipLog& flips, Call& call,
+                   double fraction, uint32_t& bad) {
+    Array<uint8_t> is_checked;
+    if (!is_checked.allocate_filled(call.memory, mesh.edge_count, 0)) return false;
+    for (size_t n = 0; n < flips.count; ++n) {
+        if (n % 16384 == 0 && !call.tick(fraction)) return false;
+        const uint32_t e = bad = flips.edges[n], h = 2 * e, t = twin(h);
+        if (is_checked[e]) continue;
+        is_checked[e] = 1;
+        // The sums around the flip are those of the triangles as they are.
+        for (const uint32_t side : {h, mesh.next[h], mesh.prev(h), mesh.next[t], mesh.prev(t)})
+            if (sum[edge_of(side)] != cotangent_sum(mesh, metric, edge_of(side))) return true;
+        double at_k = 0, at_l = 0;
+        if (!cotangent_by_sides(mesh, metric, h, at_k) || !cotangent_by_sides(mesh, metric, t, at_l)) continue;
+        const double difference = at_k + at_l - sum[e], size = 1 + std::fabs(at_k) + std::fabs(at_l);
+        if (!(std::fabs(difference) <= AGREEMENT * size) || !(at_k + at_l >= -AGREEMENT * size)) return true;
+    }
+    bad = NONE;
+    return true;
 }
 
 uint64_t intrinsic_weights(const Mesh& mesh, double* sum, const Parallel& parallel) {

@@ -7,10 +7,20 @@
 
 namespace hmf {
 
-// Bound of the flips of intrinsic_delaunay.  Each flip lowers a positive sum
-// (intrinsic.cpp), so that rounding cannot make an edge turn for ever; this
-// bounds the length of the log as well.
-constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16;
+// Bound of the flips of intrinsic_delaunay, and so of the length of its log.  Beyond FLIPS_PER_EDGE_ALONE, flips
+// one by one are likely to be many times as many: then flat polygons are triangulated at once (flat_polygons.hpp).
+constexpr uint64_t INTRINSIC_FLIPS_PER_EDGE = 16, FLIPS_PER_EDGE_ALONE = 2;
+
+// The edges that were flipped, in order: all are counted, the first `capacity` are written.
+struct FlipLog {
+    uint32_t* edges = nullptr;
+    size_t capacity = 0, count = 0;
+
+    void add(uint32_t edge) {
+        if (count < capacity) edges[count] = edge;
+        ++count;
+    }
+};
 
 // A metric that is flat but for its vertices: lengths of the edges and areas
 // of the triangles, both scaled by a power of two so that squares are
@@ -42,11 +52,21 @@ Done measure_thin(const Mesh& mesh, const double* position, Metric& metric, doub
 // Can every edge stay?
 bool is_delaunay(const Mesh& mesh, const double* sum, const Parallel& parallel = Parallel());
 
-// Flips until every edge is Delaunay, and counts; metric and sum follow.  Two
-// vertices may get several edges, a vertex edges to itself.  Writes the first
-// `capacity` of the flipped edges.  The same input gives the same sequence.
-[[nodiscard]] hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, uint32_t* flips, size_t capacity,
-                                            size_t& flip_count, Call& call, double from, double to);
+// Does the edge need a flip?
+bool needs_flip(const Mesh& mesh, const double* sum, uint32_t edge);
+// Of the angles opposite to the edge, by the metric.
+double cotangent_sum(const Mesh& mesh, const Metric& metric, uint32_t edge);
+
+// Flips until every edge is Delaunay or the bound is reached; metric and sum follow.  Two
+// vertices may get several edges, a vertex edges to itself.  The same input gives the same sequence.
+[[nodiscard]] hmf_status intrinsic_delaunay(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call,
+                                            double from, double to);
+
+// Certificate of the flips, by another route: at each flipped edge the cotangents follow from the sides of the two
+// triangles alone, and their sum is as it was computed and not negative beyond rounding.  bad: the first edge
+// that fails, or NONE.
+Done find_bad_flip(const Mesh& mesh, const Metric& metric, const double* sum, const FlipLog& flips, Call& call,
+                   double fraction, uint32_t& bad);
 
 // From sums of cotangents to weights, in place: raised to the floor and cut at
 // the cap.  Returns the number of weights that were negative beyond rounding.

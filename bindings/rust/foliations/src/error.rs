@@ -84,6 +84,7 @@ statuses! {
     ERROR_MESH_GENUS = HMF_ERROR_MESH_GENUS;
     /// The surface meets itself, so that inside and outside have no meaning.
     ERROR_MESH_NOT_EMBEDDED = HMF_ERROR_MESH_NOT_EMBEDDED;
+    ERROR_MESH_NOT_DELAUNAY = HMF_ERROR_MESH_NOT_DELAUNAY;
     /// No loops.
     ERROR_LOOP_COUNT = HMF_ERROR_LOOP_COUNT;
     /// A loop names an element that does not exist on its level.

@@ -1,0 +1,297 @@
+#include "flat_polygons.hpp"
+
+#include "polygon_delaunay.hpp"
+
+#include <cmath>
+
+namespace hmf {
+
+namespace {
+
+// A polygon may turn to the right at a corner by this sine, and by this sum in all: below 180 degrees together, so
+// that its boundary cannot meet itself and its triangulations are those of one surface.
+constexpr double MOST_CONCAVE = 0.125, MOST_CONCAVE_IN_ALL = 2.5;
+constexpr double STRAIGHT_SINE = 1e-9; // a smaller sine is rounding
+
+struct FlatCorner {
+    PlanePoint point;
+    uint32_t vertex;
+    uint32_t side;     // half-edge inside that goes to the next corner
+    uint32_t next;     // corner
+    uint32_t previous; // corner
+    uint32_t edges;    // inside, that end here
+    double concave;    // sine of the turn to the right, or 0
+};
+
+// Of a diagonal of the polygon in order: the spoke to `corner` is flipped and joins `from` and `to`.
+struct SpokeFlip {
+    uint32_t corner, from, to;
+};
+
+class FlatPolygons {
+public:
+    FlatPolygons(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call) :
+        mesh_(mesh), metric_(metric), sum_(sum), flips_(flips), call_(call) {}
+    Done run(double fraction);
+
+private:
+    Done grow(uint32_t edge);
+    Done add_corner(const PlanePoint& point, uint32_t vertex, uint32_t side);
+    bool find_apex(uint32_t corner, PlanePoint& apex) const;
+    Done add_triangle(uint32_t corner);
+    double concave(uint32_t a, const PlanePoint& at, uint32_t b, const PlanePoint& towards, bool& sharp) const;
+    Done triangulate();
+    Done order_corners();
+    void flip_edge(uint32_t edge);
+    Done to_fan(uint32_t hub);
+    Done list_spoke_flips(uint32_t hub);
+    Done from_fan(uint32_t hub);
+    void clear();
+
+    TwoDoubles square(uint32_t edge) const {
+        return metric_.square.empty() ? TwoDoubles::of_product(metric_.length[edge], metric_.length[edge])
+                                      : metric_.square[edge];
+    }
+    TwoDoubles four_areas(uint32_t face) const {
+        return metric_.fine_area.empty() ? TwoDoubles{metric_.four_areas[face], 0} : metric_.fine_area[face];
+    }
+    void set_edge(uint32_t edge, uint32_t a, uint32_t b);
+    void set_face(uint32_t face, uint32_t a, uint32_t b, uint32_t c);
+
+    Mesh& mesh_;
+    Metric& metric_;
+    double* sum_;
+    FlipLog& flips_;
+    Call& call_;
+    Array<uint8_t> is_taken_;  // per face: in a polygon
+    Array<uint8_t> is_inside_; // per edge: of the polygon at hand
+    Array<uint8_t> is_corner_; // per vertex: of the polygon at hand
+    Array<FlatCorner> corners_;
+    Array<uint32_t> edges_, queue_, ring_, spoke_;
+    Array<PlanePoint> points_;
+    Array<SpokeFlip> spoke_flips_;
+    PolygonDelaunay delaunay_;
+    double concave_in_all_ = 0;
+    uint64_t steps_ = 0;
+};
+
+Done FlatPolygons::run(double fraction) {
+    Memory& memory = call_.memory;
+    if (!is_taken_.allocate_filled(memory, mesh_.face_count, 0)
+        || !is_inside_.allocate_filled(memory, mesh_.edge_count, 0)
+        || !is_corner_.allocate_filled(memory, mesh_.vertex_count, 0))
+        return false;
+    corners_.start(memory);
+    edges_.start(memory);
+    queue_.start(memory);
+    ring_.start(memory);
+    points_.start(memory);
+    spoke_flips_.start(memory);
+    for (uint32_t e = 0; e < mesh_.edge_count; ++e) {
+        if (e % 65536 == 0 && !call_.tick(fraction)) return false;
+        if (!needs_flip(mesh_, sum_, e)) continue;
+        if (is_taken_[mesh_.face[2 * e]] || is_taken_[mesh_.face[2 * e + 1]]) continue;
+        if (!grow(e)) return false;
+        if (edges_.size() > 1 && !triangulate()) return false;
+        clear();
+    }
+    return true;
+}
+
+Done FlatPolygons::add_corner(const PlanePoint& point, uint32_t vertex, uint32_t side) {
+    is_corner_[vertex] = 1;
+    return corners_.push({point, vertex, side, 0, 0, 0, 0});
+}
+
+// The corner beyond the side that begins at `corner`, in the triangle there; false: the triangle cannot be added.
+bool FlatPolygons::find_apex(uint32_t corner, PlanePoint& apex) const {
+    const FlatCorner &p = corners_[corner], &q = corners_[p.next];
+    const uint32_t t = twin(p.side), face = mesh_.face[t];
+    if (is_taken_[face] || is_corner_[mesh_.origin[mesh_.prev(t)]]) return false;
+    // From q to p the triangle lies on the left.
+    const TwoDoubles pq = square(edge_of(t)), pr = square(edge_of(mesh_.next[t])), qr = square(edge_of(mesh_.prev(t)));
+    const PlanePoint d = p.point - q.point;
+    const TwoDoubles along = 0.5 * ((pq + qr - pr) / pq), up = 0.5 * (four_areas(face) / pq);
+    apex = {q.point.x + along * d.x - up * d.y, q.point.y + along * d.y + up * d.x};
+    return true;
+}
+
+// Sine of the turn to the right on the path a -> at -> b, where `towards` may stand for the point of a or b.
+double FlatPolygons::concave(uint32_t a, const PlanePoint& at, uint32_t b, const PlanePoint& towards,
+                             bool& sharp) const {
+    const PlanePoint u = at - (a == NONE ? towards : corners_[a].point),
+                     v = (b == NONE ? towards : corners_[b].point) - at;
+    const double right = -cross(u, v).high;
+    const double size = std::sqrt(dot(u, u).high) * std::sqrt(dot(v, v).high);
+    if (!(right > STRAIGHT_SINE * size)) return 0;
+    sharp |= !(right <= MOST_CONCAVE * size) || dot(u, v).high < 0;
+    return right / size;
+}
+
+// The triangle beyond the side that begins at `corner`, if the polygon stays nearly convex.
+Done FlatPolygons::add_triangle(uint32_t corner) {
+    PlanePoint apex;
+    if (!find_apex(corner, apex)) return true;
+    const uint32_t p = corner, q = corners_[p].next, t = twin(corners_[p].side);
+    bool sharp = false;
+    const double at_p = concave(corners_[p].previous, corners_[p].point, NONE, apex, sharp);
+    const double at_q = concave(NONE, corners_[q].point, corners_[q].next, apex, sharp);
+    const double all = concave_in_all_ - corners_[p].concave - corners_[q].concave + at_p + at_q;
+    if (sharp || all > MOST_CONCAVE_IN_ALL) return true;
+    const uint32_t r = static_cast<uint32_t>(corners_.size()), edge = edge_of(t);
+    if (!add_corner(apex, mesh_.origin[mesh_.prev(t)], mesh_.prev(t)) || !edges_.push(edge) || !queue_.push(p)
+        || !queue_.push(r))
+        return false;
+    concave_in_all_ = all;
+    corners_[p].concave = at_p;
+    corners_[q].concave = at_q;
+    corners_[p].side = mesh_.next[t];
+    corners_[p].next = r;
+    corners_[r].previous = p;
+    corners_[r].next = q;
+    corners_[q].previous = r;
+    ++corners_[p].edges;
+    ++corners_[q].edges;
+    is_inside_[edge] = 1;
+    is_taken_[mesh_.face[t]] = 1;
+    return true;
+}
+
+// Breadth first from the two triangles of an edge.
+Done FlatPolygons::grow(uint32_t edge) {
+    const uint32_t h = 2 * edge, jk = mesh_.next[h], ki = mesh_.next[jk];
+    const TwoDoubles ij = square(edge), ik2 = square(edge_of(ki)), jk2 = square(edge_of(jk)), length = square_root(ij);
+    const PlanePoint j = {length, {}},
+                     k = {0.5 * ((ij + ik2 - jk2) / length), 0.5 * (four_areas(mesh_.face[h]) / length)};
+    if (mesh_.origin[h] == mesh_.origin[jk] || mesh_.origin[jk] == mesh_.origin[ki]
+        || mesh_.origin[ki] == mesh_.origin[h])
+        return true;
+    if (!add_corner({}, mesh_.origin[h], h) || !add_corner(j, mesh_.origin[jk], jk)
+        || !add_corner(k, mesh_.origin[ki], ki))
+        return false;
+    for (uint32_t c = 0; c < 3; ++c) {
+        corners_[c].next = c == 2 ? 0 : c + 1;
+        corners_[c].previous = c == 0 ? 2 : c - 1;
+        if (!queue_.push(c)) return false;
+    }
+    is_taken_[mesh_.face[h]] = 1;
+    for (size_t i = 0; i < queue_.size(); ++i) {
+        if (++steps_ % 4096 == 0 && !call_.tick(0)) return false;
+        if (!add_triangle(queue_[i])) return false;
+    }
+    return true;
+}
+
+Done FlatPolygons::order_corners() {
+    const uint32_t count = static_cast<uint32_t>(corners_.size());
+    if (!spoke_.allocate(call_.memory, count)) return false;
+    for (uint32_t n = 0, c = 0; n < count; ++n, c = corners_[c].next)
+        if (!ring_.push(c) || !points_.push(corners_[c].point)) return false;
+    return true;
+}
+
+void FlatPolygons::flip_edge(uint32_t edge) {
+    flip(mesh_, edge);
+    flips_.add(edge);
+}
+
+void FlatPolygons::set_edge(uint32_t edge, uint32_t a, uint32_t b) {
+    const PlanePoint d = points_[b] - points_[a];
+    const TwoDoubles square = dot(d, d);
+    if (!metric_.square.empty()) metric_.square[edge] = square;
+    metric_.length[edge] = std::sqrt(square.value());
+}
+
+void FlatPolygons::set_face(uint32_t face, uint32_t a, uint32_t b, uint32_t c) {
+    const TwoDoubles area = 2 * cross(points_[b] - points_[a], points_[c] - points_[a]);
+    if (!metric_.fine_area.empty()) metric_.fine_area[face] = area;
+    metric_.four_areas[face] = area.value();
+}
+
+// Flips until every edge inside ends at the hub, corner 0 of the ring when it begins there.
+Done FlatPolygons::to_fan(uint32_t hub) {
+    const uint32_t count = static_cast<uint32_t>(ring_.size());
+    uint32_t h = corners_[ring_[hub]].side, at = hub;
+    for (;;) {
+        if (++steps_ % 4096 == 0 && !call_.tick(0)) return false;
+        at = at + 1 == count ? 0 : at + 1;
+        while (is_inside_[edge_of(mesh_.next[h])]) flip_edge(edge_of(mesh_.next[h]));
+        const uint32_t after = at + 1 == count ? 0 : at + 1, back = mesh_.prev(h);
+        set_face(mesh_.face[h], hub, at, after);
+        if (!is_inside_[edge_of(back)]) return true;
+        spoke_[after] = edge_of(back);
+        set_edge(edge_of(back), hub, after);
+        h = twin(back);
+    }
+}
+
+// The flips from the Delaunay triangulation to the fan, whose reverse leads back.
+Done FlatPolygons::list_spoke_flips(uint32_t hub) {
+    spoke_flips_.clear();
+    queue_.clear();
+    uint32_t side = delaunay_.side_from(hub);
+    for (;;) {
+        const uint32_t opposite = PolygonDelaunay::after(side), last = PolygonDelaunay::after(opposite);
+        if (!queue_.push(delaunay_.across(opposite))) return false;
+        if (delaunay_.across(last) == PolygonDelaunay::OUTSIDE) break;
+        side = delaunay_.across(last);
+    }
+    while (!queue_.empty()) {
+        if (++steps_ % 4096 == 0 && !call_.tick(0)) return false;
+        const uint32_t far = queue_.back();
+        queue_.pop();
+        if (far == PolygonDelaunay::OUTSIDE) continue;
+        const uint32_t first = PolygonDelaunay::after(far), second = PolygonDelaunay::after(first);
+        if (!spoke_flips_.push({delaunay_.apex(far), delaunay_.begin(first), delaunay_.begin(far)})
+            || !queue_.push(delaunay_.across(first)) || !queue_.push(delaunay_.across(second)))
+            return false;
+    }
+    return true;
+}
+
+Done FlatPolygons::from_fan(uint32_t hub) {
+    const uint32_t vertex = corners_[ring_[hub]].vertex;
+    for (size_t n = spoke_flips_.size(); n-- > 0;) {
+        if (++steps_ % 4096 == 0 && !call_.tick(0)) return false;
+        const SpokeFlip& at = spoke_flips_[n];
+        const uint32_t edge = spoke_[at.corner], h = 2 * edge;
+        flip_edge(edge);
+        const bool left = mesh_.origin[mesh_.prev(h)] == vertex;
+        set_edge(edge, at.from, at.to);
+        set_face(mesh_.face[left ? h : twin(h)], hub, at.from, at.to);
+        set_face(mesh_.face[left ? twin(h) : h], at.from, at.corner, at.to);
+    }
+    return true;
+}
+
+Done FlatPolygons::triangulate() {
+    const uint32_t count = static_cast<uint32_t>(corners_.size());
+    if (!order_corners() || !delaunay_.triangulate(call_.memory, points_.data(), count)) return false;
+    if (!delaunay_.is_valid()) return true;
+    uint32_t hub = 0;
+    for (uint32_t n = 1; n < count; ++n)
+        if (corners_[ring_[n]].edges > corners_[ring_[hub]].edges) hub = n;
+    if (!to_fan(hub) || !list_spoke_flips(hub) || !from_fan(hub)) return false;
+    for (const uint32_t edge : edges_) sum_[edge] = cotangent_sum(mesh_, metric_, edge);
+    for (const FlatCorner& c : corners_) sum_[edge_of(c.side)] = cotangent_sum(mesh_, metric_, edge_of(c.side));
+    return true;
+}
+
+void FlatPolygons::clear() {
+    for (const FlatCorner& c : corners_) is_corner_[c.vertex] = 0;
+    for (const uint32_t edge : edges_) is_inside_[edge] = 0;
+    corners_.clear();
+    edges_.clear();
+    queue_.clear();
+    ring_.clear();
+    points_.clear();
+    concave_in_all_ = 0;
+}
+
+} // namespace
+
+hmf_status triangulate_polygons(Mesh& mesh, Metric& metric, double* sum, FlipLog& flips, Call& call, double fraction) {
+    return FlatPolygons(mesh, metric, sum, flips, call).run(fraction) ? HMF_OK : call.stopped();
+}
+
+} // namespace hmf
