@@ -48,6 +48,19 @@ def blocks(page: Path) -> list:
     return found
 
 
+def make_scan(path: Path, text: str) -> None:
+    """A surface with a pinhole, and with a triangle without area: a vertex on the side of another triangle."""
+    vertices = [tuple(map(float, v)) for v in re.findall(r"^v (\S+) (\S+) (\S+)", text, re.M)]
+    faces = [tuple(map(int, f)) for f in re.findall(r"^f (\d+) (\d+) (\d+)", text, re.M)]
+    gone = len(vertices)
+    faces = [face for face in faces if gone not in face]
+    a, b, c = faces[0]
+    vertices[gone - 1] = tuple((p + q) / 2 for p, q in zip(vertices[b - 1], vertices[c - 1]))
+    faces[0:1] = [(a, b, gone), (a, gone, c), (gone, b, c)]
+    path.write_text("".join("v {:.9g} {:.9g} {:.9g}\n".format(*v) for v in vertices)
+                    + "".join("f {} {} {}\n".format(*f) for f in faces))
+
+
 def make_meshes(folder: Path, hmf: str) -> None:
     """What the pages call mesh.obj, animal.obj and so on."""
     subprocess.run([hmf, "demo", "demo"], cwd=folder, check=True, capture_output=True)
@@ -63,14 +76,7 @@ def make_meshes(folder: Path, hmf: str) -> None:
     (folder / "arc.txt").write_text(" ".join(map(str, ["a:", *plate(folder / "plate.obj", 12, 96)])) + "\n")
     text = (folder / "plate.obj").read_text()
     (folder / "broken.obj").write_text(text + re.search(r"^f .*\n", text, re.M)[0])  # one triangle twice
-    split = re.search(r"^f (\d+) (\d+) (\d+)\n", text, re.M)  # a vertex on a side: a triangle without area
-    a, b, c = map(int, split.groups())
-    vertices = re.findall(r"^v (\S+) (\S+) (\S+)", text, re.M)
-    middle = [(float(p) + float(q)) / 2 for p, q in zip(vertices[b - 1], vertices[c - 1])]
-    n = len(vertices) + 1
-    new = f"f {a} {b} {n}\nf {a} {n} {c}\nf {n} {b} {c}\n"
-    (folder / "scan.obj").write_text("v {:.9g} {:.9g} {:.9g}\n".format(*middle).join(
-        [text[:text.index("f ")], text[text.index("f "):].replace(split[0], new, 1)]))
+    make_scan(folder / "scan.obj", (folder / "animal.obj").read_text())
     (folder / "meshes").mkdir()
     star(folder / "meshes/star.obj", 20, 40)
     plate(folder / "meshes/plate.obj", 8, 48)
