@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Figures that appear on two pages agree, short pages stay short, and the spelling is American.
+"""Figures that appear on two pages agree, short pages stay short, answers are near, and the spelling is American.
 
 - The performance table of README.md has the medians of bench/README.md.
 - The summary in docs/quads.md has the medians and sums of bench/quads.md.
 - README.md has at most 1000 words, docs/reliability.md 1500; a version in CHANGELOG.md at most 20 lines.
+- What a newcomer asks first is answered at most two links from README.md.
 - No page has a British spelling outside of code.
 
 Prints "ok" or "not ok" for each.
@@ -21,6 +22,17 @@ BRITISH = re.compile(
     r"\b(?:(?:optim|parameter|initial|discret|normal|symmetr|factor|general|minim|maxim|recogn|summar|organ|visual)is"
     r"(?:e|es|ed|ing|ation|ations)|neighbour\w*|colour\w*|behaviour\w*|favour\w*|cent(?:re|res|red)|"
     r"(?:cancel|label|model|travel)l(?:ed|ing)|licences?|artefacts?|round (?:the|it|them|a|an)|any more)\b", re.I)
+ANSWERS = {
+    "solve my mesh in Python": "foliations.Hierarchy(",
+    "solve my mesh in C": "hmf_solve(h",
+    "solve my mesh with the tool": "hmf solve mesh.obj",
+    "draw a loop": "Loops.through(hierarchy",
+    "make quads": "hmf quads mesh.obj",
+    "mark vertices": "--marks marks.txt",
+    "reverse a flip without a pole": "**after a flip every index is unchanged",
+    "cite": "family-names: Wang",
+    "ask a question": "template \"Question\"",
+}
 PROGRAMS = ("hmf", "QuadriFlow", "Instant Meshes")
 
 
@@ -86,6 +98,17 @@ def lengths() -> list:
     return wrong
 
 
+def answers() -> list:
+    """What cannot be found within two links."""
+    near = {ROOT / "README.md"}
+    for _ in range(2):
+        for page in [page for page in near if page.suffix == ".md"]:
+            targets = re.findall(r"\]\(([^)\s#]+)[^)]*\)", page.read_text())
+            near |= {path for target in targets if (path := (page.parent / target).resolve()).is_file()}
+    told = "\n".join(page.read_text() for page in near if page.suffix in (".md", ".cff", ".h", ".hpp", ".cpp"))
+    return [f"{question}: {words}" for question, words in ANSWERS.items() if words not in told]
+
+
 def spelling() -> list:
     wrong = []
     for page in PAGES:
@@ -96,7 +119,7 @@ def spelling() -> list:
 
 
 failed = 0
-for check in (performance, quads, lengths, spelling):
+for check in (performance, quads, lengths, answers, spelling):
     told = check()
     failed |= bool(told)
     print(f"{'not ok' if told else 'ok'} {check.__name__}", *told, sep="\n    ")
