@@ -43,7 +43,7 @@ void release(void* pointer) {
 // Triangles stay where they are, each is one of before, and there is nothing to repair afterwards but what was left.
 void repair_twice(readers::TriangleMesh mesh, bool join_points) {
     const readers::TriangleMesh before = mesh;
-    const readers::Repairs done = readers::repair(mesh, join_points);
+    const readers::Repairs done = readers::repair(mesh, join_points ? std::optional<double>(0) : std::nullopt);
     FUZZ_ASSERT(done.triangles.size() == mesh.triangle_count() && done.vertices.size() == mesh.vertex_count());
     for (const uint32_t vertex : mesh.triangles) FUZZ_ASSERT(vertex < mesh.vertex_count());
     for (size_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -60,7 +60,7 @@ void repair_twice(readers::TriangleMesh mesh, bool join_points) {
     }
     for (const std::string& sentence : done.sentences()) FUZZ_ASSERT(sentence.size() > 8);
     if (done.crowded_edges > 0 || done.one_sided_patches > 0) return;
-    FUZZ_ASSERT(readers::repair(mesh, false).count() == 0);
+    FUZZ_ASSERT(readers::repair(mesh).count() == 0);
 }
 
 void read(std::string_view bytes, readers::Format format) {
@@ -98,7 +98,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     using readers::Format;
     const std::string_view bytes(reinterpret_cast<const char*>(data), size);
     const size_t before = held;
-    for (const Format format : {Format::obj, Format::off, Format::ply, Format::stl, Format::gltf}) {
+    for (const Format format :
+         {Format::obj, Format::off, Format::ply, Format::stl, Format::gltf, Format::medit, Format::gmsh, Format::vtk}) {
         most = before + bytes_at_least + bytes_for_a_byte * size;
         read(bytes, format);
         most = SIZE_MAX;

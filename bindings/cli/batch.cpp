@@ -35,7 +35,7 @@ std::vector<std::string> meshes_in(const std::string& folder) {
     std::vector<std::string> meshes;
     std::error_code code;
     for (const auto& entry : std::filesystem::directory_iterator(folder, code))
-        if (entry.is_regular_file(code) && readers::format_of_extension(extension_of(entry.path().string())))
+        if (entry.is_regular_file(code) && readers::format_of_extension(mesh_extension(entry.path().string())))
             meshes.push_back(entry.path().string());
     if (code) throw Failure(EXIT_RESOURCES, folder + ": is not a folder that can be read; check its name");
     if (meshes.empty()) throw Failure(EXIT_BAD_INPUT, folder + ": there is no mesh in it");

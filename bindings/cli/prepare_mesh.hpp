@@ -12,7 +12,7 @@
 
 namespace cli {
 
-constexpr const char* MESH_FILES = ".obj .off .ply .stl .gltf .glb, or - for standard input";
+constexpr const char* MESH_FILES = ".obj .off .ply .stl .gltf .glb .mesh .msh .vtk, also .gz, or - for standard input";
 
 struct MeshRequest {
     bool repairs = false;        // repairs that lose nothing

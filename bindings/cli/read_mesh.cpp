@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "failure.hpp"
+#include "../readers/inflate.hpp"
 #include "file_bytes.hpp"
 
 namespace cli {
@@ -38,15 +39,27 @@ std::string extension_of(const std::string& path) {
     return extension;
 }
 
+std::string mesh_extension(const std::string& path) {
+    const std::string extension = extension_of(path);
+    return extension == ".gz" ? extension_of(path.substr(0, path.size() - 3)) : extension;
+}
+
 std::string shown(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 TriangleMesh read_mesh(const std::string& path) {
-    const std::string known = ".obj, .off, .ply, .stl, .gltf or .glb", extension = extension_of(path);
+    const std::string known = std::string(readers::KNOWN_EXTENSIONS) + ", also with .gz",
+                      extension = mesh_extension(path);
     std::optional<readers::Format> format = readers::format_of_extension(extension);
     if (!format && !extension.empty())
-        throw Failure(EXIT_USAGE, path + ": unknown mesh format \"" + extension + "\"; give " + known);
+        throw Failure(EXIT_USAGE, path + ": the tool does not read \"" + extension + "\" files; give " + known
+                                      + ", or convert it: the Python package reads what trimesh and meshio read");
     const FileBytes file(path);
-    const std::optional<readers::Format> content = readers::format_of_content(file.view());
+    std::string unpacked;
+    std::string_view bytes = file.view();
+    try {
+        if (readers::is_gzip(bytes)) bytes = unpacked = readers::gunzip(bytes);
+    } catch (const readers::MeshError& error) { throw Failure(EXIT_BAD_INPUT, shown(path) + ": " + error.what()); }
+    const std::optional<readers::Format> content = readers::format_of_content(bytes);
     if (!format) format = content;
     if (!format)
         throw Failure(EXIT_BAD_INPUT,
@@ -57,7 +70,7 @@ TriangleMesh read_mesh(const std::string& path) {
         return beside.try_emplace(name, folder + name).first->second.view();
     };
     try {
-        return readers::read_mesh(file.view(), *format, neighbour);
+        return readers::read_mesh(bytes, *format, neighbour);
     } catch (const readers::MeshError& error) {
         std::string sentence =
             shown(path) + (error.line > 0 ? ":" + std::to_string(error.line) : "") + ": " + error.what();

@@ -1,4 +1,4 @@
-// Triangle meshes from files: .obj .off .ply .stl .gltf .glb.
+// Triangle meshes from files.
 #pragma once
 
 #include <string>
@@ -20,5 +20,7 @@ TriangleMesh read_mesh(const std::string& path);
 
 // Lower-case extension with its dot, or "".
 std::string extension_of(const std::string& path);
+// Of a mesh: ".obj" also of "a.obj.gz".
+std::string mesh_extension(const std::string& path);
 
 } // namespace cli

@@ -32,6 +32,9 @@ const char* name_of(Format format) {
     case Format::off: return "OFF";
     case Format::ply: return "PLY";
     case Format::stl: return "STL";
+    case Format::medit: return "Medit";
+    case Format::gmsh: return "Gmsh";
+    case Format::vtk: return "VTK";
     default: return "glTF";
     }
 }
@@ -41,12 +44,16 @@ std::optional<Format> format_of_extension(std::string_view extension) {
     if (extension == ".off") return Format::off;
     if (extension == ".ply") return Format::ply;
     if (extension == ".stl") return Format::stl;
+    if (extension == ".mesh") return Format::medit;
+    if (extension == ".msh") return Format::gmsh;
+    if (extension == ".vtk") return Format::vtk;
     if (extension == ".gltf" || extension == ".glb") return Format::gltf;
     return {};
 }
 
 std::optional<Format> format_of_content(std::string_view bytes) {
     if (bytes.substr(0, 4) == "glTF") return Format::gltf;
+    if (bytes.substr(0, 5) == "# vtk") return Format::vtk;
     std::string copy;
     if (has_old_line_ends(bytes.substr(0, 1u << 16))) bytes = copy = with_line_feeds(bytes.substr(0, 1u << 16));
     if (bytes.size() >= 84 && 84 + uint64_t{50} * load<uint32_t>(bytes.data() + 80) == bytes.size()) return Format::stl;
@@ -57,6 +64,8 @@ std::optional<Format> format_of_content(std::string_view bytes) {
     if (word == "ply") return Format::ply;
     if (word == "solid") return Format::stl;
     if (word[0] == '{') return Format::gltf;
+    if (word == "MeshVersionFormatted") return Format::medit;
+    if (word == "$MeshFormat") return Format::gmsh;
     if (word.size() <= 7 && word.size() >= 3 && word.substr(word.size() - 3) == "OFF") return Format::off;
     for (const char* statement : {"v", "vt", "vn", "o", "g", "s", "mtllib", "usemtl"})
         if (word == statement) return Format::obj;
@@ -81,6 +90,9 @@ TriangleMesh read_mesh(std::string_view bytes, Format format, const Neighbour& n
     case Format::ply: mesh = read_ply(bytes); break;
     case Format::stl: mesh = read_stl(bytes); break;
     case Format::gltf: mesh = read_gltf(bytes, neighbour); break;
+    case Format::medit: mesh = read_medit(bytes); break;
+    case Format::gmsh: mesh = read_gmsh(bytes); break;
+    case Format::vtk: mesh = read_vtk(bytes); break;
     }
     if (mesh.positions.empty() || mesh.triangles.empty())
         throw MeshError("the file has no " + std::string(mesh.positions.empty() ? "vertices" : "faces") + "; is it "

@@ -1,4 +1,4 @@
-// Triangle meshes from the bytes of a file: OBJ, OFF, PLY, STL, glTF.
+// Triangle meshes from the bytes of a file: OBJ, OFF, PLY, STL, glTF, Medit, Gmsh, legacy VTK.
 //
 // Who calls has the bytes already, from a file, a pipe or a network.  Memory and time are bounded by their number,
 // whatever a header says.  Nothing but the standard library is needed.
@@ -32,8 +32,11 @@ struct MeshError : std::runtime_error {
     explicit MeshError(const std::string& sentence, size_t at_line = 0) : std::runtime_error(sentence), line(at_line) {}
 };
 
-enum class Format { obj, off, ply, stl, gltf };
+enum class Format { obj, off, ply, stl, gltf, medit, gmsh, vtk };
 const char* name_of(Format format);
+
+// The extensions in sentences.
+constexpr const char* KNOWN_EXTENSIONS = ".obj, .off, .ply, .stl, .gltf, .glb, .mesh, .msh or .vtk";
 
 // extension: in lower case, with its dot.
 std::optional<Format> format_of_extension(std::string_view extension);
@@ -53,5 +56,8 @@ TriangleMesh read_ply(std::string_view bytes);
 TriangleMesh read_stl(std::string_view bytes);
 bool is_stl_text(std::string_view bytes);
 TriangleMesh read_gltf(std::string_view bytes, const Neighbour& neighbour);
+TriangleMesh read_medit(std::string_view text);
+TriangleMesh read_gmsh(std::string_view text);
+TriangleMesh read_vtk(std::string_view text);
 
 } // namespace readers

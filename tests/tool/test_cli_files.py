@@ -3,13 +3,18 @@
 
 Polygons, seams, noise, holes, places in sentences, outputs far from the origin.
 """
+import gzip
+import io
 import json
 import math
 import os
+import subprocess
 import sys
+import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../support"))
-from tool_case import box, Case, main, moved, obj_text, torus, triangles_of  # noqa: E402
+import tool_case  # noqa: E402
+from tool_case import Case, main, moved, obj_text, torus, triangles_of  # noqa: E402
 
 
 def prism(outline, height):
@@ -205,6 +210,69 @@ class Far(Case):
         self.run_tool("solve", self.mesh, "--textured", self.path("near.glb"))
         self.assertNotIn(b"translation", self.read("near.glb"))
         self.assertIn(b"translation", self.read("o.glb"))
+
+
+class Formats(Case):
+    def run_any(self, *arguments):
+        done = subprocess.run([tool_case.TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=300)
+        return done.returncode, done.stderr
+
+    def test_formats_of_simulation_programs(self):
+        """The same quads in each; other cells, and nodes in the middle of edges, are skipped."""
+        points, quads, n = self.points, self.quads, len(self.points)
+        rows = ["%.17g %.17g %.17g" % p for p in points]
+        medit = ["MeshVersionFormatted 2", "Dimension", "3", "Vertices", str(n), *(row + " 0" for row in rows), "Edges", "1", "1 2 5", "Quadrilaterals",
+                 str(len(quads)), *(" ".join(str(v + 1) for v in q) + " 7" for q in quads), "Ridges", "1", "1", "End"]
+        nodes = ["%d %s" % (10 * k + 3, row) for k, row in enumerate(rows)]
+        gmsh2 = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(n), *nodes, "$EndNodes", "$Elements", str(len(quads) + 2), "1 15 2 0 1 3",
+                 "2 1 2 0 1 3 13", *("%d 3 2 0 1 " % (k + 3) + " ".join(str(10 * v + 3) for v in q) for k, q in enumerate(quads)), "$EndElements"]
+        gmsh4 = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$Nodes", "2 %d 1 99999" % n, "0 1 0 1", "3", rows[0], "2 1 0 %d" % (n - 1),
+                 *(str(10 * k + 3) for k in range(1, n)), *rows[1:], "$EndNodes", "$Elements", "2 %d 1 99999" % (len(quads) + 1), "1 1 1 1", "1 3 13",
+                 "2 1 3 %d" % len(quads), *("%d " % (k + 2) + " ".join(str(10 * v + 3) for v in q) for k, q in enumerate(quads)), "$EndElements"]
+        head = ["# vtk DataFile Version 3.0", "title # \\", "ASCII", "DATASET POLYDATA", "POINTS %d double" % n, *rows]
+        vtk3 = head + ["LINES 1 3", "2 0 1", "POLYGONS %d %d" % (len(quads), 5 * len(quads)), *("4 %d %d %d %d" % q for q in quads), "CELL_DATA 1", "x"]
+        vtk5 = head + ["POLYGONS %d %d" % (len(quads) + 1, 4 * len(quads)), "OFFSETS vtktypeint64", " ".join(str(4 * k) for k in range(len(quads) + 1)),
+                       "CONNECTIVITY vtktypeint64", *("%d %d %d %d" % q for q in quads)]
+        grid = [line.replace("POLYDATA", "UNSTRUCTURED_GRID") for line in head] + [
+            "CELLS %d %d" % (len(quads) + 1, 5 * len(quads) + 3), "2 0 1", *("4 %d %d %d %d" % q for q in quads), "CELL_TYPES %d" % (len(quads) + 1), "3",
+            *["9"] * len(quads)]
+        self.run_tool("solve", self.write("quads.obj", obj_text(points, quads)), "--values", self.path("v.csv"))
+        expected = self.read("v.csv")
+        files = (("a.mesh", medit), ("a.msh", gmsh2), ("b.msh", gmsh4), ("a.vtk", vtk3), ("b.vtk", vtk5), ("c.vtk", grid))
+        for name, lines in files:
+            text = "\n".join(lines) + "\n"
+            plain = self.write("plain", text)
+            for path in (self.write(name, text), plain, self.write(name + ".gz", gzip.compress(text.encode())), self.write("packed", gzip.compress(text.encode(), 1))):
+                self.run_tool("solve", path, "--values", self.path("v.csv"))
+                self.assertEqual(self.read("v.csv"), expected, path)
+            # A file that is cut is refused, wherever that is.
+            for part in range(1, 10):
+                cut = "\n".join(lines[: len(lines) * part // 10])
+                self.assertNotEqual(self.run_any("info", self.write(name, cut))[0], 1)
+        for name, text, says in (("a.msh", "$MeshFormat\n4.1 1 8\n", "binary .msh"), ("a.vtk", "# vtk DataFile Version 3.0\nt\nBINARY\n", "save it as ASCII"),
+                                 ("a.vtk", "\n".join(head) + "\nPOLYGONS 1 4\n3 0 1 %d\n" % n, ":%d: a cell names vertex %d" % (len(head) + 2, n)),
+                                 ("a.mesh", "Vertices\n1\n0 0 0 0\nTriangles\n1\n1 2 0 0\n", ":6: a cell names vertex 2")):
+            self.refused(3, "info", self.write(name, text), says=[says])
+
+    def test_gzip(self):
+        """All kinds of blocks, several members, names; damaged ones are refused."""
+        text = obj_text(self.points, self.triangles).encode()
+        expected = json.loads(self.run_tool("info", self.mesh, "--json").stdout)
+        named = io.BytesIO()
+        with gzip.GzipFile("torus.obj", "wb", fileobj=named) as file:
+            file.write(text)
+        packer = zlib.compressobj(9, zlib.DEFLATED, 31, 9, zlib.Z_FIXED)
+        for packed in (gzip.compress(text, 0), gzip.compress(text, 1), gzip.compress(text, 9), named.getvalue(), packer.compress(text) + packer.flush(),
+                       gzip.compress(text[:5000]) + gzip.compress(text[5000:])):
+            found = json.loads(self.run_tool("info", self.write("torus.obj.gz", packed), "--json").stdout)
+            for key in ("vertices", "triangles", "area"):
+                self.assertEqual(found[key], expected[key])
+            for damaged in (packed[:-1], packed[: len(packed) // 2], packed[:12], packed[:-8] + b"abcd" + packed[-4:]):
+                self.refused(3, "info", self.write("torus.obj.gz", damaged), says=["damaged or cut"])
+
+    def test_other_formats(self):
+        done = self.refused(2, "info", self.write("part.3mf", "PK"), says=[".3mf", ".obj", "Python package", "trimesh"])
+        self.assertEqual(len(done.stderr.splitlines()), 1)
 
 
 if __name__ == "__main__":
