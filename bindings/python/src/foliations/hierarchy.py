@@ -367,7 +367,7 @@ class Hierarchy:
         given, alive = loop_structure(loops, weights)
         start = None if initial is None else initial._pointer
         settings = solve_options(options, start=start)
-        if given is None and start is None:
+        if alive is None and start is None:
             outcome = run(lib.hmf_solve_cut_system, self._pointer, settings, progress=progress, accept=STOPPED)
         else:
             outcome = run(lib.hmf_solve, self._pointer, given, settings, progress=progress, accept=STOPPED)
